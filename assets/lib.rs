@@ -1,17 +1,32 @@
-//! What the program ships beside its code, as text and bytes: the crates above read no file of this folder themselves, so that
-//! each can be packaged alone.
+//! What the program ships beside its code, as text and bytes: the crates above read no file of this
+//! folder themselves, so that each can be packaged alone.
 
 /// Name and JSON of every built-in field template, in the order in which they are listed.
 pub const FIELDS: &[(&str, &str)] = &[
     ("soccer", include_str!("fields/soccer.json")),
     ("futsal", include_str!("fields/futsal.json")),
-    ("basketball_fiba", include_str!("fields/basketball_fiba.json")),
+    (
+        "basketball_fiba",
+        include_str!("fields/basketball_fiba.json"),
+    ),
     ("basketball_nba", include_str!("fields/basketball_nba.json")),
-    ("basketball_ncaa", include_str!("fields/basketball_ncaa.json")),
-    ("ice_hockey_iihf", include_str!("fields/ice_hockey_iihf.json")),
+    (
+        "basketball_ncaa",
+        include_str!("fields/basketball_ncaa.json"),
+    ),
+    (
+        "ice_hockey_iihf",
+        include_str!("fields/ice_hockey_iihf.json"),
+    ),
     ("ice_hockey_nhl", include_str!("fields/ice_hockey_nhl.json")),
-    ("american_football_nfl", include_str!("fields/american_football_nfl.json")),
-    ("american_football_ncaa", include_str!("fields/american_football_ncaa.json")),
+    (
+        "american_football_nfl",
+        include_str!("fields/american_football_nfl.json"),
+    ),
+    (
+        "american_football_ncaa",
+        include_str!("fields/american_football_ncaa.json"),
+    ),
     ("tennis", include_str!("fields/tennis.json")),
     ("volleyball", include_str!("fields/volleyball.json")),
     ("handball", include_str!("fields/handball.json")),
@@ -51,14 +66,41 @@ pub mod guide {
 
     /// The pictures by the names that pages give them (`make pictures` takes them).
     pub const PICTURES: &[(&str, &[u8])] = &[
-        ("pictures/camera.webp", include_bytes!("guide/pictures/camera.webp")),
-        ("pictures/export.webp", include_bytes!("guide/pictures/export.webp")),
-        ("pictures/naming.webp", include_bytes!("guide/pictures/naming.webp")),
-        ("pictures/quality.webp", include_bytes!("guide/pictures/quality.webp")),
-        ("pictures/review.webp", include_bytes!("guide/pictures/review.webp")),
-        ("pictures/solved.webp", include_bytes!("guide/pictures/solved.webp")),
-        ("pictures/timeline.webp", include_bytes!("guide/pictures/timeline.webp")),
-        ("pictures/uncertainty.webp", include_bytes!("guide/pictures/uncertainty.webp")),
-        ("pictures/window.webp", include_bytes!("guide/pictures/window.webp")),
+        (
+            "pictures/camera.webp",
+            include_bytes!("guide/pictures/camera.webp"),
+        ),
+        (
+            "pictures/export.webp",
+            include_bytes!("guide/pictures/export.webp"),
+        ),
+        (
+            "pictures/naming.webp",
+            include_bytes!("guide/pictures/naming.webp"),
+        ),
+        (
+            "pictures/quality.webp",
+            include_bytes!("guide/pictures/quality.webp"),
+        ),
+        (
+            "pictures/review.webp",
+            include_bytes!("guide/pictures/review.webp"),
+        ),
+        (
+            "pictures/solved.webp",
+            include_bytes!("guide/pictures/solved.webp"),
+        ),
+        (
+            "pictures/timeline.webp",
+            include_bytes!("guide/pictures/timeline.webp"),
+        ),
+        (
+            "pictures/uncertainty.webp",
+            include_bytes!("guide/pictures/uncertainty.webp"),
+        ),
+        (
+            "pictures/window.webp",
+            include_bytes!("guide/pictures/window.webp"),
+        ),
     ];
 }

@@ -11,7 +11,10 @@ pub struct Shader {
 
 macro_rules! on_canvas {
     ($name:literal) => {
-        Shader { name: $name, wgsl: concat!(include_str!("view.wgsl"), include_str!($name)) }
+        Shader {
+            name: $name,
+            wgsl: concat!(include_str!("view.wgsl"), include_str!($name)),
+        }
     };
 }
 
@@ -28,7 +31,10 @@ pub const COMPOSITE: Shader = on_canvas!("composite.wgsl");
 /// Marks of clicks and landmarks.
 pub const MARKER: Shader = on_canvas!("marker.wgsl");
 /// A picture at half its size.
-pub const MIPMAP: Shader = Shader { name: "mipmap.wgsl", wgsl: include_str!("mipmap.wgsl") };
+pub const MIPMAP: Shader = Shader {
+    name: "mipmap.wgsl",
+    wgsl: include_str!("mipmap.wgsl"),
+};
 
 /// Every shader of the program, for those who want to check them.
 pub const SHADERS: &[Shader] = &[PICTURE, FILL, HEAT, STROKE, COMPOSITE, MARKER, MIPMAP];
@@ -42,13 +48,23 @@ mod tests {
     #[test]
     fn every_shader_is_valid() {
         for shader in SHADERS {
-            let module = naga::front::wgsl::parse_str(shader.wgsl)
-                .unwrap_or_else(|error| panic!("{}: {}", shader.name, error.emit_to_string(shader.wgsl)));
+            let module = naga::front::wgsl::parse_str(shader.wgsl).unwrap_or_else(|error| {
+                panic!("{}: {}", shader.name, error.emit_to_string(shader.wgsl))
+            });
             // No optional capability: the shaders run on whatever adapter there is.
             Validator::new(ValidationFlags::all(), Capabilities::empty())
                 .validate(&module)
-                .unwrap_or_else(|error| panic!("{}: {}", shader.name, error.emit_to_string(shader.wgsl)));
-            assert_eq!(module.entry_points.iter().filter(|e| e.stage == naga::ShaderStage::Fragment).count(), 1);
+                .unwrap_or_else(|error| {
+                    panic!("{}: {}", shader.name, error.emit_to_string(shader.wgsl))
+                });
+            assert_eq!(
+                module
+                    .entry_points
+                    .iter()
+                    .filter(|e| e.stage == naga::ShaderStage::Fragment)
+                    .count(),
+                1
+            );
         }
     }
 

@@ -1,8 +1,9 @@
 //! `touchline` calibrates a pan-tilt-zoom sports camera from two clicks.
 //!
-//! A broadcast camera has a fixed position and only pans, tilts and zooms. If its position and base rotation are known, two
-//! clicked points determine a frame's pan, tilt and focal length (Chen, Zhu, Little: "A Two-point Method for PTZ Camera Calibration in Sports",
-//! WACV 2018). This crate is the library behind the desktop app and the command line of the same name.
+//! A broadcast camera has a fixed position and only pans, tilts and zooms. If its position and base
+//! rotation are known, two clicked points determine a frame's pan, tilt and focal length (Chen,
+//! Zhu, Little: "A Two-point Method for PTZ Camera Calibration in Sports", WACV 2018). This crate
+//! is the library behind the desktop app and the command line of the same name.
 //!
 //! # As a library
 //!
@@ -19,16 +20,18 @@
 //! | a whole match, from its pictures to its labels | [`pipelines::label_match`] |
 //! | two documents compared | [`evaluate::evaluate`], [`score`] |
 //!
-//! Results are plain values that serde writes; their keys carry the units. Options are structs with documented defaults, made
-//! with `..Default::default()`; errors and other enums that grow are `#[non_exhaustive]`. `tests/examples` has complete
-//! programs. Without default features neither wgpu nor clap nor OpenCV is compiled. The rooms of the program itself (`app`, `cli`,
-//! `experiments`, `jobs`, `render`, `report`, `scene`, `ui`) are public for its binary and tests alone and may change at any time.
+//! Results are plain values that serde writes; their keys carry the units. Options are structs with
+//! documented defaults, made with `..Default::default()`; errors and other enums that grow are
+//! `#[non_exhaustive]`. `tests/examples` has complete programs. Without default features neither
+//! wgpu nor clap nor OpenCV is compiled. The rooms of the program itself (`app`, `cli`,
+//! `experiments`, `jobs`, `render`, `report`, `scene`, `ui`) are public for its binary and tests
+//! alone and may change at any time.
 //!
 //! # Crates, rooms and floors
 //!
-//! The library is several crates in one workspace, each a folder below `src` with the same version; this one hands all of them out
-//! under the names of their rooms, so that `touchline` is the only one to depend on. Cargo sees to it that none uses what stands
-//! above it:
+//! The library is several crates in one workspace, each a folder below `src` with the same version;
+//! this one hands all of them out under the names of their rooms, so that `touchline` is the only
+//! one to depend on. Cargo sees to it that none uses what stands above it:
 //!
 //! | crate | rooms |
 //! |---|---|
@@ -40,9 +43,10 @@
 //! | `touchline-vision` | [`media`] (frames of folders and videos), [`features`] (SIFT of a picture), [`paint`] (painted lines in pixels: the line check, snapping), [`relocalize`] (the pan-tilt forest, pose from its rays), [`track`] (frames of one camera tied to each other under rotation and zoom), [`synthetic`] (drawn matches with exact truth) |
 //! | `touchline-core` | [`camera`], [`field`], [`markings`] (the field's lines as a camera sees them), [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`geometry`], [`files`] (opening files that may come from anybody), [`progress`] (what long functions report to, and what cancels them) |
 //!
-//! What the program ships beside its code (fields, schema, guide, shaders) are the crates `touchline-assets` and
-//! `touchline-shaders` in `assets` and `shaders`. Within a crate the rooms stand on floors, which its `lib.rs` draws: a room uses only
-//! rooms on lower floors, never one on its own floor (`tests/suite/architecture.rs` reads those tables and checks them). The rooms of
+//! What the program ships beside its code (fields, schema, guide, shaders) are the crates
+//! `touchline-assets` and `touchline-shaders` in `assets` and `shaders`. Within a crate the rooms
+//! stand on floors, which its `lib.rs` draws: a room uses only rooms on lower floors, never one on
+//! its own floor (`tests/suite/architecture.rs` reads those tables and checks them). The rooms of
 //! this crate:
 //!
 //! | floor | rooms |
@@ -66,7 +70,9 @@ pub use touchline_application::{app, jobs, scene};
 #[doc(inline)]
 pub use touchline_calibration::{autocalibrate, calibrate, evaluate, pipelines, proposals};
 #[doc(inline)]
-pub use touchline_core::{camera, conventions, field, files, geometry, markings, progress, score, solve};
+pub use touchline_core::{
+    camera, conventions, field, files, geometry, markings, progress, score, solve,
+};
 #[doc(hidden)]
 pub use touchline_documents::report;
 #[doc(inline)]

@@ -19,10 +19,14 @@ fn window(document: Option<std::path::PathBuf>) -> ExitCode {
     if let Some(document) = &document
         && !document.exists()
     {
-        return refuse(format!("{}: neither a file or folder nor a command; see touchline --help", document.display()));
+        return refuse(format!(
+            "{}: neither a file or folder nor a command; see touchline --help",
+            document.display()
+        ));
     }
-    let has_display =
-        ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].iter().any(|name| std::env::var_os(name).is_some());
+    let has_display = ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
+        .iter()
+        .any(|name| std::env::var_os(name).is_some());
     if cfg!(target_os = "linux") && !has_display {
         return refuse(
             "there is no display (DISPLAY and WAYLAND_DISPLAY are not set), so the window cannot open; the commands work \
@@ -51,11 +55,22 @@ fn window(document: Option<std::path::PathBuf>) -> ExitCode {
 #[cfg(feature = "gui")]
 fn is_about_display(error: &str) -> bool {
     let error = error.to_lowercase();
-    ["display", "wayland", "x11", "xlib", "event loop", "eventloop"].iter().any(|word| error.contains(word))
+    [
+        "display",
+        "wayland",
+        "x11",
+        "xlib",
+        "event loop",
+        "eventloop",
+    ]
+    .iter()
+    .any(|word| error.contains(word))
 }
 
 #[cfg(not(feature = "gui"))]
 fn window(_document: Option<std::path::PathBuf>) -> ExitCode {
-    eprintln!("touchline: this program was built without the window (feature \"gui\"); see touchline --help");
+    eprintln!(
+        "touchline: this program was built without the window (feature \"gui\"); see touchline --help"
+    );
     ExitCode::from(2)
 }

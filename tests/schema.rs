@@ -1,4 +1,5 @@
-//! Prints the JSON Schema of documents as their types have it: `make schema` writes it to `assets/`, a test of the suite compares.
+//! Prints the JSON Schema of documents as their types have it: `make schema` writes it to
+//! `assets/`, a test of the suite compares.
 
 fn main() {
     println!("{}", touchline::document::schema_of_types());

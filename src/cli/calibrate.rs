@@ -20,8 +20,9 @@ use touchline_documents::store;
 use touchline_documents::store::Location;
 use touchline_vision::media::{FrameReader, FrameSource};
 
-/// Makes a project from a folder of images or a video and finds its camera without a click: where it stands, its lens, and
-/// each frame's pan, tilt and focal length, as suggestions. The frames that were not looked at follow from those that were.
+/// Makes a project from a folder of images or a video and finds its camera without a click: where
+/// it stands, its lens, and each frame's pan, tilt and focal length, as suggestions. The frames
+/// that were not looked at follow from those that were.
 #[derive(clap::Args, Debug)]
 pub struct CalibrateArgs {
     /// The folder of images, or the video.
@@ -33,22 +34,25 @@ pub struct CalibrateArgs {
     /// The field's template (`touchline fields` lists them).
     #[arg(long, value_name = "TEMPLATE", default_value = "soccer")]
     field: String,
-    /// A parameter of the field, such as `length_m=105`; may be given several times. The field's size is then taken as known;
-    /// else length and width are fitted where the usual size does not explain the paint.
+    /// A parameter of the field, such as `length_m=105`; may be given several times. The field's
+    /// size is then taken as known; else length and width are fitted where the usual size does not
+    /// explain the paint.
     #[arg(long = "set", value_name = "NAME=NUMBER", value_parser = parameter)]
     set: Vec<(String, f64)>,
     /// The camera is found from this many frames at most, spread over all of them.
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(3..=300))]
     look_at: u32,
-    /// Also write a picture of what was found: the paint that stays while the camera turns, over pan and tilt, and the field's lines
-    /// as the base has them. Where they fall together the base is right.
+    /// Also write a picture of what was found: the paint that stays while the camera turns, over
+    /// pan and tilt, and the field's lines as the base has them. Where they fall together the base
+    /// is right.
     #[arg(long, value_name = "FILE.png")]
     panorama: Option<PathBuf>,
-    /// Answer only the frames that are looked at. Else a video's other frames are carried from them, and other images are asked of
-    /// a forest that learns from them.
+    /// Answer only the frames that are looked at. Else a video's other frames are carried from
+    /// them, and other images are asked of a forest that learns from them.
     #[arg(long)]
     found_only: bool,
-    /// Make the project although the folder holds something; a project in it is kept as project.json.bak.
+    /// Make the project although the folder holds something; a project in it is kept as
+    /// project.json.bak.
     #[arg(long)]
     force: bool,
 }
@@ -56,7 +60,8 @@ pub struct CalibrateArgs {
 /// Carries out the command.
 ///
 /// # Errors
-/// The folder exists, the field is not valid, the frames cannot be read, or the result cannot be written.
+/// The folder exists, the field is not valid, the frames cannot be read, or the result cannot be
+/// written.
 pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.output, args.force)?;
     store::refuse_open(&args.output)?;
@@ -66,12 +71,22 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         args.output.display()
     );
     if let Some(panorama) = &args.panorama {
-        let is_png = panorama.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-        ensure!(is_png, "--panorama {}: a PNG is written, so its name must end with .png", panorama.display());
+        let is_png = panorama
+            .extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+        ensure!(
+            is_png,
+            "--panorama {}: a PNG is written, so its name must end with .png",
+            panorama.display()
+        );
         refuse_existing(panorama, args.force)?;
     }
     let mut field = FieldSpec::new(&args.field);
-    ensure!(!field.is_file(), "{}: calibrate takes the templates that are built in", args.field);
+    ensure!(
+        !field.is_file(),
+        "{}: calibrate takes the templates that are built in",
+        args.field
+    );
     field.params = args.set.iter().cloned().collect();
     if !field.params.is_empty() {
         field.size = Some(FieldSize::Confirmed);
@@ -81,27 +96,58 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     for notice in source.notices() {
         messages.note(&notice.to_string());
     }
-    ensure!(!source.is_empty(), "{} holds no image", args.frames.display());
+    ensure!(
+        !source.is_empty(),
+        "{} holds no image",
+        args.frames.display()
+    );
     let folder = std::path::absolute(&args.output)?;
     let new_folder = NewFolder::make(&folder)?;
-    let made = document_from_frames(&source, &folder, field, NonZeroUsize::MIN, &Progress::default());
+    let made = document_from_frames(
+        &source,
+        &folder,
+        field,
+        NonZeroUsize::MIN,
+        &Progress::default(),
+    );
     for (name, error) in &made.left_out {
         messages.frame_failed(name, &error.to_string());
     }
     let mut document = made.document;
-    let camera = document.cameras.first().context("not one image can be read")?.id.clone();
-    let options = MatchOptions { sampled_frames: args.look_at as usize, label_the_rest: !args.found_only };
+    let camera = document
+        .cameras
+        .first()
+        .context("not one image can be read")?
+        .id
+        .clone();
+    let options = MatchOptions {
+        sampled_frames: args.look_at as usize,
+        label_the_rest: !args.found_only,
+    };
     let report = MatchReport::new(messages);
     let progress = Progress::new(|event| {
         report.hear(event);
         ControlFlow::Continue(())
     });
-    let labels = label_match(&mut document, &folder, &camera, &mut FrameReader::new(), &options, &progress);
+    let labels = label_match(
+        &mut document,
+        &folder,
+        &camera,
+        &mut FrameReader::new(),
+        &options,
+        &progress,
+    );
     drop(progress);
     drop(report);
     let labelled = match labels? {
         MatchLabels::Labelled(labelled) => labelled,
-        MatchLabels::NoCamera(why) => return Ok(say_no_answer(args, &describe_no_camera(&document, &why), messages)),
+        MatchLabels::NoCamera(why) => {
+            return Ok(say_no_answer(
+                args,
+                &describe_no_camera(&document, &why),
+                messages,
+            ));
+        }
     };
     let all = &labelled.cameras;
     let location = Location::for_new_document(&folder.join(""))?;
@@ -114,20 +160,35 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         all.iter().map(|found| found.frames.len()).sum::<usize>(),
         all.iter().map(|found| found.snapped_count()).sum::<usize>(),
     ));
-    let LabelledMatch { answered, unanswered, .. } = labelled;
+    let LabelledMatch {
+        answered,
+        unanswered,
+        ..
+    } = labelled;
     if !args.found_only && (answered, unanswered) != (0, 0) {
-        messages.note(&format!("of the other frames {answered} got a suggested camera, {unanswered} none"));
+        messages.note(&format!(
+            "of the other frames {answered} got a suggested camera, {unanswered} none"
+        ));
     }
     if let Some(panorama) = &args.panorama {
         for (number, found) in all.iter().enumerate() {
-            write_file(&numbered(panorama, number), &panorama_png(&document, found)?, args.force)?;
+            write_file(
+                &numbered(panorama, number),
+                &panorama_png(&document, found)?,
+                args.force,
+            )?;
         }
     }
     let is_whole = args.found_only || unanswered == 0;
-    Ok(if made.left_out.is_empty() && is_whole { Outcome::Done } else { Outcome::SomeFailed })
+    Ok(if made.left_out.is_empty() && is_whole {
+        Outcome::Done
+    } else {
+        Outcome::SomeFailed
+    })
 }
 
-/// Says why no camera is found. Nothing is wrong with the input or its use: nothing is written, and the exit code is 1.
+/// Says why no camera is found. Nothing is wrong with the input or its use: nothing is written, and
+/// the exit code is 1.
 fn say_no_answer(args: &CalibrateArgs, why: &str, messages: Messages) -> Outcome {
     messages.error(&format!("{}: {why}", args.frames.display()));
     Outcome::SomeFailed
@@ -144,27 +205,38 @@ fn numbered(panorama: &Path, number: usize) -> PathBuf {
 
 /// The picture of what was found.
 fn panorama_png(document: &Document, found: &AutocalibratedCamera) -> anyhow::Result<Vec<u8>> {
-    let frames: Vec<_> =
-        found.frames.iter().map(|frame| (frame.ptz, document.frames[frame.index].image_size)).collect();
-    let scene = PaintMapScene { base: &found.base, field: &found.field, frames: &frames, paint: &found.paint };
+    let frames: Vec<_> = found
+        .frames
+        .iter()
+        .map(|frame| (frame.ptz, document.frames[frame.index].image_size))
+        .collect();
+    let scene = PaintMapScene {
+        base: &found.base,
+        field: &found.field,
+        frames: &frames,
+        paint: &found.paint,
+    };
     let picture = PaintMapFrame::of(&scene).and_then(|frame| paint_map_picture(&scene, &frame));
     let picture = picture.context("there is no frame for a panorama")?;
     let size = picture.size();
     let image = image::RgbaImage::from_raw(size.width, size.height, picture.rgba().to_vec());
     let mut png = Cursor::new(Vec::new());
     let image = DynamicImage::from(image.context("a panorama without pixels")?).to_rgb8();
-    image.write_to(&mut png, image::ImageFormat::Png).context("cannot encode the PNG")?;
+    image
+        .write_to(&mut png, image::ImageFormat::Png)
+        .context("cannot encode the PNG")?;
     Ok(png.into_inner())
 }
 
-/// A folder for the project; frames are named from it, so it has to be there while they are read. One that was made and stays
-/// without a project goes again.
+/// A folder for the project; frames are named from it, so it has to be there while they are read.
+/// One that was made and stays without a project goes again.
 struct NewFolder(Option<PathBuf>);
 
 impl NewFolder {
     fn make(folder: &Path) -> anyhow::Result<Self> {
         let made = !folder.exists();
-        std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make {}", folder.display()))?;
         Ok(Self(made.then(|| folder.to_path_buf())))
     }
 

@@ -29,7 +29,10 @@ pub fn check(args: &CheckArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let mut problems = check_values(document.at(location.folder()));
     problems.extend(check_cameras(document.at(location.folder())));
     problems.extend(check_solutions(document.at(location.folder())));
-    problems.extend(check_pictures(document.at(location.folder()), &count_steps(&bar)));
+    problems.extend(check_pictures(
+        document.at(location.folder()),
+        &count_steps(&bar),
+    ));
     problems.extend(check_still_runs(document.at(location.folder())));
     problems.sort_by_key(|problem| problem.frame.map_or(0, |frame| frame + 1));
     bar.finish_and_clear();
@@ -37,7 +40,11 @@ pub fn check(args: &CheckArgs, messages: Messages) -> anyhow::Result<Outcome> {
         Messages::Text => text(&document, &problems),
         Messages::Json => format!("{:#}\n", report(&document, &problems)),
     })?;
-    Ok(if problems.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
+    Ok(if problems.is_empty() {
+        Outcome::Done
+    } else {
+        Outcome::SomeFailed
+    })
 }
 
 fn text(document: &Document, problems: &[Problem]) -> String {
@@ -46,9 +53,13 @@ fn text(document: &Document, problems: &[Problem]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{}", plain(&problem.to_string()));
     }
-    let counted = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+    let counted =
+        |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     let clicks = document.frames.iter().map(|frame| frame.clicks.len()).sum();
-    let (frames, clicks) = (counted(document.frames.len(), "frame"), counted(clicks, "click"));
+    let (frames, clicks) = (
+        counted(document.frames.len(), "frame"),
+        counted(clicks, "click"),
+    );
     let _ = match problems.len() {
         0 => writeln!(text, "No problems: {frames}, {clicks}."),
         count => writeln!(text, "{} in {frames}, {clicks}.", counted(count, "problem")),

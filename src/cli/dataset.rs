@@ -9,8 +9,8 @@ use touchline_core::geometry::counted;
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{DocumentAt, FrameStatus};
 use touchline_documents::exchange::{
-    DatasetOptions, ExchangeError, FrameChoice, PictureFormat, Pictures, Split, SplitBy, Splitting, plan_dataset,
-    write_dataset as write,
+    DatasetOptions, ExchangeError, FrameChoice, PictureFormat, Pictures, Split, SplitBy, Splitting,
+    plan_dataset, write_dataset as write,
 };
 use touchline_vision::media::FrameReader;
 
@@ -18,16 +18,19 @@ use touchline_vision::media::FrameReader;
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Dataset")]
 pub struct DatasetArgs {
-    /// Write a dataset into this folder: references (or what --status names) with pictures, a card, a table of frames, a manifest.
+    /// Write a dataset into this folder: references (or what --status names) with pictures, a card,
+    /// a table of frames, a manifest.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["format", "output"])]
     dataset: Option<PathBuf>,
-    /// Where its pictures come from: copies of the image files, hard links to them, frames decoded from the video, or none.
+    /// Where its pictures come from: copies of the image files, hard links to them, frames decoded
+    /// from the video, or none.
     #[arg(long, default_value = "copy", value_parser = named(&Pictures::ALL.map(Pictures::name)), requires = "dataset")]
     images: String,
     /// How decoded pictures are written.
     #[arg(long, default_value = "png", value_parser = picture_format(), requires = "dataset")]
     image_format: String,
-    /// Take pictures that lie outside of the project's folder too. They are listed; a project from somebody else may name any file.
+    /// Take pictures that lie outside of the project's folder too. They are listed; a project from
+    /// somebody else may name any file.
     #[arg(long, requires = "dataset")]
     outside_pictures: bool,
     /// Shares of training, validation and test, such as 80/10/10; without it there are no splits.
@@ -51,16 +54,24 @@ fn named(names: &[&'static str]) -> impl clap::builder::TypedValueParser<Value =
 
 /// `png` or `jpeg`, which is also called `jpg`.
 fn picture_format() -> impl clap::builder::TypedValueParser<Value = String> {
-    PossibleValuesParser::new([PossibleValue::new("png"), PossibleValue::new("jpeg").alias("jpg")]).map(|name| name)
+    PossibleValuesParser::new([
+        PossibleValue::new("png"),
+        PossibleValue::new("jpeg").alias("jpg"),
+    ])
+    .map(|name| name)
 }
 
 /// `80/10/10`.
 fn parse_shares(text: &str) -> Result<[u32; 3], String> {
-    let shares: Option<Vec<u32>> =
-        text.split('/').map(|share| share.parse().ok().filter(|share| *share <= 1000)).collect();
+    let shares: Option<Vec<u32>> = text
+        .split('/')
+        .map(|share| share.parse().ok().filter(|share| *share <= 1000))
+        .collect();
     let shares: Option<[u32; 3]> = shares.and_then(|shares| shares.try_into().ok());
     let shares = shares.filter(|shares| shares.iter().sum::<u32>() > 0);
-    shares.ok_or_else(|| format!("{text} is no shares of training, validation and test such as 80/10/10"))
+    shares.ok_or_else(|| {
+        format!("{text} is no shares of training, validation and test such as 80/10/10")
+    })
 }
 
 impl DatasetArgs {
@@ -68,14 +79,28 @@ impl DatasetArgs {
         if frames.statuses.is_empty() {
             frames.statuses.push(FrameStatus::Reference);
         }
-        let by = SplitBy::ALL.into_iter().find(|by| by.name() == self.split_by).unwrap_or_default();
+        let by = SplitBy::ALL
+            .into_iter()
+            .find(|by| by.name() == self.split_by)
+            .unwrap_or_default();
         DatasetOptions {
             frames,
-            pictures: Pictures::ALL.into_iter().find(|images| images.name() == self.images).unwrap_or_default(),
-            picture_format: if self.image_format.starts_with("jp") { PictureFormat::Jpeg } else { PictureFormat::Png },
+            pictures: Pictures::ALL
+                .into_iter()
+                .find(|images| images.name() == self.images)
+                .unwrap_or_default(),
+            picture_format: if self.image_format.starts_with("jp") {
+                PictureFormat::Jpeg
+            } else {
+                PictureFormat::Png
+            },
             undistorted,
             outside: self.outside_pictures,
-            splitting: self.split.map(|shares| Splitting { shares, by, seed: self.seed }),
+            splitting: self.split.map(|shares| Splitting {
+                shares,
+                by,
+                seed: self.seed,
+            }),
             licence: self.licence.clone(),
         }
     }
@@ -84,7 +109,8 @@ impl DatasetArgs {
 /// Writes a dataset.
 ///
 /// # Errors
-/// No frame is left, two pictures have one name, or something cannot be written; nothing is left then.
+/// No frame is left, two pictures have one name, or something cannot be written; nothing is left
+/// then.
 pub fn write_dataset(
     at: DocumentAt<'_>,
     args: &DatasetArgs,
@@ -93,7 +119,9 @@ pub fn write_dataset(
     force: bool,
     messages: Messages,
 ) -> anyhow::Result<Outcome> {
-    let Some(folder) = &args.dataset else { anyhow::bail!("give --format or --dataset") };
+    let Some(folder) = &args.dataset else {
+        anyhow::bail!("give --format or --dataset")
+    };
     let options = args.options(frames, undistorted);
     let plan = plan_dataset(at, &options)?;
     for note in &plan.notes {
@@ -105,7 +133,15 @@ pub fn write_dataset(
         bar.set_position(pictures.done as u64);
         interrupt.check()
     });
-    let done = write(at, &plan, &options, &mut FrameReader::new(), folder, force, &progress);
+    let done = write(
+        at,
+        &plan,
+        &options,
+        &mut FrameReader::new(),
+        folder,
+        force,
+        &progress,
+    );
     bar.finish_and_clear();
     let done = match done {
         Err(stopped @ ExchangeError::Stopped) => {
@@ -118,7 +154,10 @@ pub fn write_dataset(
         messages.frame_failed(frame, why);
     }
     let counts = if options.splitting.is_some() {
-        let counts = Split::ALL.into_iter().zip(done.counts).map(|(split, count)| format!("{split} {count}"));
+        let counts = Split::ALL
+            .into_iter()
+            .zip(done.counts)
+            .map(|(split, count)| format!("{split} {count}"));
         format!(" ({})", counts.collect::<Vec<_>>().join(", "))
     } else {
         String::new()
@@ -129,5 +168,9 @@ pub fn write_dataset(
         counted(done.pictures, "picture"),
         folder.display()
     ));
-    Ok(if done.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
+    Ok(if done.left_out.is_empty() {
+        Outcome::Done
+    } else {
+        Outcome::SomeFailed
+    })
 }

@@ -56,30 +56,39 @@ impl DocumentArg {
 pub fn refuse_unwritable(document: &Document, folder: &Path) -> anyhow::Result<()> {
     match document.unwritable_path(folder) {
         Some(path) => {
-            bail!("{path}: a document cannot name it, for a folder's name in it is not UTF-8; rename the folder")
+            bail!(
+                "{path}: a document cannot name it, for a folder's name in it is not UTF-8; rename the folder"
+            )
         }
         None => Ok(()),
     }
 }
 
 impl DocumentOutput {
-    /// Refuses a path that exists, or whose document is open elsewhere; to be called before the work begins.
+    /// Refuses a path that exists, or whose document is open elsewhere; to be called before the
+    /// work begins.
     ///
     /// # Errors
     /// Something is there and `--force` was not given, or another program holds it.
     pub fn refuse_existing(&self) -> anyhow::Result<()> {
-        let Some(path) = self.output.as_deref() else { return Ok(()) };
+        let Some(path) = self.output.as_deref() else {
+            return Ok(());
+        };
         refuse_existing(path, self.force)?;
         // The result of hours would go with the refusal at the end.
         Ok(refuse_open(path)?)
     }
 
-    /// Writes a document whose relative paths start from `folder`; where it lands they point at the same files.
+    /// Writes a document whose relative paths start from `folder`; where it lands they point at the
+    /// same files.
     ///
     /// # Errors
     /// Something is there already, or it cannot be written; nothing was changed then.
     pub fn write(&self, document: Document, folder: &Path) -> anyhow::Result<()> {
-        let file = self.output.as_deref().filter(|path| !is_pipe_or_device(path));
+        let file = self
+            .output
+            .as_deref()
+            .filter(|path| !is_pipe_or_device(path));
         let Some(path) = file else {
             let here = std::env::current_dir()?;
             let document = document.relocated(folder, &here);
@@ -94,6 +103,8 @@ impl DocumentOutput {
         let location = Location::for_new_document(path)?;
         let document = document.relocated(folder, location.folder());
         refuse_unwritable(&document, location.folder())?;
-        Ok(touchline_documents::store::write_document(&location, &document, self.force)?)
+        Ok(touchline_documents::store::write_document(
+            &location, &document, self.force,
+        )?)
     }
 }

@@ -8,22 +8,24 @@ use serde_json::{Map, Value, json};
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use touchline_calibration::evaluate::{
-    Agreement, Evaluation, FrameGroup, agreement, agreement_json, agreement_tables, evaluate as evaluated,
-    evaluation_report, evaluation_tables, frame_scores,
+    Agreement, Evaluation, FrameGroup, agreement, agreement_json, agreement_tables,
+    evaluate as evaluated, evaluation_report, evaluation_tables, frame_scores,
 };
 use touchline_documents::report::Table;
 
-/// Compares the cameras of a document with those (or the clicks) of another one: `IoU`, angles, focal length, reprojection,
-/// markings found.
+/// Compares the cameras of a document with those (or the clicks) of another one: `IoU`, angles,
+/// focal length, reprojection, markings found.
 ///
-/// Frames are matched by where their pictures lie, by SHA-256, or by name; frames without a partner or a camera are named, and
-/// the exit code is 1. Clicks of the truth that the estimate was not made from count as held out. Where both hold clicks of
-/// their own on the same frames, they are compared as two annotators' as well: distances by landmark, names that differ, and the
-/// click noise.
+/// Frames are matched by where their pictures lie, by SHA-256, or by name; frames without a partner
+/// or a camera are named, and the exit code is 1. Clicks of the truth that the estimate was not
+/// made from count as held out. Where both hold clicks of their own on the same frames, they are
+/// compared as two annotators' as well: distances by landmark, names that differ, and the click
+/// noise.
 ///
-/// JaC@t is the `SoccerNet` task's: the share of markings all of whose annotated points lie nearer than t px (of a picture 960 px wide)
-/// to the estimate's, among all that either shows; the better of the names as they are and turned by half a turn, at every t for itself;
-/// a circle that leaves the picture is joined where it comes back. Ends of straight markings, nine points of round ones.
+/// JaC@t is the `SoccerNet` task's: the share of markings all of whose annotated points lie nearer
+/// than t px (of a picture 960 px wide) to the estimate's, among all that either shows; the better
+/// of the names as they are and turned by half a turn, at every t for itself; a circle that leaves
+/// the picture is joined where it comes back. Ends of straight markings, nine points of round ones.
 ///
 /// Standard output gets a table on a terminal, JSON otherwise.
 #[derive(clap::Args, Debug)]
@@ -34,7 +36,8 @@ pub struct EvaluateArgs {
     /// The document to be evaluated.
     #[arg(value_name = "ESTIMATE")]
     estimate: PathBuf,
-    /// The file to write; its ending chooses: .json everything, .csv a line for each frame, .md tables.
+    /// The file to write; its ending chooses: .json everything, .csv a line for each frame, .md
+    /// tables.
     #[arg(short, long, value_name = "FILE", value_parser = known_ending)]
     output: Option<PathBuf>,
     /// A folder for a report: tables, and figures of the errors as SVG and PNG.
@@ -60,7 +63,9 @@ fn known_ending(text: &str) -> Result<PathBuf, String> {
 }
 
 fn ending(path: &Path) -> String {
-    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+    path.extension()
+        .map(|ending| ending.to_string_lossy().to_ascii_lowercase())
+        .unwrap_or_default()
 }
 
 /// How many frames of the estimate that have no truth are named.
@@ -69,15 +74,30 @@ const NAMED: usize = 5;
 /// Carries out the command.
 ///
 /// # Errors
-/// A document cannot be read, a field is not valid, the truth holds nothing, or the result cannot be written.
+/// A document cannot be read, a field is not valid, the truth holds nothing, or the result cannot
+/// be written.
 pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outcome> {
     for path in args.output.iter().chain(&args.report) {
         refuse_existing(path, args.force)?;
     }
-    let read = |document: &PathBuf| DocumentArg { document: document.clone() }.load(messages);
-    let Loaded { location: true_location, document: truth } = read(&args.truth)?;
-    let Loaded { location, document: estimate } = read(&args.estimate)?;
-    let (truth_at, estimate_at) = (truth.at(true_location.folder()), estimate.at(location.folder()));
+    let read = |document: &PathBuf| {
+        DocumentArg {
+            document: document.clone(),
+        }
+        .load(messages)
+    };
+    let Loaded {
+        location: true_location,
+        document: truth,
+    } = read(&args.truth)?;
+    let Loaded {
+        location,
+        document: estimate,
+    } = read(&args.estimate)?;
+    let (truth_at, estimate_at) = (
+        truth.at(true_location.folder()),
+        estimate.at(location.folder()),
+    );
     let evaluation = evaluated(truth_at, estimate_at)?;
     let groups = evaluation.groups(args.seed);
     let agreed = agreement(truth_at, estimate_at)?;
@@ -120,13 +140,31 @@ pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outco
         None => print(&as_json())?,
     }
     let all_scored = evaluation.frames.iter().all(|frame| frame.scores.is_ok());
-    Ok(if all_scored { Outcome::Done } else { Outcome::SomeFailed })
+    Ok(if all_scored {
+        Outcome::Done
+    } else {
+        Outcome::SomeFailed
+    })
 }
 
 fn without_truth(names: &[String]) -> Option<String> {
-    let (count, shown) = (names.len(), names.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", "));
-    let more = if count > NAMED { format!(" and {} more", count - NAMED) } else { String::new() };
-    (count > 0).then(|| format!("{count} frames of the estimate have no truth and are left out: {shown}{more}"))
+    let (count, shown) = (
+        names.len(),
+        names
+            .iter()
+            .take(NAMED)
+            .cloned()
+            .collect::<Vec<_>>()
+            .join(", "),
+    );
+    let more = if count > NAMED {
+        format!(" and {} more", count - NAMED)
+    } else {
+        String::new()
+    };
+    (count > 0).then(|| {
+        format!("{count} frames of the estimate have no truth and are left out: {shown}{more}")
+    })
 }
 
 /// Everything, for scripts.
@@ -144,8 +182,11 @@ fn report(evaluation: &Evaluation, groups: &[FrameGroup], agreed: Option<&Agreem
 }
 
 fn described_group(group: &FrameGroup) -> Value {
-    let measures: Map<String, Value> =
-        group.measures.iter().map(|(measure, summary)| (measure.key().to_owned(), json!(summary))).collect();
+    let measures: Map<String, Value> = group
+        .measures
+        .iter()
+        .map(|(measure, summary)| (measure.key().to_owned(), json!(summary)))
+        .collect();
     let mut value = json!({
         "by": group.kind.key(),
         "name": group.name,

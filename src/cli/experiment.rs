@@ -9,22 +9,27 @@ use std::fmt::Write as _;
 
 use std::path::PathBuf;
 use touchline_documents::report::{Provenance, Report};
-use touchline_experiments::{Experiment, ExperimentOptions, OwnDocument, OwnDocuments, SharedInputs, page};
+use touchline_experiments::{
+    Experiment, ExperimentOptions, OwnDocument, OwnDocuments, SharedInputs, page,
+};
 
-/// Measures the paper's tables and figures again: data as JSON and CSV, figures as SVG and PNG, a report in Markdown.
+/// Measures the paper's tables and figures again: data as JSON and CSV, figures as SVG and PNG, a
+/// report in Markdown.
 ///
-/// The same seed gives the same bytes; what depends on the machine is kept apart, in files whose names end with `times`. Every frame
-/// asked stands in files whose names end with `frames.csv`. `all` also writes README.md, which begins with what the paper says
-/// beside what was measured.
+/// The same seed gives the same bytes; what depends on the machine is kept apart, in files whose
+/// names end with `times`. Every frame asked stands in files whose names end with `frames.csv`.
+/// `all` also writes README.md, which begins with what the paper says beside what was measured.
 ///
-/// Frames are drawn unless others are given: the authors' published data (--data), or documents of your own (--train), whose
-/// solved frames are the truth. --data DIR is searched, with the folders in it, for the published sequences (MATLAB files
-/// such as `highlights/seq1_anno.mat` with their images in `highlights/seq1`), for homographies (`train_val.json` or
-/// `N.homographyMatrix`) and for a published motion (`soccer_ground_truth.json`).
+/// Frames are drawn unless others are given: the authors' published data (--data), or documents of
+/// your own (--train), whose solved frames are the truth. --data DIR is searched, with the folders
+/// in it, for the published sequences (MATLAB files such as `highlights/seq1_anno.mat` with their
+/// images in `highlights/seq1`), for homographies (`train_val.json` or `N.homographyMatrix`) and
+/// for a published motion (`soccer_ground_truth.json`).
 #[derive(clap::Args, Debug)]
 pub struct ExperimentArgs {
-    /// Which one: synthetic, ransac, highlights, worldcup, errors, threshold, trees, fov, baselines, descriptors, pose,
-    /// annotator, those that need --data: homographies, motion; or all.
+    /// Which one: synthetic, ransac, highlights, worldcup, errors, threshold, trees, fov,
+    /// baselines, descriptors, pose, annotator, those that need --data: homographies, motion; or
+    /// all.
     #[arg(value_name = "NAME", value_parser = named)]
     experiments: Chosen,
     /// The folder to write; an empty one counts as absent.
@@ -42,11 +47,13 @@ pub struct ExperimentArgs {
     /// A folder of published data.
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// A document of your own whose solved frames are used for training, in place of drawn frames. Without --test each of its
-    /// clips is tested against the other clips of its camera; several documents may be given then.
+    /// A document of your own whose solved frames are used for training, in place of drawn frames.
+    /// Without --test each of its clips is tested against the other clips of its camera; several
+    /// documents may be given then.
     #[arg(long, value_name = "DOC")]
     train: Vec<PathBuf>,
-    /// A document of your own whose solved frames are tested against those of --train; its cameras are the truth.
+    /// A document of your own whose solved frames are tested against those of --train; its cameras
+    /// are the truth.
     #[arg(long, value_name = "DOC", requires = "train")]
     test: Option<PathBuf>,
     /// Replace files that exist; files of other names stay.
@@ -74,18 +81,30 @@ const REPORT_FILE: &str = "README.md";
 /// Carries out the command.
 ///
 /// # Errors
-/// The folder holds something already and `--force` was not given, what an experiment needs is missing, or a file cannot be
-/// written.
+/// The folder holds something already and `--force` was not given, what an experiment needs is
+/// missing, or a file cannot be written.
 pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.output, args.force)?;
     let folder = &args.output;
-    ensure!(folder.is_dir() || !folder.exists(), "{} is a file; give a folder for the results", folder.display());
+    ensure!(
+        folder.is_dir() || !folder.exists(),
+        "{} is a file; give a folder for the results",
+        folder.display()
+    );
     if let Some(data) = &args.data {
-        ensure!(data.is_dir(), "{} is no folder; give the folder of the data", data.display());
+        ensure!(
+            data.is_dir(),
+            "{} is no folder; give the folder of the data",
+            data.display()
+        );
     }
     let own = own_documents(args, messages)?;
     let has_own = own.is_some();
-    let options = ExperimentOptions { quick: args.quick, seed: args.seed, seeds: args.seeds };
+    let options = ExperimentOptions {
+        quick: args.quick,
+        seed: args.seed,
+        seeds: args.seeds,
+    };
     let inputs = SharedInputs::new(options, own, args.data.as_deref());
     let (chosen, left_out) = chosen(args, &inputs, has_own)?;
     let mut reports = Vec::new();
@@ -97,14 +116,26 @@ pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<O
         });
         bar.finish_and_clear();
         let mut report = report.with_context(|| format!("experiment {experiment}"))?;
-        report.provenance = Some(provenance(experiment.name(), experiment.takes_seeds(), args, &options));
+        report.provenance = Some(provenance(
+            experiment.name(),
+            experiment.takes_seeds(),
+            args,
+            &options,
+        ));
         // What is finished is kept, whatever becomes of the next one.
         write_report(&report, folder, args.force)?;
-        messages.note(&format!("{experiment}: {}", folder.join(format!("{experiment}.md")).display()));
+        messages.note(&format!(
+            "{experiment}: {}",
+            folder.join(format!("{experiment}.md")).display()
+        ));
         reports.push(report);
     }
     if reports.len() > 1 {
-        write_file(&folder.join(REPORT_FILE), together(&reports, &left_out, args, &options).as_bytes(), args.force)?;
+        write_file(
+            &folder.join(REPORT_FILE),
+            together(&reports, &left_out, args, &options).as_bytes(),
+            args.force,
+        )?;
     }
     Ok(Outcome::Done)
 }
@@ -132,26 +163,52 @@ fn chosen(
         experiment => !has_own || experiment.takes_frames(),
     };
     let all = args.experiments.0.iter().copied().filter(wanted);
-    Ok(all.partition(|experiment| !experiment.needs_data() || inputs.given_for(*experiment).is_ok()))
+    Ok(all
+        .partition(|experiment| !experiment.needs_data() || inputs.given_for(*experiment).is_ok()))
 }
 
-fn own_documents(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<Option<OwnDocuments>> {
+fn own_documents(
+    args: &ExperimentArgs,
+    messages: Messages,
+) -> anyhow::Result<Option<OwnDocuments>> {
     if args.train.is_empty() {
         return Ok(None);
     }
-    ensure!(args.test.is_none() || args.train.len() == 1, "--test needs exactly one --train");
+    ensure!(
+        args.test.is_none() || args.train.len() == 1,
+        "--test needs exactly one --train"
+    );
     let read = |path: &PathBuf| -> anyhow::Result<_> {
-        let Loaded { location, document } = DocumentArg { document: path.clone() }.load(messages)?;
+        let Loaded { location, document } = DocumentArg {
+            document: path.clone(),
+        }
+        .load(messages)?;
         let name = location.name();
         let name = name.strip_suffix(".json").unwrap_or(&name).to_owned();
-        Ok(OwnDocument { name, document, folder: location.folder().to_path_buf() })
+        Ok(OwnDocument {
+            name,
+            document,
+            folder: location.folder().to_path_buf(),
+        })
     };
-    let train = args.train.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
-    Ok(Some(OwnDocuments { train, test: args.test.as_ref().map(read).transpose()? }))
+    let train = args
+        .train
+        .iter()
+        .map(read)
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    Ok(Some(OwnDocuments {
+        train,
+        test: args.test.as_ref().map(read).transpose()?,
+    }))
 }
 
 /// What makes the report of an experiment, or of all.
-fn provenance(name: &str, takes_seeds: bool, args: &ExperimentArgs, options: &ExperimentOptions) -> Provenance {
+fn provenance(
+    name: &str,
+    takes_seeds: bool,
+    args: &ExperimentArgs,
+    options: &ExperimentOptions,
+) -> Provenance {
     let mut command = format!("touchline experiment {name}");
     if args.quick {
         command.push_str(" --quick");
@@ -166,33 +223,58 @@ fn provenance(name: &str, takes_seeds: bool, args: &ExperimentArgs, options: &Ex
     let given = args.train.iter().map(|path| ("--train", path));
     let given = given.chain(args.test.iter().map(|path| ("--test", path)));
     for (flag, path) in given.chain(args.data.iter().map(|path| ("--data", path))) {
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        let name = path
+            .file_name()
+            .unwrap_or(path.as_os_str())
+            .to_string_lossy();
         let _ = write!(command, " {flag} {name}");
     }
     Provenance {
         program: format!("touchline {}", env!("CARGO_PKG_VERSION")),
         commit: option_env!("TOUCHLINE_COMMIT").map(str::to_owned),
         command,
-        seeds: if takes_seeds && args.train.is_empty() { options.seeds() } else { vec![options.seed] },
+        seeds: if takes_seeds && args.train.is_empty() {
+            options.seeds()
+        } else {
+            vec![options.seed]
+        },
         quick: args.quick,
     }
 }
 
 /// All reports one after the other, what the paper says beside what was measured first.
-fn together(reports: &[Report], left_out: &[Experiment], args: &ExperimentArgs, options: &ExperimentOptions) -> String {
+fn together(
+    reports: &[Report],
+    left_out: &[Experiment],
+    args: &ExperimentArgs,
+    options: &ExperimentOptions,
+) -> String {
     let (title, frames) = if args.train.is_empty() {
-        ("The paper, measured again", "Sequences are drawn where it does not say otherwise.")
+        (
+            "The paper, measured again",
+            "Sequences are drawn where it does not say otherwise.",
+        )
     } else {
-        ("Real frames and real cameras, measured", "Each heading says whose frames it is about.")
+        (
+            "Real frames and real cameras, measured",
+            "Each heading says whose frames it is about.",
+        )
     };
     let mut text = format!(
         "# {title}\n\n{} The paper: Chen, Zhu, Little, \"A Two-point Method for PTZ Camera Calibration in Sports\", WACV 2018. {frames}\n",
         provenance("all", true, args, options).describe()
     );
     if !left_out.is_empty() {
-        let names: Vec<&str> = left_out.iter().map(|experiment| experiment.name()).collect();
+        let names: Vec<&str> = left_out
+            .iter()
+            .map(|experiment| experiment.name())
+            .collect();
         // Writing to a string cannot fail.
-        let _ = write!(text, "\nLeft out for want of data (`--data`): {}.\n", names.join(", "));
+        let _ = write!(
+            text,
+            "\nLeft out for want of data (`--data`): {}.\n",
+            names.join(", ")
+        );
     }
     for part in std::iter::once(page(reports)).chain(reports.iter().map(Report::to_markdown)) {
         if !part.is_empty() {

@@ -12,8 +12,8 @@ use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, Vec3, counted};
 use touchline_documents::document::{FrameStatus, Stage};
 use touchline_documents::exchange::{
-    ExportOptions, Format, FrameChoice, Gaps, KeypointNames, PointSource, Rate, Recording, Rotations, Timecode, Zoom,
-    export as export_document,
+    ExportOptions, Format, FrameChoice, Gaps, KeypointNames, PointSource, Rate, Recording,
+    Rotations, Timecode, Zoom, export as export_document,
 };
 
 /// The largest table or map of labels that is read.
@@ -21,10 +21,14 @@ pub(super) const MAX_TABLE_BYTES: u64 = 16 << 20;
 
 /// Writes a document in another format.
 ///
-/// The result is read again before it is written: a landmark that comes back elsewhere is an error. What the format cannot hold is
-/// said on standard error, in px. Conventions, users and losses of every format: assets/formats.md.
+/// The result is read again before it is written: a landmark that comes back elsewhere is an error.
+/// What the format cannot hold is said on standard error, in px. Conventions, users and losses of
+/// every format: assets/formats.md.
 #[derive(clap::Args, Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a flag of the command line"
+)]
 pub struct ExportArgs {
     #[command(flatten)]
     document: DocumentArg,
@@ -35,7 +39,8 @@ pub struct ExportArgs {
     dataset: DatasetArgs,
     #[command(flatten)]
     output: DocumentOutput,
-    /// Only frames of these statuses; without it all that are not rejected (in a dataset: references).
+    /// Only frames of these statuses; without it all that are not rejected (in a dataset:
+    /// references).
     #[arg(long, value_delimiter = ',', value_parser = parse_status)]
     status: Vec<FrameStatus>,
     /// Only frames of these cameras.
@@ -50,7 +55,8 @@ pub struct ExportArgs {
     /// Another dialect of the format: gamestate (soccernet-lines).
     #[arg(long, value_parser = ["gamestate"])]
     variant: Option<String>,
-    /// Homographies of pictures whose distortion has been taken out; in a dataset these pictures as well.
+    /// Homographies of pictures whose distortion has been taken out; in a dataset these pictures as
+    /// well.
     #[arg(long)]
     undistorted: bool,
     /// The names of keypoints.
@@ -62,13 +68,15 @@ pub struct ExportArgs {
     /// What happens to keypoints outside of the picture.
     #[arg(long, default_value = "drop", value_parser = ["drop", "keep"])]
     outside: String,
-    /// Up to so many frames that are missing between solved frames of a video get cameras between theirs, marked as interpolated.
+    /// Up to so many frames that are missing between solved frames of a video get cameras between
+    /// theirs, marked as interpolated.
     #[arg(long, value_name = "FRAMES", conflicts_with = "takes", value_parser = clap::value_parser!(u64).range(1..=100_000))]
     interpolate: Option<u64>,
     /// A gap between the frames of a video begins a new take, in a file of its own.
     #[arg(long)]
     takes: bool,
-    /// The timecode of the video's first frame, such as 10:00:00:00, or 10:00:00;00 where numbers are dropped (29.97).
+    /// The timecode of the video's first frame, such as 10:00:00:00, or 10:00:00;00 where numbers
+    /// are dropped (29.97).
     #[arg(long, value_name = "TIMECODE", value_parser = parse_timecode)]
     start: Option<Timecode>,
     /// Frames a second, such as 25, 29.97 or 30000/1001; without it from the frames' times.
@@ -89,16 +97,20 @@ pub struct ExportArgs {
     /// No person turned the camera (cdf).
     #[arg(long)]
     automated: bool,
-    /// The origin of a studio's stage on the field, m, such as 0,-20,0: tracks (opentrackio, freed, usda, chan) are in its axes.
+    /// The origin of a studio's stage on the field, m, such as 0,-20,0: tracks (opentrackio, freed,
+    /// usda, chan) are in its axes.
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     stage_origin: Option<Vec3>,
-    /// Where the stage's y axis looks, seen from above: 0 is across the field, positive to the right, degrees.
+    /// Where the stage's y axis looks, seen from above: 0 is across the field, positive to the
+    /// right, degrees.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     stage_heading: Option<f64>,
-    /// Of which frames fifa gets rotation and translation; without those of the others it is what the tasks hand out.
+    /// Of which frames fifa gets rotation and translation; without those of the others it is what
+    /// the tasks hand out.
     #[arg(long, default_value = "all", value_parser = ["all", "first"])]
     rotations: String,
-    /// How FreeD's zoom value says the focal length: focal-px, focal-mm-x100, or a file of two columns, raw value and focal length in px.
+    /// How FreeD's zoom value says the focal length: focal-px, focal-mm-x100, or a file of two
+    /// columns, raw value and focal length in px.
     #[arg(long, default_value = "focal-px")]
     zoom: String,
 }
@@ -114,8 +126,10 @@ impl ExportArgs {
     /// The stage that was named.
     fn stage(&self) -> Option<Stage> {
         let heading = self.stage_heading.filter(|degrees| degrees.is_finite());
-        (self.stage_origin.is_some() || heading.is_some())
-            .then(|| Stage { heading_deg: heading.unwrap_or(0.0), ..Stage::at(self.stage_origin.unwrap_or_default()) })
+        (self.stage_origin.is_some() || heading.is_some()).then(|| Stage {
+            heading_deg: heading.unwrap_or(0.0),
+            ..Stage::at(self.stage_origin.unwrap_or_default())
+        })
     }
 
     /// What happens where frames are missing.
@@ -129,21 +143,30 @@ impl ExportArgs {
 }
 
 /// Takes the name of a format that can go this way.
-pub(super) fn format_parser(goes: fn(Format) -> bool) -> impl clap::builder::TypedValueParser<Value = Format> {
+pub(super) fn format_parser(
+    goes: fn(Format) -> bool,
+) -> impl clap::builder::TypedValueParser<Value = Format> {
     let formats = Format::ALL.into_iter().filter(move |format| goes(*format));
     let help = |format: Format| {
-        let lost = if format.exports() { format!(" (an export loses: {})", format.loses()) } else { String::new() };
+        let lost = if format.exports() {
+            format!(" (an export loses: {})", format.loses())
+        } else {
+            String::new()
+        };
         format!("{}{lost}", format.title())
     };
-    let values: Vec<PossibleValue> =
-        formats.map(|format| PossibleValue::new(format.name()).help(help(format))).collect();
+    let values: Vec<PossibleValue> = formats
+        .map(|format| PossibleValue::new(format.name()).help(help(format)))
+        .collect();
     PossibleValuesParser::new(values)
         .try_map(|name| Format::from_name(&name).ok_or_else(|| format!("{name} is no format")))
 }
 
 /// A status as documents write it.
 fn parse_status(text: &str) -> Result<FrameStatus, String> {
-    let found = FrameStatus::ALL.into_iter().find(|status| status.as_str() == text);
+    let found = FrameStatus::ALL
+        .into_iter()
+        .find(|status| status.as_str() == text);
     found.ok_or_else(|| format!("{text} is none of new, draft, suggested, reference, rejected"))
 }
 
@@ -153,18 +176,24 @@ pub(super) fn parse_size(text: &str) -> Result<ImageSize, String> {
 }
 
 fn parse_rate(text: &str) -> Result<Rate, String> {
-    Rate::parse(text).ok_or_else(|| format!("{text} is no frame rate such as 25, 29.97 or 30000/1001"))
+    Rate::parse(text)
+        .ok_or_else(|| format!("{text} is no frame rate such as 25, 29.97 or 30000/1001"))
 }
 
 fn parse_timecode(text: &str) -> Result<Timecode, String> {
-    Timecode::parse(text).ok_or_else(|| format!("{text} is no timecode such as 10:00:00:00 or 10:00:00;00"))
+    Timecode::parse(text)
+        .ok_or_else(|| format!("{text} is no timecode such as 10:00:00:00 or 10:00:00;00"))
 }
 
 /// `0,-20,0`.
 fn parse_point(text: &str) -> Result<Vec3, String> {
-    let parts: Option<Vec<f64>> =
-        text.split(',').map(|part| part.trim().parse().ok().filter(|m: &f64| m.is_finite())).collect();
-    let point = parts.and_then(|parts| <[f64; 3]>::try_from(parts).ok()).map(Vec3::from);
+    let parts: Option<Vec<f64>> = text
+        .split(',')
+        .map(|part| part.trim().parse().ok().filter(|m: &f64| m.is_finite()))
+        .collect();
+    let point = parts
+        .and_then(|parts| <[f64; 3]>::try_from(parts).ok())
+        .map(Vec3::from);
     point.ok_or_else(|| format!("{text} is no point such as 0,-20,0"))
 }
 
@@ -177,15 +206,23 @@ pub(super) fn zoom_of(name: &str) -> anyhow::Result<Zoom> {
     };
     let text = read_named_text(Path::new(file), MAX_TABLE_BYTES);
     let text = text.with_context(|| format!("cannot read the zoom table {file}"))?;
-    let rows = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let rows = text
+        .lines()
+        .map(str::trim)
+        .filter(|line| !line.is_empty() && !line.starts_with('#'));
     let row = |line: &str| {
         let (raw, focal) = line.split_once([',', ' ', '\t'])?;
-        Some((raw.trim().parse::<f64>().ok()?, focal.trim().parse::<f64>().ok()?))
+        Some((
+            raw.trim().parse::<f64>().ok()?,
+            focal.trim().parse::<f64>().ok()?,
+        ))
     };
     let table: Option<Vec<(f64, f64)>> = rows.map(row).collect();
     match table {
         Some(table) if table.len() >= 2 => Ok(Zoom::Table(table)),
-        _ => bail!("{file} is no table of at least two rows with a raw value and a focal length in px"),
+        _ => bail!(
+            "{file} is no table of at least two rows with a raw value and a focal length in px"
+        ),
     }
 }
 
@@ -196,21 +233,38 @@ pub(super) fn zoom_of(name: &str) -> anyhow::Result<Zoom> {
 pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded { location, document } = args.document.load(messages)?;
-    let known = |name: &&String| document.cameras.iter().any(|camera| camera.id.as_str() == name.as_str());
+    let known = |name: &&String| {
+        document
+            .cameras
+            .iter()
+            .any(|camera| camera.id.as_str() == name.as_str())
+    };
     if let Some(unknown) = args.camera.iter().find(|name| !known(name)) {
         bail!("there is no camera {unknown:?} in the document");
     }
     let frames = FrameChoice {
         statuses: args.status.clone(),
-        cameras: args.camera.iter().map(|name| name.as_str().into()).collect(),
+        cameras: args
+            .camera
+            .iter()
+            .map(|name| name.as_str().into())
+            .collect(),
         min_confidence: args.min_confidence,
     };
     let Some(format) = args.format else {
         let at = document.at(location.folder());
-        return write_dataset(at, &args.dataset, frames, args.undistorted, args.output.force, messages);
+        return write_dataset(
+            at,
+            &args.dataset,
+            frames,
+            args.undistorted,
+            args.output.force,
+            messages,
+        );
     };
     if format == Format::Json && frames == FrameChoice::default() {
-        args.output.write(document.into_dataset(), location.folder())?;
+        args.output
+            .write(document.into_dataset(), location.folder())?;
         return Ok(Outcome::Done);
     }
     let options = ExportOptions {
@@ -221,13 +275,25 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         size: args.size,
         game_state: args.variant.as_deref() == Some("gamestate"),
         undistorted: args.undistorted,
-        names: if args.names == "roboflow-32" { KeypointNames::Roboflow32 } else { KeypointNames::Touchline },
+        names: if args.names == "roboflow-32" {
+            KeypointNames::Roboflow32
+        } else {
+            KeypointNames::Touchline
+        },
         keep_outside: args.outside == "keep",
-        points: if args.projected { PointSource::Projected } else { PointSource::Clicked },
+        points: if args.projected {
+            PointSource::Projected
+        } else {
+            PointSource::Clicked
+        },
         rate: args.fps,
         sensor_width_mm: args.sensor_mm,
         zoom: zoom_of(&args.zoom)?,
-        rotations: if args.rotations == "first" { Rotations::First } else { Rotations::All },
+        rotations: if args.rotations == "first" {
+            Rotations::First
+        } else {
+            Rotations::All
+        },
         recording: Recording {
             match_id: args.match_id.clone(),
             start: args.start_time.clone(),
@@ -236,14 +302,20 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         },
     };
     let exported = export_document(document.at(location.folder()), format, &options)?;
-    for note in exported.loss.iter().map(ToString::to_string).chain(exported.notes.iter().cloned()) {
+    for note in exported
+        .loss
+        .iter()
+        .map(ToString::to_string)
+        .chain(exported.notes.iter().cloned())
+    {
         messages.note(&note);
     }
     for (frame, why) in &exported.left_out {
         messages.frame_failed(frame, why);
     }
     match (exported.dataset(), &args.output.output) {
-        // A document goes where documents go: with its backup, its lock, and paths that lead to the same files.
+        // A document goes where documents go: with its backup, its lock, and paths that lead to the
+        // same files.
         (Some((dataset, folder)), _) => args.output.write(dataset.clone(), folder)?,
         (None, Some(path)) => {
             refuse_existing(path, args.output.force)?;
@@ -251,15 +323,32 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         }
         (None, None) if exported.is_folder() => bail!("{format} makes a folder; name it with -o"),
         (None, None) => {
-            let bytes = exported.files.sorted().first().map_or(&[][..], |(_, bytes)| bytes);
-            print(std::str::from_utf8(bytes).context("the format is no text; name a file with -o")?)?;
+            let bytes = exported
+                .files
+                .sorted()
+                .first()
+                .map_or(&[][..], |(_, bytes)| bytes);
+            print(
+                std::str::from_utf8(bytes).context("the format is no text; name a file with -o")?,
+            )?;
         }
     }
     let proof = if exported.format.is_proved() {
-        format!("; read again, landmarks are within {:.1e} px", exported.worst_px)
+        format!(
+            "; read again, landmarks are within {:.1e} px",
+            exported.worst_px
+        )
     } else {
         String::new()
     };
-    messages.note(&format!("{} written as {}{proof}", counted(exported.frames, "frame"), exported.format));
-    Ok(if exported.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
+    messages.note(&format!(
+        "{} written as {}{proof}",
+        counted(exported.frames, "frame"),
+        exported.format
+    ));
+    Ok(if exported.left_out.is_empty() {
+        Outcome::Done
+    } else {
+        Outcome::SomeFailed
+    })
 }

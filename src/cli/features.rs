@@ -13,7 +13,8 @@ pub struct FeaturesArg {
 }
 
 impl FeaturesArg {
-    /// Where the features of a document's pictures are kept; in memory where there is no document on disk.
+    /// Where the features of a document's pictures are kept; in memory where there is no document
+    /// on disk.
     pub fn store(&self, document: Option<&Path>) -> FeatureStore {
         match document.filter(|_| !self.no_cache) {
             Some(file) => FeatureStore::on_disk(&WorkFolder::beside(file)),

@@ -15,7 +15,9 @@ use touchline_application::render::{Layer, Offscreen, View};
 use touchline_application::scene::OverlayStyle;
 use touchline_application::scene::field_map::{FieldMap, SURROUND, field_map};
 use touchline_application::scene::overlay::OverlayScene;
-use touchline_core::field::{Curve, FieldLine, FieldModel, Template, builtin, builtin_names, svg, template_named};
+use touchline_core::field::{
+    Curve, FieldLine, FieldModel, Template, builtin, builtin_names, svg, template_named,
+};
 use touchline_core::geometry::Vec3;
 
 /// Ground around the field on a PNG, m.
@@ -23,10 +25,12 @@ const MAP_MARGIN_M: f64 = 3.0;
 /// The longer side of a PNG is about this long, px.
 const MAP_WIDTH_PX: f64 = 1600.0;
 
-/// Lists the field templates: parameters with their ranges and sources, landmarks with coordinates, lines.
+/// Lists the field templates: parameters with their ranges and sources, landmarks with coordinates,
+/// lines.
 #[derive(clap::Args, Debug)]
 pub struct FieldsArgs {
-    /// A built-in template, or the path of your own (a file ending in .json); all built-in ones if none is named.
+    /// A built-in template, or the path of your own (a file ending in .json); all built-in ones if
+    /// none is named.
     #[arg(value_name = "NAME")]
     name: Option<String>,
     /// A parameter of the named template: `length_m=105`; may be repeated.
@@ -43,12 +47,15 @@ pub struct FieldsArgs {
 /// Carries out the command.
 ///
 /// # Errors
-/// There is no such template, it is broken, a parameter is outside its range, or the drawing cannot be written.
+/// There is no such template, it is broken, a parameter is outside its range, or the drawing cannot
+/// be written.
 pub fn fields(args: &FieldsArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let params: BTreeMap<String, f64> = args.set.iter().cloned().collect();
     let Some(name) = &args.name else {
         if args.render.is_some() || !params.is_empty() {
-            bail!("--render and --set need the NAME of one template; `touchline fields` lists them");
+            bail!(
+                "--render and --set need the NAME of one template; `touchline fields` lists them"
+            );
         }
         let filled = builtin_names()
             .into_iter()
@@ -73,11 +80,16 @@ pub fn fields(args: &FieldsArgs, messages: Messages) -> anyhow::Result<Outcome> 
 
 fn list(filled: &[(&Template, FieldModel)], messages: Messages) -> anyhow::Result<()> {
     print(&match messages {
-        Messages::Text => {
-            filled.iter().map(|(template, field)| listing(template, field)).collect::<Vec<_>>().join("\n")
-        }
+        Messages::Text => filled
+            .iter()
+            .map(|(template, field)| listing(template, field))
+            .collect::<Vec<_>>()
+            .join("\n"),
         Messages::Json => {
-            let templates: Vec<Value> = filled.iter().map(|(template, field)| described(template, field)).collect();
+            let templates: Vec<Value> = filled
+                .iter()
+                .map(|(template, field)| described(template, field))
+                .collect();
             format!("{:#}\n", json!({ "templates": templates }))
         }
     })
@@ -92,11 +104,28 @@ fn listing(template: &Template, field: &FieldModel) -> String {
     }
     out.push_str("  parameters\n");
     for param in &template.params {
-        let value = field.params.get(&param.name).copied().unwrap_or(param.default);
-        let (name, min, max, source) = (&param.name, metres(param.min), metres(param.max), &param.source);
-        let _ = writeln!(out, "    {name} = {} ({min} to {max} m; {source})", metres(value));
+        let value = field
+            .params
+            .get(&param.name)
+            .copied()
+            .unwrap_or(param.default);
+        let (name, min, max, source) = (
+            &param.name,
+            metres(param.min),
+            metres(param.max),
+            &param.source,
+        );
+        let _ = writeln!(
+            out,
+            "    {name} = {} ({min} to {max} m; {source})",
+            metres(value)
+        );
     }
-    let _ = writeln!(out, "  {} landmarks: name, code, x y z in m", field.landmarks.len());
+    let _ = writeln!(
+        out,
+        "  {} landmarks: name, code, x y z in m",
+        field.landmarks.len()
+    );
     for landmark in &field.landmarks {
         let _ = writeln!(
             out,
@@ -109,7 +138,11 @@ fn listing(template: &Template, field: &FieldModel) -> String {
             landmark.label
         );
     }
-    let _ = writeln!(out, "  {} lines: name, code, shape, width and edge of the paint", field.lines.len());
+    let _ = writeln!(
+        out,
+        "  {} lines: name, code, shape, width and edge of the paint",
+        field.lines.len()
+    );
     for line in &field.lines {
         let shape = shape_name(&line.curve);
         let painted = if line.painted { "" } else { ", not painted" };
@@ -130,7 +163,11 @@ fn listing(template: &Template, field: &FieldModel) -> String {
 fn metres(value: f64) -> String {
     let text = format!("{value:.3}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+    if text == "-0" {
+        "0".to_owned()
+    } else {
+        text.to_owned()
+    }
 }
 
 fn shape_name(curve: &Curve) -> &'static str {
@@ -151,7 +188,10 @@ fn described(template: &Template, field: &FieldModel) -> Value {
         (param.name.clone(), value)
     });
     let dimensions = template.dimensions.iter().map(|dimension| {
-        (dimension.name.clone(), json!({ "value": dimension.value.text(), "source": dimension.source }))
+        (
+            dimension.name.clone(),
+            json!({ "value": dimension.value.text(), "source": dimension.source }),
+        )
     });
     let landmarks: Vec<Value> = field
         .landmarks
@@ -186,7 +226,12 @@ fn described_line(line: &FieldLine) -> Value {
             value["from_m"] = json!(triple(from));
             value["to_m"] = json!(triple(to));
         }
-        Curve::Arc { centre, radius_m, start, sweep } => {
+        Curve::Arc {
+            centre,
+            radius_m,
+            start,
+            sweep,
+        } => {
             value["centre_m"] = json!(triple(centre));
             value["radius_m"] = json!(radius_m);
             value["start_deg"] = json!(start.degrees());
@@ -203,11 +248,18 @@ fn triple(point: Vec3) -> [f64; 3] {
 
 fn render(field: &FieldModel, path: &Path, force: bool) -> anyhow::Result<()> {
     refuse_existing(path, force)?;
-    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let extension = path
+        .extension()
+        .and_then(|extension| extension.to_str())
+        .unwrap_or_default()
+        .to_ascii_lowercase();
     match extension.as_str() {
         "svg" => write_file(path, svg(field).as_bytes(), force),
         "png" => write_file(path, &png(field)?, force),
-        _ => bail!("--render {}: the name must end with .svg or .png", path.display()),
+        _ => bail!(
+            "--render {}: the name must end with .svg or .png",
+            path.display()
+        ),
     }
 }
 
@@ -218,9 +270,18 @@ fn png(field: &FieldModel) -> anyhow::Result<Vec<u8>> {
     let size = map.size_px();
     let style = OverlayStyle::default();
     let drawing = field_map(&OverlayScene::new(field, size, &style), &map);
-    let layers = [Layer::Drawing(Arc::new(drawing.ground)), Layer::Drawing(Arc::new(drawing.over))];
-    let drawn = Offscreen::new()?.render(&View::one_to_one([size.width, size.height]), SURROUND, &layers)?;
+    let layers = [
+        Layer::Drawing(Arc::new(drawing.ground)),
+        Layer::Drawing(Arc::new(drawing.over)),
+    ];
+    let drawn = Offscreen::new()?.render(
+        &View::one_to_one([size.width, size.height]),
+        SURROUND,
+        &layers,
+    )?;
     let mut png = Cursor::new(Vec::new());
-    drawn.write_to(&mut png, image::ImageFormat::Png).context("cannot encode the PNG")?;
+    drawn
+        .write_to(&mut png, image::ImageFormat::Png)
+        .context("cannot encode the PNG")?;
     Ok(png.into_inner())
 }

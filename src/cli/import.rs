@@ -9,7 +9,9 @@ use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, counted};
-use touchline_documents::exchange::{Format, ImportOptions, Imported, LabelMap, Pixels, import as import_document};
+use touchline_documents::exchange::{
+    Format, ImportOptions, Imported, LabelMap, Pixels, import as import_document,
+};
 
 /// Makes a document of the files of another program.
 #[derive(clap::Args, Debug)]
@@ -36,7 +38,8 @@ pub struct ImportArgs {
     /// Where pixels are counted from, where the format leaves it open.
     #[arg(long, value_parser = ["corner", "centre"])]
     pixels: Option<String>,
-    /// What labels mean: touchline, roboflow-32, roboflow-32-captions, soccernet, or a JSON file {"label": "landmark or line"}.
+    /// What labels mean: touchline, roboflow-32, roboflow-32-captions, soccernet, or a JSON file
+    /// {"label": "landmark or line"}.
     #[arg(long, default_value = "touchline")]
     map: String,
     /// Labels without meaning are left out.
@@ -45,7 +48,8 @@ pub struct ImportArgs {
     /// Whose annotations are read, where a file has several.
     #[arg(long)]
     annotator: Option<String>,
-    /// How FreeD's zoom value says the focal length: focal-px, focal-mm-x100, or a file of two columns, raw value and focal length in px.
+    /// How FreeD's zoom value says the focal length: focal-px, focal-mm-x100, or a file of two
+    /// columns, raw value and focal length in px.
     #[arg(long)]
     zoom: Option<String>,
     /// The width of the camera's sensor, mm.
@@ -63,7 +67,10 @@ fn label_map(name: &str) -> anyhow::Result<LabelMap> {
         file => {
             let text = read_named_text(Path::new(file), MAX_TABLE_BYTES);
             let text = text.with_context(|| format!("cannot read the map {file}"))?;
-            LabelMap::Own(serde_json::from_str(&text).with_context(|| format!("{file} is no map of labels"))?)
+            LabelMap::Own(
+                serde_json::from_str(&text)
+                    .with_context(|| format!("{file} is no map of labels"))?,
+            )
         }
     })
 }
@@ -78,7 +85,13 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         field: read_field(&args.field, &args.set)?,
         images: args.images.clone(),
         size: args.size,
-        pixels: args.pixels.as_deref().map(|pixels| if pixels == "centre" { Pixels::Centre } else { Pixels::Corner }),
+        pixels: args.pixels.as_deref().map(|pixels| {
+            if pixels == "centre" {
+                Pixels::Centre
+            } else {
+                Pixels::Corner
+            }
+        }),
         map: label_map(&args.map)?,
         skip_unmapped: args.skip_unmapped,
         annotator: args.annotator.clone(),
@@ -88,16 +101,30 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     let imported = match args.format {
         // A document has a journal beside it.
         Format::Json => {
-            let Loaded { location, document } = DocumentArg { document: args.path.clone() }.load(messages)?;
-            Imported { document, folder: location.folder().to_path_buf(), notes: Vec::new() }
+            let Loaded { location, document } = DocumentArg {
+                document: args.path.clone(),
+            }
+            .load(messages)?;
+            Imported {
+                document,
+                folder: location.folder().to_path_buf(),
+                notes: Vec::new(),
+            }
         }
         format => import_document(&args.path, format, &options)?,
     };
     for note in &imported.notes {
         messages.note(note);
     }
-    let (frames, cameras) = (imported.document.frames.len(), imported.document.cameras.len());
+    let (frames, cameras) = (
+        imported.document.frames.len(),
+        imported.document.cameras.len(),
+    );
     args.output.write(imported.document, &imported.folder)?;
-    messages.note(&format!("{} of {}", counted(frames, "frame"), counted(cameras, "camera")));
+    messages.note(&format!(
+        "{} of {}",
+        counted(frames, "frame"),
+        counted(cameras, "camera")
+    ));
     Ok(Outcome::Done)
 }

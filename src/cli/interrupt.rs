@@ -13,13 +13,18 @@ pub const EXIT_CODE: u8 = 130;
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Begins to listen. Pressed twice, Ctrl-C ends the program at once; where the system lets nobody listen, it does so the first
-    /// time, as it always does.
+    /// Begins to listen. Pressed twice, Ctrl-C ends the program at once; where the system lets
+    /// nobody listen, it does so the first time, as it always does.
     pub fn listen() -> Self {
         let pressed = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
-            // The second time ends it: whoever is asked first sees the flag that the first time has set.
-            let ends = flag::register_conditional_shutdown(signal, i32::from(EXIT_CODE), Arc::clone(&pressed));
+            // The second time ends it: whoever is asked first sees the flag that the first time has
+            // set.
+            let ends = flag::register_conditional_shutdown(
+                signal,
+                i32::from(EXIT_CODE),
+                Arc::clone(&pressed),
+            );
             if ends.is_ok() {
                 let _ = flag::register(signal, Arc::clone(&pressed));
             }
@@ -29,7 +34,11 @@ impl Interrupt {
 
     /// Whether to go on: a break once it was pressed.
     pub fn check(&self) -> ControlFlow<()> {
-        if self.is_pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.is_pressed() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     }
 
     /// Whether it was pressed.
@@ -48,7 +57,13 @@ mod tests {
         let interrupt = Interrupt::listen();
         assert!(!interrupt.is_pressed());
         let process = std::process::id().to_string();
-        assert!(std::process::Command::new("kill").args(["-INT", &process]).status().unwrap().success());
+        assert!(
+            std::process::Command::new("kill")
+                .args(["-INT", &process])
+                .status()
+                .unwrap()
+                .success()
+        );
         while !interrupt.is_pressed() {
             std::thread::yield_now();
         }

@@ -28,7 +28,13 @@ struct Shown {
 impl MatchReport {
     /// Nothing has been said yet.
     pub const fn new(messages: Messages) -> Self {
-        Self { messages, shown: Mutex::new(Shown { bar: None, tracking: TrackingReport::new(messages) }) }
+        Self {
+            messages,
+            shown: Mutex::new(Shown {
+                bar: None,
+                tracking: TrackingReport::new(messages),
+            }),
+        }
     }
 
     /// Says what happened.
@@ -41,25 +47,42 @@ impl MatchReport {
                 bar.set_message(progress.to_string());
                 bar.set_position((progress.share_of_step() * PARTS as f64) as u64);
             }
-            MatchEvent::Unreadable { frame, error } => messages.frame_failed(&frame, &error.to_string()),
-            MatchEvent::Found { camera, found, separate_frames } => {
+            MatchEvent::Unreadable { frame, error } => {
+                messages.frame_failed(&frame, &error.to_string())
+            }
+            MatchEvent::Found {
+                camera,
+                found,
+                separate_frames,
+            } => {
                 shown.clear();
                 if let Some(count) = separate_frames {
                     messages.note(&format!("{count} frames are of another camera, {camera}:"));
                 }
                 describe_found(&found, messages);
             }
-            MatchEvent::OtherNotFound { document, camera, why, separate_frames } => {
+            MatchEvent::OtherNotFound {
+                document,
+                camera,
+                why,
+                separate_frames,
+            } => {
                 shown.clear();
                 let why = describe_no_camera(&document, &why);
-                messages.note(&format!("{separate_frames} frames are of another camera, {camera}: {why}"));
+                messages.note(&format!(
+                    "{separate_frames} frames are of another camera, {camera}: {why}"
+                ));
             }
             MatchEvent::Learning(LearningProgress::Features { done, of }) => {
-                shown.bar_of(messages, "Learning from the frames found", of).set_position(done as u64);
+                shown
+                    .bar_of(messages, "Learning from the frames found", of)
+                    .set_position(done as u64);
             }
             MatchEvent::Learning(LearningProgress::Training(_)) => {}
             MatchEvent::Asking { done, of } => {
-                shown.bar_of(messages, "Asking for the other frames", of).set_position(done as u64);
+                shown
+                    .bar_of(messages, "Asking for the other frames", of)
+                    .set_position(done as u64);
             }
             MatchEvent::Tracking(event) => {
                 shown.clear();
@@ -75,7 +98,10 @@ impl Shown {
         if self.bar.as_ref().is_some_and(|(shown, _)| *shown != what) {
             self.clear();
         }
-        &self.bar.get_or_insert_with(|| (what, messages.progress(count, what))).1
+        &self
+            .bar
+            .get_or_insert_with(|| (what, messages.progress(count, what)))
+            .1
     }
 
     fn clear(&mut self) {
@@ -94,7 +120,11 @@ impl Drop for Shown {
 /// Why no camera is given, in words.
 pub fn describe_no_camera(document: &Document, why: &NoCamera) -> String {
     match why {
-        NoCamera::Two { best, other, deciding } => two_answers(document, best, other, deciding.as_ref()),
+        NoCamera::Two {
+            best,
+            other,
+            deciding,
+        } => two_answers(document, best, other, deciding.as_ref()),
         NoCamera::Abstained(why) => why.to_string(),
     }
 }
@@ -114,11 +144,20 @@ fn two_answers(
         || "click 4 landmarks on 2 frames".to_owned(),
         |deciding| {
             let frame = document.frames[deciding.frame].name();
-            let [here, there] = deciding.image.map(|image| format!("({:.0}, {:.0})", image.x, image.y));
-            format!("one click decides: {} on {frame} is at {here} or at {there} px", deciding.landmark.as_str())
+            let [here, there] = deciding
+                .image
+                .map(|image| format!("({:.0}, {:.0})", image.x, image.y));
+            format!(
+                "one click decides: {} on {frame} is at {here} or at {there} px",
+                deciding.landmark.as_str()
+            )
         },
     );
-    format!("two places for the camera explain the paint, {} and {}, so none is given; {click}", at(best), at(other))
+    format!(
+        "two places for the camera explain the paint, {} and {}, so none is given; {click}",
+        at(best),
+        at(other)
+    )
 }
 
 /// What was found and what speaks for it.
@@ -126,7 +165,11 @@ fn describe_found(found: &AutocalibratedCamera, messages: Messages) {
     for size in &found.sizes {
         messages.note(&describe_size(size));
     }
-    let (at, sigma, evidence) = (found.base.position_m, found.base.sigma.position_m, &found.evidence);
+    let (at, sigma, evidence) = (
+        found.base.position_m,
+        found.base.sigma.position_m,
+        &found.evidence,
+    );
     messages.note(&format!(
         "position ({:.2}, {:.2}, {:.2}) ± ({:.2}, {:.2}, {:.2}) m, crown {:.2} m",
         at.x, at.y, at.z, sigma.x, sigma.y, sigma.z, found.field.crown_m

@@ -16,9 +16,10 @@ const CONFLICTS: &str = "conflicts.json";
 
 /// Joins what several people made of one document.
 ///
-/// A frame or camera that one of them changed is taken from that one. What two of them changed differently is listed, exit 1: the first one's
-/// stays, and the other's frames are written to a document beside the result (….conflicts.json). Packages of `touchline split` are
-/// taken as they come back.
+/// A frame or camera that one of them changed is taken from that one. What two of them changed
+/// differently is listed, exit 1: the first one's stays, and the other's frames are written to a
+/// document beside the result (….conflicts.json). Packages of `touchline split` are taken as they
+/// come back.
 #[derive(clap::Args, Debug)]
 pub struct MergeArgs {
     /// The document that all of them started from.
@@ -37,7 +38,13 @@ pub struct MergeArgs {
 /// A document cannot be read, or the result cannot be written.
 pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
-    let Loaded { location, document: base } = DocumentArg { document: args.base.clone() }.load(messages)?;
+    let Loaded {
+        location,
+        document: base,
+    } = DocumentArg {
+        document: args.base.clone(),
+    }
+    .load(messages)?;
     let folder = location.folder();
     let mut merged: Option<Document> = None;
     let mut not_taken = NotTaken::default();
@@ -47,9 +54,18 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
             merged = Some(version);
             continue;
         };
-        let Merged { document, conflicts } = merge_documents(&base, &ours, &version);
+        let Merged {
+            document,
+            conflicts,
+        } = merge_documents(&base, &ours, &version);
         for conflict in &conflicts {
-            messages.frame_failed(conflict, &format!("{} has it otherwise; what came before it stays", path.display()));
+            messages.frame_failed(
+                conflict,
+                &format!(
+                    "{} has it otherwise; what came before it stays",
+                    path.display()
+                ),
+            );
         }
         not_taken.add(&version, conflicts);
         merged = Some(document);
@@ -63,27 +79,52 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
         args.versions.len(),
         counted(not_taken.names.len(), "conflict")
     ));
-    let Some(others) = not_taken.document else { return Ok(Outcome::Done) };
+    let Some(others) = not_taken.document else {
+        return Ok(Outcome::Done);
+    };
     if let Some(beside) = args.output.output.as_deref().map(beside) {
         let said = beside.display().to_string();
-        DocumentOutput { output: Some(beside), force: args.output.force }.write(others, folder)?;
-        messages.note(&format!("the other versions of what two changed are in {said}"));
+        DocumentOutput {
+            output: Some(beside),
+            force: args.output.force,
+        }
+        .write(others, folder)?;
+        messages.note(&format!(
+            "the other versions of what two changed are in {said}"
+        ));
     }
     Ok(Outcome::SomeFailed)
 }
 
-/// A version with its relative paths from the base's folder, and with the frames of the base that a package was not given.
-fn read_version(base: &Document, folder: &Path, path: &Path, messages: Messages) -> anyhow::Result<Document> {
-    let Loaded { location, document } = DocumentArg { document: path.to_path_buf() }.load(messages)?;
+/// A version with its relative paths from the base's folder, and with the frames of the base that a
+/// package was not given.
+fn read_version(
+    base: &Document,
+    folder: &Path,
+    path: &Path,
+    messages: Messages,
+) -> anyhow::Result<Document> {
+    let Loaded { location, document } = DocumentArg {
+        document: path.to_path_buf(),
+    }
+    .load(messages)?;
     let moved = restore_version(base.at(folder), &document)?;
     // What the base has lies where the base says; only what is new comes from elsewhere.
     let mut relocated = moved.clone().relocated(location.folder(), folder);
     for frame in &mut relocated.frames {
-        if let Some(known) = base.frames.by_id(&frame.id).and_then(|_| moved.frames.by_id(&frame.id)) {
+        if let Some(known) = base
+            .frames
+            .by_id(&frame.id)
+            .and_then(|_| moved.frames.by_id(&frame.id))
+        {
             *frame = known.clone();
         }
     }
-    Ok(Document { field: moved.field, cameras: moved.cameras, ..relocated })
+    Ok(Document {
+        field: moved.field,
+        cameras: moved.cameras,
+        ..relocated
+    })
 }
 
 /// The versions that two people made differently and that were not taken.
@@ -98,16 +139,28 @@ impl NotTaken {
         if conflicts.is_empty() {
             return;
         }
-        let frames = version.frames.iter().filter(|frame| conflicts.contains(&frame.name())).cloned();
-        let document = self.document.get_or_insert_with(|| Document { frames: Frames::new(), ..version.clone() });
+        let frames = version
+            .frames
+            .iter()
+            .filter(|frame| conflicts.contains(&frame.name()))
+            .cloned();
+        let document = self.document.get_or_insert_with(|| Document {
+            frames: Frames::new(),
+            ..version.clone()
+        });
         document.frames.extend(frames);
         self.names.extend(conflicts);
     }
 }
 
-/// The file beside the result: `merged.json` has `merged.conflicts.json`, a project `project.conflicts.json`.
+/// The file beside the result: `merged.json` has `merged.conflicts.json`, a project
+/// `project.conflicts.json`.
 fn beside(output: &Path) -> PathBuf {
-    let file = if output.is_dir() { output.join(store::PROJECT_FILE) } else { output.to_path_buf() };
+    let file = if output.is_dir() {
+        output.join(store::PROJECT_FILE)
+    } else {
+        output.to_path_buf()
+    };
     file.with_extension(CONFLICTS)
 }
 
@@ -118,8 +171,14 @@ mod tests {
 
     #[test]
     fn the_other_versions_lie_beside_the_result() {
-        assert_eq!(beside(Path::new("out/merged.json")), Path::new("out/merged.conflicts.json"));
+        assert_eq!(
+            beside(Path::new("out/merged.json")),
+            Path::new("out/merged.conflicts.json")
+        );
         let folder = tempfile::tempdir().unwrap();
-        assert_eq!(beside(folder.path()), folder.path().join("project.conflicts.json"));
+        assert_eq!(
+            beside(folder.path()),
+            folder.path().join("project.conflicts.json")
+        );
     }
 }

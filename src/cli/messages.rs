@@ -31,11 +31,16 @@ impl Messages {
         self.write("error", None, message);
     }
 
-    /// A bar that shows how many of `count` are done; on a terminal only, and not among messages for machines.
+    /// A bar that shows how many of `count` are done; on a terminal only, and not among messages
+    /// for machines.
     #[must_use]
     pub fn progress(self, count: usize, what: &'static str) -> ProgressBar {
         let shown = self == Self::Text && std::io::stderr().is_terminal();
-        let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let target = if shown {
+            ProgressDrawTarget::stderr()
+        } else {
+            ProgressDrawTarget::hidden()
+        };
         let bar = ProgressBar::with_draw_target(Some(count as u64), target).with_message(what);
         match ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
             Ok(style) => bar.with_style(style),
@@ -53,10 +58,15 @@ impl Messages {
         let (frame, message) = (frame.map(bounded), &bounded(message));
         match (self, frame) {
             (Self::Text, None) => plain(&one_line(&format!("touchline: {message}"))),
-            (Self::Text, Some(frame)) => plain(&one_line(&format!("touchline: {frame}: {message}"))),
-            (Self::Json, None) => serde_json::json!({ "level": level, "message": message }).to_string(),
+            (Self::Text, Some(frame)) => {
+                plain(&one_line(&format!("touchline: {frame}: {message}")))
+            }
+            (Self::Json, None) => {
+                serde_json::json!({ "level": level, "message": message }).to_string()
+            }
             (Self::Json, Some(frame)) => {
-                serde_json::json!({ "level": level, "frame": frame, "message": message }).to_string()
+                serde_json::json!({ "level": level, "frame": frame, "message": message })
+                    .to_string()
             }
         }
     }
@@ -86,7 +96,11 @@ fn bounded(message: &str) -> String {
 }
 
 fn one_line(text: &str) -> String {
-    text.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
+    text.lines()
+        .map(str::trim)
+        .filter(|line| !line.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 #[cfg(test)]
@@ -105,8 +119,7 @@ mod tests {
     fn a_terminal_obeys_nothing_in_a_message() {
         let hostile = "\u{1b}]0;owned\u{7} \u{1b}[2Jé\u{9b}31m a\u{202e}gpj.exe\r\u{200b}";
         let text = Messages::Text.line("error", Some("\u{8}x.jpg"), hostile);
-        let wanted =
-            "touchline: \\u{8}x.jpg: \\u{1b}]0;owned\\u{7} \\u{1b}[2Jé\\u{9b}31m a\\u{202e}gpj.exe\\r\\u{200b}";
+        let wanted = "touchline: \\u{8}x.jpg: \\u{1b}]0;owned\\u{7} \\u{1b}[2Jé\\u{9b}31m a\\u{202e}gpj.exe\\r\\u{200b}";
         assert_eq!(text, wanted);
     }
 
@@ -116,7 +129,10 @@ mod tests {
         for messages in [Messages::Text, Messages::Json] {
             let line = messages.line("error", None, &long);
             assert!(line.chars().count() < 1100, "{}", line.len());
-            assert!(line.contains("wrong: x") && line.contains("mend it so"), "{line}");
+            assert!(
+                line.contains("wrong: x") && line.contains("mend it so"),
+                "{line}"
+            );
         }
     }
 }

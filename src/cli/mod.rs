@@ -1,8 +1,8 @@
 //! The command line: one file per command.
 //!
-//! Results go to `-o` or standard output, messages and progress to standard error. Exit 0: done; 1: done, but some
-//! frames could not be (they are named); 2: wrong usage or unreadable input, in one line; 130: stopped by Ctrl-C, what was done
-//! is kept.
+//! Results go to `-o` or standard output, messages and progress to standard error. Exit 0: done; 1:
+//! done, but some frames could not be (they are named); 2: wrong usage or unreadable input, in one
+//! line; 130: stopped by Ctrl-C, what was done is kept.
 
 mod calibrate;
 mod check;
@@ -103,10 +103,19 @@ pub fn run() -> Next {
         Err(error) if error.use_stderr() => return Next::Exit(wrong_usage(&error)),
         Err(help) => help.exit(),
     };
-    let messages = if cli.json { Messages::Json } else { Messages::Text };
-    let Some(command) = cli.command else { return Next::Window(cli.document) };
+    let messages = if cli.json {
+        Messages::Json
+    } else {
+        Messages::Text
+    };
+    let Some(command) = cli.command else {
+        return Next::Window(cli.document);
+    };
     if let Some(document) = cli.document {
-        messages.error(&format!("{} comes before the command; put it after the command", document.display()));
+        messages.error(&format!(
+            "{} comes before the command; put it after the command",
+            document.display()
+        ));
         return Next::Exit(ExitCode::from(2));
     }
     let result: anyhow::Result<Outcome> = match command {
@@ -158,7 +167,11 @@ fn exit_code(result: anyhow::Result<Outcome>, messages: Messages) -> ExitCode {
 
 /// Says what was wrong with the arguments.
 fn wrong_usage(error: &clap::Error) -> ExitCode {
-    let messages = if std::env::args_os().any(|arg| arg == "--json") { Messages::Json } else { Messages::Text };
+    let messages = if std::env::args_os().any(|arg| arg == "--json") {
+        Messages::Json
+    } else {
+        Messages::Text
+    };
     messages.error(&usage_line(error));
     ExitCode::from(2)
 }
@@ -166,9 +179,14 @@ fn wrong_usage(error: &clap::Error) -> ExitCode {
 /// In one line what was wrong with the arguments.
 fn usage_line(error: &clap::Error) -> String {
     let text = error.to_string();
-    let what =
-        text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more")).map(str::trim);
-    let what = what.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
+    let what = text
+        .lines()
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"))
+        .map(str::trim);
+    let what = what
+        .filter(|line| !line.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ");
     let what = what.strip_prefix("error: ").unwrap_or(&what);
     format!("{what}; see touchline --help")
 }
@@ -177,7 +195,9 @@ fn usage_line(error: &clap::Error) -> String {
 #[cfg(fuzzing)]
 pub fn said_of<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let error = Cli::try_parse_from(std::iter::once("touchline").chain(arguments)).err()?;
-    error.use_stderr().then(|| Messages::Text.line("error", None, &usage_line(&error)))
+    error
+        .use_stderr()
+        .then(|| Messages::Text.line("error", None, &usage_line(&error)))
 }
 
 #[cfg(test)]
@@ -188,9 +208,17 @@ mod tests {
     #[test]
     fn a_cause_is_said_once() {
         let cause = || std::io::Error::other("no space");
-        let named = touchline_documents::exchange::ExchangeError::Write { path: "a".into(), source: cause() };
-        assert_eq!(said_once(&anyhow::Error::from(named)), "cannot write a: no space");
-        let wrapped = Err::<(), _>(cause()).context("cannot read the map").unwrap_err();
+        let named = touchline_documents::exchange::ExchangeError::Write {
+            path: "a".into(),
+            source: cause(),
+        };
+        assert_eq!(
+            said_once(&anyhow::Error::from(named)),
+            "cannot write a: no space"
+        );
+        let wrapped = Err::<(), _>(cause())
+            .context("cannot read the map")
+            .unwrap_err();
         assert_eq!(said_once(&wrapped), "cannot read the map: no space");
     }
 }

@@ -30,17 +30,22 @@ pub struct NewArgs {
     /// Take every n-th frame only.
     #[arg(long, value_name = "N", default_value = "1")]
     every: std::num::NonZeroUsize,
-    /// Make the project even if the folder is not empty; an existing project.json is kept as project.json.bak.
+    /// Make the project even if the folder is not empty; an existing project.json is kept as
+    /// project.json.bak.
     #[arg(long)]
     force: bool,
 }
 
 /// Reads a field parameter: `length_m=105`.
 pub(super) fn parameter(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("write NAME=NUMBER, such as length_m=105")?;
+    let (name, value) = text
+        .split_once('=')
+        .ok_or("write NAME=NUMBER, such as length_m=105")?;
     match value.trim().parse::<f64>() {
         Ok(number) if number.is_finite() => Ok((name.trim().to_owned(), number)),
-        _ => Err(format!("{value:?} is not a number; write NAME=NUMBER, such as length_m=105")),
+        _ => Err(format!(
+            "{value:?} is not a number; write NAME=NUMBER, such as length_m=105"
+        )),
     }
 }
 
@@ -72,15 +77,28 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     for (name, error) in &made.left_out {
         messages.frame_failed(name, &error.to_string());
     }
-    ensure!(!made.document.frames.is_empty(), "{}: none of the images can be read", args.frames.display());
+    ensure!(
+        !made.document.frames.is_empty(),
+        "{}: none of the images can be read",
+        args.frames.display()
+    );
     refuse_unwritable(&made.document, &folder)?;
     let location = Location::for_new_document(&folder.join(""))?;
     store::write_document(&location, &made.document, args.force)?;
-    messages.note(&format!("{}: {}", location.file().display(), counted(made.document.frames.len(), "frame")));
-    Ok(if made.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
+    messages.note(&format!(
+        "{}: {}",
+        location.file().display(),
+        counted(made.document.frames.len(), "frame")
+    ));
+    Ok(if made.left_out.is_empty() {
+        Outcome::Done
+    } else {
+        Outcome::SomeFailed
+    })
 }
 
-/// The field as asked for; a template file's path is made absolute, as it is given relative to the working directory.
+/// The field as asked for; a template file's path is made absolute, as it is given relative to the
+/// working directory.
 ///
 /// # Errors
 /// There is no such template, or it does not take a parameter.
@@ -88,7 +106,9 @@ pub(super) fn read_field(template: &str, params: &[(String, f64)]) -> anyhow::Re
     let mut field = FieldSpec::new(template);
     if field.is_file() {
         let path = std::path::absolute(template)?;
-        path.to_str().context("the template's path is not UTF-8; rename it")?.clone_into(&mut field.template);
+        path.to_str()
+            .context("the template's path is not UTF-8; rename it")?
+            .clone_into(&mut field.template);
     }
     field.params = params.iter().cloned().collect();
     field.model(Path::new(""))?;
@@ -101,9 +121,23 @@ mod tests {
 
     #[test]
     fn a_parameter_is_a_name_and_a_number() {
-        assert_eq!(parameter("length_m=101.5"), Ok(("length_m".to_owned(), 101.5)));
-        for wrong in ["length_m", "length_m=", "length_m=NaN", "length_m=inf", "length_m=1e999"] {
-            assert!(parameter(wrong).unwrap_err().ends_with("write NAME=NUMBER, such as length_m=105"), "{wrong}");
+        assert_eq!(
+            parameter("length_m=101.5"),
+            Ok(("length_m".to_owned(), 101.5))
+        );
+        for wrong in [
+            "length_m",
+            "length_m=",
+            "length_m=NaN",
+            "length_m=inf",
+            "length_m=1e999",
+        ] {
+            assert!(
+                parameter(wrong)
+                    .unwrap_err()
+                    .ends_with("write NAME=NUMBER, such as length_m=105"),
+                "{wrong}"
+            );
         }
     }
 }

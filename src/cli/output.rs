@@ -1,14 +1,17 @@
-//! Results that go to files: whole or not at all, and never over something that exists without `--force`. Links,
-//! pipes and devices are written through.
+//! Results that go to files: whole or not at all, and never over something that exists without
+//! `--force`. Links, pipes and devices are written through.
 
 use anyhow::{Context as _, anyhow, bail};
 use std::io::Write as _;
 use std::path::Path;
-use touchline_core::files::{refuse_part_of_project, remove_stray_files, temporary_file_in, way_out};
+use touchline_core::files::{
+    refuse_part_of_project, remove_stray_files, temporary_file_in, way_out,
+};
 use touchline_documents::report::Report;
 use touchline_documents::store::{write_new, write_output};
 
-/// Refuses a path that exists, unless `force`, and one where nothing can be written; to be called before the work begins.
+/// Refuses a path that exists, unless `force`, and one where nothing can be written; to be called
+/// before the work begins.
 ///
 /// # Errors
 /// Something is there, or the folder takes no file.
@@ -18,11 +21,16 @@ pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
         return Ok(());
     }
     if !force && path.exists() && !is_empty_folder(path) {
-        bail!("{} already exists; give --force to replace it, or another -o", path.display());
+        bail!(
+            "{} already exists; give --force to replace it, or another -o",
+            path.display()
+        );
     }
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     // Folders that are missing are made; what holds them must take them.
-    let Some(folder) = path.ancestors().skip(1).find(|folder| folder.exists()) else { return Ok(()) };
+    let Some(folder) = path.ancestors().skip(1).find(|folder| folder.exists()) else {
+        return Ok(());
+    };
     remove_stray_files(folder);
     temporary_file_in(folder).map(drop).map_err(|error| {
         let (path, folder, way_out) = (path.display(), folder.display(), way_out(&error));
@@ -55,17 +63,33 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 /// Writes a result.
 ///
 /// # Errors
-/// Something is there already and `force` was not given, a project keeps it, or the file cannot be written; nothing was changed
-/// then.
+/// Something is there already and `force` was not given, a project keeps it, or the file cannot be
+/// written; nothing was changed then.
 pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> anyhow::Result<()> {
     refuse_existing(path, force)?;
     refuse_part_of_project(path)?;
     let is_new = !force && std::fs::symlink_metadata(path).is_err();
-    let written = if is_new { write_new(path, bytes) } else { write_output(path, bytes) };
-    if written.as_ref().is_err_and(|error| error.kind() == std::io::ErrorKind::AlreadyExists) {
-        bail!("{} was made by another program meanwhile; give --force to replace it, or another -o", path.display());
+    let written = if is_new {
+        write_new(path, bytes)
+    } else {
+        write_output(path, bytes)
+    };
+    if written
+        .as_ref()
+        .is_err_and(|error| error.kind() == std::io::ErrorKind::AlreadyExists)
+    {
+        bail!(
+            "{} was made by another program meanwhile; give --force to replace it, or another -o",
+            path.display()
+        );
     }
-    written.map_err(|error| anyhow!("cannot write {}: {error}{}", path.display(), way_out(&error)))
+    written.map_err(|error| {
+        anyhow!(
+            "cannot write {}: {error}{}",
+            path.display(),
+            way_out(&error)
+        )
+    })
 }
 
 /// Writes the files of a report into a folder, which is made.
@@ -90,7 +114,11 @@ mod tests {
         let path = folder.path().join("result.png");
         write_file(&path, b"first", false).unwrap();
         let refusal = write_file(&path, b"second", false).unwrap_err().to_string();
-        assert!(refusal.ends_with("result.png already exists; give --force to replace it, or another -o"), "{refusal}");
+        assert!(
+            refusal
+                .ends_with("result.png already exists; give --force to replace it, or another -o"),
+            "{refusal}"
+        );
         assert_eq!(std::fs::read(&path).unwrap(), b"first");
         write_file(&path, b"second", true).unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"second");
@@ -99,6 +127,9 @@ mod tests {
     #[test]
     fn a_folder_that_is_missing_is_named() {
         let error = write_file(Path::new("/no/such/folder/a.png"), b"", false).unwrap_err();
-        assert!(format!("{error:#}").starts_with("cannot write /no/such/folder/a.png: "), "{error:#}");
+        assert!(
+            format!("{error:#}").starts_with("cannot write /no/such/folder/a.png: "),
+            "{error:#}"
+        );
     }
 }

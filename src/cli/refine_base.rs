@@ -1,4 +1,5 @@
-//! `touchline refine-base`: the cameras' positions, base rotations and lenses from the clicks of all frames.
+//! `touchline refine-base`: the cameras' positions, base rotations and lenses from the clicks of
+//! all frames.
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
@@ -8,8 +9,8 @@ use clap::ValueEnum;
 use std::collections::BTreeSet;
 use std::path::Path;
 use touchline_calibration::calibrate::{
-    BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, FRAMES_FOR_PAINT, SolveOutcome, describe_mirrored,
-    describe_size, estimate_on_paint, follow_all_bases, solve_document,
+    BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, FRAMES_FOR_PAINT, SolveOutcome,
+    describe_mirrored, describe_size, estimate_on_paint, follow_all_bases, solve_document,
 };
 use touchline_calibration::pipelines::{TrackingOptions, give_first_base};
 use touchline_calibration::proposals::read_picture;
@@ -19,8 +20,8 @@ use touchline_core::solve::base::{BaseOptions, CrownModel, HeldOutErrors, LensMo
 use touchline_documents::document::{CameraId, Document, DocumentAt, Frame};
 use touchline_vision::media::{FrameReader, Picture};
 
-/// Camera position, base rotation, lens and the pitch's crown from the clicks of all frames but the rejected ones; every
-/// frame is solved with them, statuses stay.
+/// Camera position, base rotation, lens and the pitch's crown from the clicks of all frames but the
+/// rejected ones; every frame is solved with them, statuses stay.
 #[derive(clap::Args, Debug)]
 pub struct RefineBaseArgs {
     #[command(flatten)]
@@ -30,17 +31,20 @@ pub struct RefineBaseArgs {
     /// The lens; auto compares all by cross-validation.
     #[arg(long, value_enum, default_value_t = Distortion::Auto)]
     distortion: Distortion,
-    /// How much higher the middle of the pitch is than its touchlines, m; auto finds it where that is worth it.
+    /// How much higher the middle of the pitch is than its touchlines, m; auto finds it where that
+    /// is worth it.
     #[arg(long, value_name = "auto|METRES", default_value = "auto", value_parser = crown, allow_negative_numbers = true)]
     crown: Crown,
-    /// Whether the principal point is found as well; a prior holds it near the middle where the frames do not show it.
+    /// Whether the principal point is found as well; a prior holds it near the middle where the
+    /// frames do not show it.
     #[arg(long, value_name = "true|false", num_args = 0..=1, require_equals = true, default_value_t = true, default_missing_value = "true")]
     principal_point: bool,
-    /// Also find the field's length and width, within what the rules allow (unstable with few frames).
+    /// Also find the field's length and width, within what the rules allow (unstable with few
+    /// frames).
     #[arg(long)]
     field_size: bool,
-    /// Also use the painted lines that the frames' pictures show, clicked or only solved, in one adjustment with the clicks; each
-    /// frame is then pulled onto its lines.
+    /// Also use the painted lines that the frames' pictures show, clicked or only solved, in one
+    /// adjustment with the clicks; each frame is then pulled onto its lines.
     #[arg(long)]
     markings: bool,
 }
@@ -70,7 +74,9 @@ fn crown(text: &str) -> Result<Crown, String> {
         return Ok(Crown::Auto);
     }
     let metres = text.parse().ok().filter(|metres: &f64| metres.is_finite());
-    metres.map(Crown::Metres).ok_or_else(|| "auto or a number of metres".to_owned())
+    metres
+        .map(Crown::Metres)
+        .ok_or_else(|| "auto or a number of metres".to_owned())
 }
 
 /// Carries out the command.
@@ -79,7 +85,10 @@ fn crown(text: &str) -> Result<Crown, String> {
 /// The document cannot be read, no camera's base can be estimated, or the result cannot be written.
 pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
-    let Loaded { location, mut document } = args.document.load(messages)?;
+    let Loaded {
+        location,
+        mut document,
+    } = args.document.load(messages)?;
     let original = document.clone();
     if let Some(noise) = document.click_noise_in_use() {
         messages.note(&noise.describe());
@@ -99,9 +108,19 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         principal_point: args.principal_point,
         ..BaseOptions::default()
     };
-    let cameras: Vec<CameraId> = document.cameras.iter().map(|camera| camera.id.clone()).collect();
+    let cameras: Vec<CameraId> = document
+        .cameras
+        .iter()
+        .map(|camera| camera.id.clone())
+        .collect();
     if args.markings {
-        carry_few(&mut document, location.folder(), &cameras, &options, messages)?;
+        carry_few(
+            &mut document,
+            location.folder(),
+            &cameras,
+            &options,
+            messages,
+        )?;
     }
     let before = document.clone();
     let mut estimates = Vec::new();
@@ -126,7 +145,11 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         }
     }
     if estimates.is_empty() {
-        anyhow::bail!(if errors.is_empty() { "the document has no camera".to_owned() } else { errors.join("; ") });
+        anyhow::bail!(if errors.is_empty() {
+            "the document has no camera".to_owned()
+        } else {
+            errors.join("; ")
+        });
     }
     for error in &errors {
         messages.note(error);
@@ -149,7 +172,9 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         report_on_paint(found, messages);
         let field = document.field_of_camera(&found.estimated.camera);
         let field = document.at(location.folder()).model_of(field)?;
-        let pulled = found.write_frames(&mut document, &before, &field, &mut |frame| pictures.read(frame));
+        let pulled = found.write_frames(&mut document, &before, &field, &mut |frame| {
+            pictures.read(frame)
+        });
         messages.note(&format!(
             "{}: {} of {} frames pulled onto their painted lines",
             found.estimated.camera.as_str(),
@@ -159,7 +184,9 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     }
     let withdrawn = follow_all_bases(&mut document, &before);
     if withdrawn > 0 {
-        messages.note(&format!("{withdrawn} proposals for the base before are withdrawn: relocalize or track again"));
+        messages.note(&format!(
+            "{withdrawn} proposals for the base before are withdrawn: relocalize or track again"
+        ));
     }
     failed += pictures.unreadable.len();
     for estimate in &estimates {
@@ -167,13 +194,24 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     }
     document.count_edits_since(&original);
     args.output.write(document, location.folder())?;
-    let solved = outcomes.iter().filter(|outcome| matches!(outcome, SolveOutcome::Solved)).count();
-    messages.note(&format!("{} estimated, {} solved", counted(estimates.len(), "camera"), counted(solved, "frame")));
-    Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+    let solved = outcomes
+        .iter()
+        .filter(|outcome| matches!(outcome, SolveOutcome::Solved))
+        .count();
+    messages.note(&format!(
+        "{} estimated, {} solved",
+        counted(estimates.len(), "camera"),
+        counted(solved, "frame")
+    ));
+    Ok(if failed > 0 {
+        Outcome::SomeFailed
+    } else {
+        Outcome::Done
+    })
 }
 
-/// Carries the cameras of videos in which only a frame or two are known to their other frames, from a base by those: their lines tell
-/// too little, those of the whole clip tell much.
+/// Carries the cameras of videos in which only a frame or two are known to their other frames, from
+/// a base by those: their lines tell too little, those of the whole clip tell much.
 fn carry_few(
     document: &mut Document,
     folder: &Path,
@@ -183,8 +221,15 @@ fn carry_few(
 ) -> anyhow::Result<()> {
     let mut is_any = false;
     for camera in cameras {
-        let of_camera = || document.frames.iter().filter(|frame| frame.camera == *camera);
-        let known = of_camera().filter(|frame| frame.ptz.is_some() || frame.clicks.len() > 1).count();
+        let of_camera = || {
+            document
+                .frames
+                .iter()
+                .filter(|frame| frame.camera == *camera)
+        };
+        let known = of_camera()
+            .filter(|frame| frame.ptz.is_some() || frame.clicks.len() > 1)
+            .count();
         let is_clip = of_camera().any(|frame| frame.video.is_some() || frame.clip.is_some());
         if known == 0 || known >= FRAMES_FOR_PAINT || !is_clip {
             continue;
@@ -193,12 +238,22 @@ fn carry_few(
             continue;
         }
         let known = counted(known, "frame");
-        messages.note(&format!("{}: only {known} known: carried to the clip first", camera.as_str()));
+        messages.note(&format!(
+            "{}: only {known} known: carried to the clip first",
+            camera.as_str()
+        ));
         is_any = true;
     }
     if is_any {
         // All cameras at once: each clip is carried by whatever is known of it.
-        track_and_report(document, folder, None, &TrackingOptions::default(), None, messages)?;
+        track_and_report(
+            document,
+            folder,
+            None,
+            &TrackingOptions::default(),
+            None,
+            messages,
+        )?;
     }
     Ok(())
 }
@@ -228,7 +283,12 @@ struct Pictures<'a> {
 
 impl<'a> Pictures<'a> {
     fn new(folder: &'a Path, messages: Messages) -> Self {
-        Self { folder, messages, reader: FrameReader::new(), unreadable: BTreeSet::new() }
+        Self {
+            folder,
+            messages,
+            reader: FrameReader::new(),
+            unreadable: BTreeSet::new(),
+        }
     }
 
     fn read(&mut self, frame: &Frame) -> Option<Picture> {
@@ -253,8 +313,14 @@ impl<'a> Pictures<'a> {
         size: bool,
     ) -> anyhow::Result<BaseOnPaint> {
         let bar = self.messages.progress(1, "Looking at painted lines");
-        let found =
-            estimate_on_paint(document, camera, options, size, &mut |frame| self.read(frame), &Progress::default());
+        let found = estimate_on_paint(
+            document,
+            camera,
+            options,
+            size,
+            &mut |frame| self.read(frame),
+            &Progress::default(),
+        );
         bar.finish_and_clear();
         Ok(found?)
     }
@@ -270,13 +336,20 @@ fn report_on_paint(found: &BaseOnPaint, messages: Messages) {
     let errors = |errors: Option<HeldOutErrors>| {
         errors.map_or_else(
             || "none".to_owned(),
-            |HeldOutErrors { median_px, p90_px, .. }| format!("{median_px:.2} px, 90 % {p90_px:.2} px"),
+            |HeldOutErrors {
+                 median_px, p90_px, ..
+             }| format!("{median_px:.2} px, 90 % {p90_px:.2} px"),
         )
     };
-    for (what, before, after) in
-        [("paint", seen.before.paint, seen.after.paint), ("clicks", seen.before.clicks, seen.after.clicks)]
-    {
-        messages.note(&format!("{name}: {what} held out: {}; before {}", errors(after), errors(before)));
+    for (what, before, after) in [
+        ("paint", seen.before.paint, seen.after.paint),
+        ("clicks", seen.before.clicks, seen.after.clicks),
+    ] {
+        messages.note(&format!(
+            "{name}: {what} held out: {}; before {}",
+            errors(after),
+            errors(before)
+        ));
     }
 }
 
@@ -284,13 +357,21 @@ fn report_on_paint(found: &BaseOnPaint, messages: Messages) {
 fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
     let found = &estimated.estimate;
     let name = estimated.camera.as_str();
-    let (at, sigma, angles) = (found.base.position_m, found.base.sigma.position_m, found.base.angles());
+    let (at, sigma, angles) = (
+        found.base.position_m,
+        found.base.sigma.position_m,
+        found.base.angles(),
+    );
     messages.note(&format!(
         "{name}: position ({:.2}, {:.2}, {:.2}) ± ({:.2}, {:.2}, {:.2}) m, pitch {:.2}, roll {:.2}",
         at.x, at.y, at.z, sigma.x, sigma.y, sigma.z, angles.pitch, angles.roll
     ));
     for score in &found.scores {
-        let chosen = if score.model == found.model { " (chosen)" } else { "" };
+        let chosen = if score.model == found.model {
+            " (chosen)"
+        } else {
+            ""
+        };
         messages.note(&format!(
             "{name}: {}: {:.2} px cross-validated, 90 % {:.2} px{chosen}",
             score.model, score.median_px, score.p90_px
@@ -300,9 +381,14 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
     if let Some(frame) = &found.one_more_frame {
         messages.note(&format!("{name}: {frame}"));
     }
-    let before = found.previous_median_px.map_or_else(String::new, |before| format!(", {before:.2} px before"));
+    let before = found
+        .previous_median_px
+        .map_or_else(String::new, |before| format!(", {before:.2} px before"));
     let clicks = if found.median_px.is_finite() {
-        format!("all clicks {:.2} px, 90 % {:.2} px{before}; ", found.median_px, found.p90_px)
+        format!(
+            "all clicks {:.2} px, 90 % {:.2} px{before}; ",
+            found.median_px, found.p90_px
+        )
     } else {
         String::new()
     };
@@ -315,12 +401,25 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
     }
     let frame_name = |index: usize| document.frames[index].name();
     for click in &found.disputed {
-        let error = click.error_px.map_or_else(|| "behind the camera".to_owned(), |error| format!("{error:.0} px off"));
-        let better = click.fits_better.as_ref().map_or_else(String::new, |(id, _)| format!(", {id} would fit"));
-        messages.note(&format!("{}: point {} is {error}{better}", frame_name(click.frame), click.click + 1));
+        let error = click.error_px.map_or_else(
+            || "behind the camera".to_owned(),
+            |error| format!("{error:.0} px off"),
+        );
+        let better = click
+            .fits_better
+            .as_ref()
+            .map_or_else(String::new, |(id, _)| format!(", {id} would fit"));
+        messages.note(&format!(
+            "{}: point {} is {error}{better}",
+            frame_name(click.frame),
+            click.click + 1
+        ));
     }
     for frame in &found.mirrored {
         let words = describe_mirrored(frame);
-        messages.note(&format!("{}: the names look mirrored: {words}", frame_name(frame.frame)));
+        messages.note(&format!(
+            "{}: the names look mirrored: {words}",
+            frame_name(frame.frame)
+        ));
     }
 }

@@ -11,7 +11,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use touchline_application::app::where_to_label::where_to_label;
 use touchline_calibration::pipelines::{ForestRequest, PictureFiles, label_frames};
-use touchline_calibration::proposals::{Coverage, KeyWindow, TrainingFrames, adopt_bases, label_advice};
+use touchline_calibration::proposals::{
+    Coverage, KeyWindow, TrainingFrames, adopt_bases, label_advice,
+};
 use touchline_core::files::read_named;
 use touchline_core::geometry::counted;
 use touchline_core::progress::Progress;
@@ -26,7 +28,10 @@ const MAX_FOREST_BYTES: u64 = 8 << 30;
 
 /// Finds the cameras of frames that nobody clicked, from a trained forest.
 #[derive(clap::Args, Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a flag of the command line"
+)]
 pub struct RelocalizeArgs {
     /// The forest that `touchline train` wrote.
     #[arg(value_name = "FOREST")]
@@ -44,16 +49,19 @@ pub struct RelocalizeArgs {
     /// Pull each answer onto the painted lines, where they decide.
     #[arg(long)]
     snap: bool,
-    /// Leave frames that are answered already as they are: to go on where an earlier run was stopped.
+    /// Leave frames that are answered already as they are: to go on where an earlier run was
+    /// stopped.
     #[arg(long)]
     resume: bool,
-    /// Of videos, answer only key frames, a second apart; `touchline track` then carries cameras to the frames between.
+    /// Of videos, answer only key frames, a second apart; `touchline track` then carries cameras to
+    /// the frames between.
     #[arg(long)]
     key_frames: bool,
     /// Leaves examined in each tree.
     #[arg(long, value_name = "N", default_value_t = PredictOptions::default().leaves_per_tree, value_parser = clap::value_parser!(u32).range(1..=4096))]
     leaves: u32,
-    /// Also write how long each frame took (`solution.timings_ms`). Two runs then differ in these numbers.
+    /// Also write how long each frame took (`solution.timings_ms`). Two runs then differ in these
+    /// numbers.
     #[arg(long)]
     timings: bool,
     /// The seed of all random numbers; the same seed gives the same answers.
@@ -71,45 +79,82 @@ fn probability(text: &str) -> Result<f64, String> {
 /// Carries out the command.
 ///
 /// # Errors
-/// The forest or the input cannot be read, the cameras' bases differ, or the result cannot be written.
+/// The forest or the input cannot be read, the cameras' bases differ, or the result cannot be
+/// written.
 pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let interrupt = Interrupt::listen();
-    let bytes =
-        read_named(&args.forest, MAX_FOREST_BYTES).with_context(|| format!("cannot read {}", args.forest.display()))?;
-    let model = ForestModel::from_bytes(&bytes).with_context(|| args.forest.display().to_string())?;
-    let taught = document_from_bytes(model.document.as_bytes()).with_context(|| args.forest.display().to_string())?;
-    let Input { mut document, file, folder, skipped } = read_input(args, taught.clone(), messages)?;
+    let bytes = read_named(&args.forest, MAX_FOREST_BYTES)
+        .with_context(|| format!("cannot read {}", args.forest.display()))?;
+    let model =
+        ForestModel::from_bytes(&bytes).with_context(|| args.forest.display().to_string())?;
+    let taught = document_from_bytes(model.document.as_bytes())
+        .with_context(|| args.forest.display().to_string())?;
+    let Input {
+        mut document,
+        file,
+        folder,
+        skipped,
+    } = read_input(args, taught.clone(), messages)?;
     adopt_bases(&mut document, &taught, &model)?;
     let before = document.clone();
     let is_asked = |frame: &Frame| frame.is_open() && !(args.resume && is_answered(frame));
-    let mut asked: Vec<usize> = (0..document.frames.len()).filter(|&index| is_asked(&document.frames[index])).collect();
+    let mut asked: Vec<usize> = (0..document.frames.len())
+        .filter(|&index| is_asked(&document.frames[index]))
+        .collect();
     if args.key_frames {
         let windows = KeyWindow::of(document.at(&folder));
-        let between: BTreeSet<usize> = windows.into_iter().flat_map(|window| window.between).collect();
+        let between: BTreeSet<usize> = windows
+            .into_iter()
+            .flat_map(|window| window.between)
+            .collect();
         asked.retain(|index| !between.contains(index));
     }
     let options = RelocalizeOptions {
-        predict: PredictOptions { leaves_per_tree: args.leaves, ..PredictOptions::default() },
-        pose: PoseOptions { min_confidence: args.min_confidence, seed: args.seed, ..PoseOptions::default() },
+        predict: PredictOptions {
+            leaves_per_tree: args.leaves,
+            ..PredictOptions::default()
+        },
+        pose: PoseOptions {
+            min_confidence: args.min_confidence,
+            seed: args.seed,
+            ..PoseOptions::default()
+        },
     };
     let store = args.kept.store(file.as_deref());
-    let files = PictureFiles { folder: &folder, store: &store };
-    let forest = ForestRequest { model: &model, generation: 0, options };
+    let files = PictureFiles {
+        folder: &folder,
+        store: &store,
+    };
+    let forest = ForestRequest {
+        model: &model,
+        generation: 0,
+        options,
+    };
     let bar = messages.progress(asked.len(), "Relocalizing");
     let progress = Progress::new(|done: usize| {
         bar.set_position(done as u64);
         interrupt.check()
     });
     let mut reader = FrameReader::new();
-    let proposals = label_frames(&mut document, files, &mut reader, &asked, &forest, args.snap, &progress);
+    let proposals = label_frames(
+        &mut document,
+        files,
+        &mut reader,
+        &asked,
+        &forest,
+        args.snap,
+        &progress,
+    );
     bar.finish_and_clear();
     tell_refusal(&store, messages);
     let proposals = proposals?;
     let looked_at = proposals.len();
     let (mut answered, mut kept) = (0, 0);
     for proposal in &proposals {
-        let Some(frame) = document.frames.by_id_mut(&proposal.frame) else { continue };
+        let Some(frame) = document.frames.by_id_mut(&proposal.frame) else {
+            continue;
+        };
         match &proposal.outcome {
             Ok(_) => answered += 1,
             Err(_) if frame.ptz.is_some() => {
@@ -125,8 +170,10 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     document.count_edits_since(&before);
     write(&args.output, document.clone(), &folder)?;
     if looked_at < asked.len() {
-        let kept =
-            args.output.output.as_ref().map_or_else(|| "standard output".to_owned(), |path| path.display().to_string());
+        let kept = args.output.output.as_ref().map_or_else(
+            || "standard output".to_owned(),
+            |path| path.display().to_string(),
+        );
         messages.note(&format!(
             "stopped: {looked_at} of {} frames were looked at, {answered} answered; they are in {kept}. Give that document with \
              --resume for the rest",
@@ -137,8 +184,11 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     tell_where_to_label(document.at(&folder), messages);
     let failed = asked.len() - answered - kept + skipped;
     let passed = document.frames.len() - asked.len() + kept;
-    let why_passed =
-        if args.key_frames { "no key frames, with clicks, or accepted" } else { "with clicks, or accepted" };
+    let why_passed = if args.key_frames {
+        "no key frames, with clicks, or accepted"
+    } else {
+        "with clicks, or accepted"
+    };
     if kept > 0 {
         messages.note(&format!(
             "{} keep the camera that they have: it comes from no forest, and the forest's is no better",
@@ -149,7 +199,11 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         "{} answered, {failed} not, {passed} left unchanged ({why_passed})",
         counted(answered, "frame")
     ));
-    Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+    Ok(if failed > 0 {
+        Outcome::SomeFailed
+    } else {
+        Outcome::Done
+    })
 }
 
 /// Whether an earlier run has answered a frame.
@@ -157,8 +211,8 @@ fn is_answered(frame: &Frame) -> bool {
     frame.status == FrameStatus::Suggested && frame.ptz.is_some()
 }
 
-/// Says which frame to label next. Where the references of a document without any look is not known: the forest may have
-/// learnt elsewhere.
+/// Says which frame to label next. Where the references of a document without any look is not
+/// known: the forest may have learnt elsewhere.
 fn tell_where_to_label(document: DocumentAt<'_>, messages: Messages) {
     let coverage = Coverage::of_cameras(document, &TrainingFrames::of_solved(&document).frames);
     let advice = label_advice(&document, &coverage);
@@ -179,24 +233,52 @@ struct Input {
 }
 
 /// A document, or images as a document with the forest's cameras.
-fn read_input(args: &RelocalizeArgs, taught: Document, messages: Messages) -> anyhow::Result<Input> {
+fn read_input(
+    args: &RelocalizeArgs,
+    taught: Document,
+    messages: Messages,
+) -> anyhow::Result<Input> {
     if let [path] = &args.inputs[..]
         && is_document(path)
     {
-        let Loaded { location, document } = DocumentArg { document: path.clone() }.load(messages)?;
+        let Loaded { location, document } = DocumentArg {
+            document: path.clone(),
+        }
+        .load(messages)?;
         let file = Some(location.file().to_path_buf());
-        return Ok(Input { document, file, folder: location.folder().to_path_buf(), skipped: 0 });
+        return Ok(Input {
+            document,
+            file,
+            folder: location.folder().to_path_buf(),
+            skipped: 0,
+        });
     }
     ensure!(
         !taught.field.is_file()
-            && !taught.cameras.iter().any(|camera| camera.field.as_ref().is_some_and(FieldSpec::is_file)),
+            && !taught
+                .cameras
+                .iter()
+                .any(|camera| camera.field.as_ref().is_some_and(FieldSpec::is_file)),
         "the forest's field is a template file of your own; images do not name it, so relocalize a document"
     );
     let folder = std::env::current_dir()?;
-    let mut input = Input { document: taught, file: None, folder: folder.canonicalize().unwrap_or(folder), skipped: 0 };
+    let mut input = Input {
+        document: taught,
+        file: None,
+        folder: folder.canonicalize().unwrap_or(folder),
+        skipped: 0,
+    };
     for path in &args.inputs {
-        ensure!(!is_document(path), "{} is a document; give it alone, or give images", path.display());
-        let listed = if path.is_dir() { images_of(path)? } else { vec![path.clone()] };
+        ensure!(
+            !is_document(path),
+            "{} is a document; give it alone, or give images",
+            path.display()
+        );
+        let listed = if path.is_dir() {
+            images_of(path)?
+        } else {
+            vec![path.clone()]
+        };
         ensure!(!listed.is_empty(), "{} holds no image", path.display());
         for image in listed {
             if let Err(error) = add_image(&mut input, &image) {
@@ -205,14 +287,20 @@ fn read_input(args: &RelocalizeArgs, taught: Document, messages: Messages) -> an
             }
         }
     }
-    ensure!(!input.document.frames.is_empty(), "none of the images can be read");
+    ensure!(
+        !input.document.frames.is_empty(),
+        "none of the images can be read"
+    );
     Ok(input)
 }
 
 /// A project folder, or a JSON file.
 fn is_document(path: &Path) -> bool {
-    path.join(touchline_documents::store::PROJECT_FILE).is_file()
-        || path.extension().is_some_and(|end| end.eq_ignore_ascii_case("json"))
+    path.join(touchline_documents::store::PROJECT_FILE)
+        .is_file()
+        || path
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("json"))
 }
 
 fn images_of(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
@@ -224,9 +312,16 @@ fn images_of(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 /// A new frame for an image, of the camera whose pictures have its size.
 fn add_image(input: &mut Input, path: &Path) -> anyhow::Result<()> {
     let size = image_size(path)?;
-    let camera = input.document.cameras.iter().find(|camera| camera.image_size == size);
+    let camera = input
+        .document
+        .cameras
+        .iter()
+        .find(|camera| camera.image_size == size);
     let camera = camera.with_context(|| {
-        format!("{} × {} px; the forest has no camera with pictures of this size", size.width, size.height)
+        format!(
+            "{} × {} px; the forest has no camera with pictures of this size",
+            size.width, size.height
+        )
     })?;
     let name = path_between(&input.folder, &path.canonicalize()?);
     let frame = Frame::from_image(&name, camera.id.clone(), size);
@@ -236,10 +331,17 @@ fn add_image(input: &mut Input, path: &Path) -> anyhow::Result<()> {
 
 /// Writes the document, or its frames a line each where the name ends with `.jsonl`.
 fn write(output: &DocumentOutput, document: Document, folder: &Path) -> anyhow::Result<()> {
-    let Some(path) = output.output.as_deref().filter(|path| path.extension().is_some_and(|end| end == "jsonl")) else {
+    let Some(path) = output
+        .output
+        .as_deref()
+        .filter(|path| path.extension().is_some_and(|end| end == "jsonl"))
+    else {
         return output.write(document, folder);
     };
-    let parent = std::path::absolute(path)?.parent().map(Path::to_path_buf).unwrap_or_default();
+    let parent = std::path::absolute(path)?
+        .parent()
+        .map(Path::to_path_buf)
+        .unwrap_or_default();
     let moved = document.relocated(folder, &parent.canonicalize().unwrap_or(parent));
     let mut lines = String::new();
     for frame in &moved.frames {

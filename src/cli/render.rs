@@ -34,7 +34,8 @@ const MAP_BRIGHTNESS: f32 = 0.8;
 pub struct RenderArgs {
     #[command(flatten)]
     document: DocumentArg,
-    /// The frame: its image as the document writes it, its file name, or its place in the document, counted from 0.
+    /// The frame: its image as the document writes it, its file name, or its place in the document,
+    /// counted from 0.
     #[arg(long, value_name = "IMAGE_OR_INDEX")]
     frame: String,
     /// The PNG to write.
@@ -51,10 +52,18 @@ pub struct RenderArgs {
 /// Carries out the command.
 ///
 /// # Errors
-/// The document, the frame or its picture cannot be read, nothing can render, or the PNG cannot be written.
+/// The document, the frame or its picture cannot be read, nothing can render, or the PNG cannot be
+/// written.
 pub fn render(args: &RenderArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    if !args.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-        bail!("-o {}: a PNG is written, so its name must end with .png", args.output.display());
+    if !args
+        .output
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+    {
+        bail!(
+            "-o {}: a PNG is written, so its name must end with .png",
+            args.output.display()
+        );
     }
     refuse_existing(&args.output, args.force)?;
     let Loaded { location, document } = args.document.load(messages)?;
@@ -65,11 +74,18 @@ pub fn render(args: &RenderArgs, messages: Messages) -> anyhow::Result<Outcome> 
     let camera = document.pointed(frame);
     let style = OverlayStyle::default();
     let mut offscreen = Offscreen::new()?;
-    let disputed = frame.solution.as_ref().map_or(&[][..], |solution| &solution.disputed);
+    let disputed = frame
+        .solution
+        .as_ref()
+        .map_or(&[][..], |solution| &solution.disputed);
     let scene = OverlayScene {
         field: &field,
         camera: camera.as_ref(),
-        standing: if frame.status == FrameStatus::Suggested { Standing::Proposed } else { Standing::Solved },
+        standing: if frame.status == FrameStatus::Suggested {
+            Standing::Proposed
+        } else {
+            Standing::Solved
+        },
         image_size: frame.image_size,
         clicks: &frame.clicks,
         selected: None,
@@ -83,11 +99,20 @@ pub fn render(args: &RenderArgs, messages: Messages) -> anyhow::Result<Outcome> 
         render_frame(&mut offscreen, &scene, picture)?
     };
     let mut png = Cursor::new(Vec::new());
-    drawn.write_to(&mut png, image::ImageFormat::Png).context("cannot encode the PNG")?;
+    drawn
+        .write_to(&mut png, image::ImageFormat::Png)
+        .context("cannot encode the PNG")?;
     write_file(&args.output, png.get_ref(), args.force)?;
-    messages.note(&format!("{}: rendered with {}", args.output.display(), offscreen.adapter()));
+    messages.note(&format!(
+        "{}: rendered with {}",
+        args.output.display(),
+        offscreen.adapter()
+    ));
     if camera.is_none() {
-        messages.frame_failed(&frame.name(), "it has no camera yet, so no overlay; run `touchline solve` first");
+        messages.frame_failed(
+            &frame.name(),
+            "it has no camera yet, so no overlay; run `touchline solve` first",
+        );
         return Ok(Outcome::SomeFailed);
     }
     Ok(Outcome::Done)
@@ -100,8 +125,14 @@ fn render_frame(
     picture: media::Picture,
 ) -> anyhow::Result<RgbaImage> {
     let ImageSize { width, height } = scene.image_size;
-    let view = View { pixels_per_point: pixels_per_point(width), ..View::one_to_one([width, height]) };
-    let layers = [layer(picture, 1.0), Layer::Drawing(Arc::new(overlay(scene)))];
+    let view = View {
+        pixels_per_point: pixels_per_point(width),
+        ..View::one_to_one([width, height])
+    };
+    let layers = [
+        layer(picture, 1.0),
+        Layer::Drawing(Arc::new(overlay(scene))),
+    ];
     Ok(offscreen.render(&view, SURROUND, &layers)?)
 }
 
@@ -117,17 +148,27 @@ fn render_top_view(
     if let Some(camera) = scene.camera {
         // The picture itself shows what is visible; a tint over it would only change its colours.
         drawing.over.areas.clear();
-        layers.push(layer(picture_from_above(picture, scene.field, camera, &map), MAP_BRIGHTNESS));
+        layers.push(layer(
+            picture_from_above(picture, scene.field, camera, &map),
+            MAP_BRIGHTNESS,
+        ));
     }
     layers.push(Layer::Drawing(Arc::new(drawing.over)));
     let ImageSize { width, height } = map.size_px();
-    let view = View { pixels_per_point: pixels_per_point(width), ..View::one_to_one([width, height]) };
+    let view = View {
+        pixels_per_point: pixels_per_point(width),
+        ..View::one_to_one([width, height])
+    };
     Ok(offscreen.render(&view, SURROUND, &layers)?)
 }
 
 fn map_of(field: &FieldModel, camera: Option<&PtzCamera>) -> FieldMap {
     let longest_m = field.length_m.max(field.width_m) + 2.0 * MAP_MARGIN_M;
-    let map = FieldMap::new(field, MAP_MARGIN_M, MAP_PX_PER_M.min(MAP_LONGEST_PX / longest_m));
+    let map = FieldMap::new(
+        field,
+        MAP_MARGIN_M,
+        MAP_PX_PER_M.min(MAP_LONGEST_PX / longest_m),
+    );
     camera.map_or(map, |camera| map.turned_to(camera))
 }
 
@@ -137,31 +178,50 @@ fn pixels_per_point(width: u32) -> f32 {
 }
 
 fn layer(pixels: media::Picture, brightness: f32) -> Layer {
-    Layer::Picture(PictureLayer { key: PictureKey(0), pixels, look: PictureLook::of_brightness(brightness) })
+    Layer::Picture(PictureLayer {
+        key: PictureKey(0),
+        pixels,
+        look: PictureLook::of_brightness(brightness),
+    })
 }
 
-/// Finds a frame: by its name in the document, by its file name if only one frame has it, else by its index.
+/// Finds a frame: by its name in the document, by its file name if only one frame has it, else by
+/// its index.
 fn find_frame<'a>(document: &'a Document, wanted: &str) -> anyhow::Result<&'a Frame> {
     let frames = || document.frames.iter().map(|frame| &**frame);
-    if let Some(frame) = frames().find(|frame| frame.image.as_deref() == Some(wanted) || frame.name() == wanted) {
+    if let Some(frame) =
+        frames().find(|frame| frame.image.as_deref() == Some(wanted) || frame.name() == wanted)
+    {
         return Ok(frame);
     }
     let of_this_name = |frame: &&Frame| {
-        frame.image.as_deref().is_some_and(|image| Path::new(image).file_name() == Some(wanted.as_ref()))
+        frame
+            .image
+            .as_deref()
+            .is_some_and(|image| Path::new(image).file_name() == Some(wanted.as_ref()))
     };
     match frames().filter(of_this_name).collect::<Vec<_>>()[..] {
         [frame] => return Ok(frame),
         [first, second, ..] => {
-            bail!("two frames have this file name, {} and {}; give the whole path", first.name(), second.name())
+            bail!(
+                "two frames have this file name, {} and {}; give the whole path",
+                first.name(),
+                second.name()
+            )
         }
         [] => {}
     }
     let count = document.frames.len();
     let Ok(index) = wanted.parse::<usize>() else {
-        bail!("no frame has this image; the document has {count} frames, by index 0 to {}", count.saturating_sub(1));
+        bail!(
+            "no frame has this image; the document has {count} frames, by index 0 to {}",
+            count.saturating_sub(1)
+        );
     };
     let frame = document.frames.get(index);
-    frame.map(|frame| &**frame).with_context(|| format!("there are {count} frames, counted from 0"))
+    frame
+        .map(|frame| &**frame)
+        .with_context(|| format!("there are {count} frames, counted from 0"))
 }
 
 #[cfg(test)]
@@ -181,11 +241,19 @@ mod tests {
     #[test]
     fn a_frame_is_found_by_path_by_name_and_by_place() {
         let document = document(&["a/1.png", "b/1.png", "b/7.png", "0"]);
-        let found = |wanted: &str| find_frame(&document, wanted).map(Frame::name).map_err(|error| error.to_string());
+        let found = |wanted: &str| {
+            find_frame(&document, wanted)
+                .map(Frame::name)
+                .map_err(|error| error.to_string())
+        };
         assert_eq!(found("b/1.png"), Ok("b/1.png".into()));
         assert_eq!(found("7.png"), Ok("b/7.png".into()));
         assert_eq!(found("2"), Ok("b/7.png".into()));
-        assert_eq!(found("0"), Ok("0".into()), "a name takes precedence over an index");
+        assert_eq!(
+            found("0"),
+            Ok("0".into()),
+            "a name takes precedence over an index"
+        );
         let two = "two frames have this file name, a/1.png and b/1.png; give the whole path";
         assert_eq!(found("1.png"), Err(two.into()));
         assert_eq!(found("4"), Err("there are 4 frames, counted from 0".into()));

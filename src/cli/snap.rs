@@ -22,8 +22,8 @@ pub struct SnapArgs {
     /// Also find each frame's own k1, for cameras of which no lens is known.
     #[arg(long, conflicts_with = "from_nothing")]
     k1: bool,
-    /// Also search the painted lines of frames that have no camera: for wide views of a camera whose base is known. What is found
-    /// is a suggestion.
+    /// Also search the painted lines of frames that have no camera: for wide views of a camera
+    /// whose base is known. What is found is a suggestion.
     #[arg(long)]
     from_nothing: bool,
 }
@@ -41,17 +41,35 @@ fn reach(text: &str) -> Result<f64, String> {
 /// The document cannot be read, its field is not valid, or the result cannot be written.
 pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
-    let Loaded { location, mut document } = args.document.load(messages)?;
+    let Loaded {
+        location,
+        mut document,
+    } = args.document.load(messages)?;
     let before = document.clone();
     let fields = Fields::of(document.at(location.folder()))?;
-    let snap = SnapOptions { reach_px: args.reach, own_k1: args.k1, ..SnapOptions::default() };
-    let options = FindOptions { snap, ..FindOptions::default() };
+    let snap = SnapOptions {
+        reach_px: args.reach,
+        own_k1: args.k1,
+        ..SnapOptions::default()
+    };
+    let options = FindOptions {
+        snap,
+        ..FindOptions::default()
+    };
     let bar = messages.progress(document.frames.len(), "Snapping");
-    let is_looked_at =
-        |frame: &Frame| frame.status != FrameStatus::Rejected && (frame.ptz.is_some() || args.from_nothing);
-    let looked_at: Vec<usize> = (0..before.frames.len()).filter(|&index| is_looked_at(&before.frames[index])).collect();
-    let mut counts = Counts { passed: before.frames.len() - looked_at.len(), ..Counts::default() };
-    for FramePicture { index, picture, .. } in PictureStream::new(before.at(location.folder()), looked_at) {
+    let is_looked_at = |frame: &Frame| {
+        frame.status != FrameStatus::Rejected && (frame.ptz.is_some() || args.from_nothing)
+    };
+    let looked_at: Vec<usize> = (0..before.frames.len())
+        .filter(|&index| is_looked_at(&before.frames[index]))
+        .collect();
+    let mut counts = Counts {
+        passed: before.frames.len() - looked_at.len(),
+        ..Counts::default()
+    };
+    for FramePicture { index, picture, .. } in
+        PictureStream::new(before.at(location.folder()), looked_at)
+    {
         bar.set_position(index as u64 + 1);
         let frame = &*document.frames[index];
         let (is_solved, name) = (frame.ptz.is_some(), frame.name());
@@ -64,7 +82,14 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
             }
         };
         let field = fields.of_frame(&document, frame);
-        let found = camera_on_paint(&document, frame, field, &picture, (&options, !is_solved), &Progress::default());
+        let found = camera_on_paint(
+            &document,
+            frame,
+            field,
+            &picture,
+            (&options, !is_solved),
+            &Progress::default(),
+        );
         record_on_paint(&mut document.frames[index], &found, !is_solved);
         match found {
             Ok(_) if is_solved => counts.snapped += 1,
@@ -78,12 +103,25 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     bar.finish_and_clear();
     document.count_edits_since(&before);
     args.output.write(document, location.folder())?;
-    let Counts { snapped, found, failed, passed } = counts;
-    let found = if args.from_nothing { format!("{found} found from nothing, ") } else { String::new() };
+    let Counts {
+        snapped,
+        found,
+        failed,
+        passed,
+    } = counts;
+    let found = if args.from_nothing {
+        format!("{found} found from nothing, ")
+    } else {
+        String::new()
+    };
     messages.note(&format!(
         "{snapped} frames snapped, {found}{failed} not, {passed} left unchanged (without a camera, or rejected)"
     ));
-    Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+    Ok(if failed > 0 {
+        Outcome::SomeFailed
+    } else {
+        Outcome::Done
+    })
 }
 
 /// How many frames ended in which way.

@@ -4,7 +4,9 @@ use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::{Messages, count_steps};
 use std::path::Path;
-use touchline_calibration::calibrate::{SolveOutcome, check_cameras, check_frame, record_line_check, solve_document};
+use touchline_calibration::calibrate::{
+    SolveOutcome, check_cameras, check_frame, record_line_check, solve_document,
+};
 use touchline_calibration::proposals::{FramePicture, PictureStream};
 use touchline_core::geometry::counted;
 use touchline_documents::document::{Document, DocumentAt, Fields, Frame, FrameStatus};
@@ -16,7 +18,8 @@ pub struct SolveArgs {
     document: DocumentArg,
     #[command(flatten)]
     output: DocumentOutput,
-    /// Also check each solved camera against the painted lines of its picture; the result is written into its solution.
+    /// Also check each solved camera against the painted lines of its picture; the result is
+    /// written into its solution.
     #[arg(long)]
     line_check: bool,
 }
@@ -27,7 +30,10 @@ pub struct SolveArgs {
 /// The document cannot be read, its field is not valid, or the result cannot be written.
 pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
-    let Loaded { location, mut document } = args.document.load(messages)?;
+    let Loaded {
+        location,
+        mut document,
+    } = args.document.load(messages)?;
     let before = document.clone();
     if let Some(noise) = document.click_noise_in_use() {
         messages.note(&noise.describe());
@@ -35,7 +41,9 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let bar = messages.progress(document.frames.len(), "Solving");
     let outcomes = solve_document(&mut document, location.folder(), &count_steps(&bar))?;
     bar.finish_and_clear();
-    let count = |wanted: fn(&SolveOutcome) -> bool| outcomes.iter().filter(|outcome| wanted(outcome)).count();
+    let count = |wanted: fn(&SolveOutcome) -> bool| {
+        outcomes.iter().filter(|outcome| wanted(outcome)).count()
+    };
     let solved = count(|outcome| matches!(outcome, SolveOutcome::Solved));
     let passed = count(|outcome| matches!(outcome, SolveOutcome::TooFewClicks));
     for (frame, outcome) in document.frames.iter().zip(&outcomes) {
@@ -51,18 +59,31 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     drop(before);
     args.output.write(document, location.folder())?;
     let failed = outcomes.len() - solved - passed;
-    messages.note(&format!("{} solved, {failed} failed, {passed} with too few clicks", counted(solved, "frame")));
-    Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+    messages.note(&format!(
+        "{} solved, {failed} failed, {passed} with too few clicks",
+        counted(solved, "frame")
+    ));
+    Ok(if failed > 0 {
+        Outcome::SomeFailed
+    } else {
+        Outcome::Done
+    })
 }
 
-/// Writes what the painted lines say about every solved frame into it; pictures that cannot be read are named.
+/// Writes what the painted lines say about every solved frame into it; pictures that cannot be read
+/// are named.
 fn check_lines(document: &mut Document, folder: &Path, messages: Messages) -> anyhow::Result<()> {
     let fields = Fields::of(document.at(folder))?;
     let bar = messages.progress(document.frames.len(), "Checking the lines");
     let solved = document.clone();
     let is_checked = |frame: &Frame| frame.ptz.is_some() && frame.status != FrameStatus::Rejected;
     let checked = (0..solved.frames.len()).filter(|&index| is_checked(&solved.frames[index]));
-    for FramePicture { index, frame, picture } in PictureStream::new(solved.at(folder), checked) {
+    for FramePicture {
+        index,
+        frame,
+        picture,
+    } in PictureStream::new(solved.at(folder), checked)
+    {
         bar.set_position(index as u64 + 1);
         match picture {
             Ok(picture) => {
@@ -71,7 +92,10 @@ fn check_lines(document: &mut Document, folder: &Path, messages: Messages) -> an
                     record_line_check(&mut document.frames[index], &check);
                 }
             }
-            Err(error) => messages.note(&format!("{}: its lines were not checked: {error}", frame.name())),
+            Err(error) => messages.note(&format!(
+                "{}: its lines were not checked: {error}",
+                frame.name()
+            )),
         }
     }
     bar.finish_and_clear();

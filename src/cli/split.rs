@@ -8,7 +8,8 @@ use std::path::PathBuf;
 use touchline_core::geometry::counted;
 use touchline_documents::exchange::write_packages;
 
-/// Splits a document into work packages: projects with copies of their pictures that `touchline merge` takes back.
+/// Splits a document into work packages: projects with copies of their pictures that
+/// `touchline merge` takes back.
 #[derive(clap::Args, Debug)]
 pub struct SplitArgs {
     #[command(flatten)]
@@ -19,7 +20,8 @@ pub struct SplitArgs {
     /// The folder to write: package001 and so on. It must be empty or not there.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Copy pictures that lie outside of the project's folder too; a project from somebody else may name any file.
+    /// Copy pictures that lie outside of the project's folder too; a project from somebody else may
+    /// name any file.
     #[arg(long)]
     outside_pictures: bool,
 }
@@ -30,7 +32,11 @@ pub struct SplitArgs {
 /// The document or a picture cannot be read, or the folder holds something already.
 pub fn split(args: &SplitArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let Loaded { location, document } = args.document.load(messages)?;
-    anyhow::ensure!(!document.frames.is_empty(), "{} has no frames to split", location.file().display());
+    anyhow::ensure!(
+        !document.frames.is_empty(),
+        "{} has no frames to split",
+        location.file().display()
+    );
     let at = document.at(location.folder());
     let counts = write_packages(at, args.frames.get(), &args.output, args.outside_pictures)?;
     let frames: usize = counts.iter().sum();

@@ -16,11 +16,14 @@ use touchline_vision::synthetic::{Graphics, Preset, ShootOptions};
 const TRUTH_FILE: &str = "truth.json";
 /// Draws a match: images, a project without calibrations, and the exact truth beside it.
 ///
-/// DIR gets images/0001.jpg and so on, project.json (the camera's base is known, no frame is solved) and truth.json (the
-/// same with the exact pan, tilt and focal length of every frame and the boxes of the players). The same options give the
-/// same bytes.
+/// DIR gets images/0001.jpg and so on, project.json (the camera's base is known, no frame is
+/// solved) and truth.json (the same with the exact pan, tilt and focal length of every frame and
+/// the boxes of the players). The same options give the same bytes.
 #[derive(clap::Args, Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a flag of the command line"
+)]
 pub struct SynthArgs {
     /// The folder to write; an empty one counts as absent.
     #[arg(short, long, value_name = "DIR")]
@@ -49,13 +52,21 @@ pub struct SynthArgs {
     /// Also write the pixels of the players: masks/0001.png and so on.
     #[arg(long)]
     masks: bool,
-    /// The broadcaster's graphics, one or more; the camera's masks cover them unless `--unmasked` is given.
-    #[arg(long, value_name = "GRAPHIC", value_enum, value_delimiter = ',', default_value = "score-bug")]
+    /// The broadcaster's graphics, one or more; the camera's masks cover them unless `--unmasked`
+    /// is given.
+    #[arg(
+        long,
+        value_name = "GRAPHIC",
+        value_enum,
+        value_delimiter = ',',
+        default_value = "score-bug"
+    )]
     graphics: Vec<Graphic>,
     /// Write no masks for the graphics.
     #[arg(long)]
     unmasked: bool,
-    /// Draw the demo project that comes with the program: a third of its frames are solved references.
+    /// Draw the demo project that comes with the program: a third of its frames are solved
+    /// references.
     #[arg(long, conflicts_with_all = ["frames", "seed", "preset", "quality", "step", "size", "masks", "graphics", "unmasked"])]
     demo: bool,
     /// Draw over an earlier match; files of other names stay.
@@ -95,15 +106,26 @@ fn order_of(args: &SynthArgs) -> MatchOrder {
         step_s: args.step.unwrap_or(preset.step_s),
         ..preset
     };
-    let (frames, seed, image_size, masks) = (args.frames as usize, args.seed, args.size, args.masks);
-    let shows = |graphic| args.graphics.contains(&graphic) && !args.graphics.contains(&Graphic::None);
+    let (frames, seed, image_size, masks) =
+        (args.frames as usize, args.seed, args.size, args.masks);
+    let shows =
+        |graphic| args.graphics.contains(&graphic) && !args.graphics.contains(&Graphic::None);
     let graphics = Graphics {
         score_bug: shows(Graphic::ScoreBug),
         lower_third: shows(Graphic::LowerThird),
         watermark: shows(Graphic::Watermark),
         ..Graphics::NONE
     };
-    MatchOrder { frames, seed, image_size, shoot, masks, graphics, unmasked: args.unmasked, references: 0.0 }
+    MatchOrder {
+        frames,
+        seed,
+        image_size,
+        shoot,
+        masks,
+        graphics,
+        unmasked: args.unmasked,
+        references: 0.0,
+    }
 }
 
 /// Carries out the command.
@@ -120,7 +142,8 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     );
     refuse_other_project(&args.output)?;
     let order = order_of(args);
-    fs::create_dir_all(args.output.join("images")).with_context(|| format!("cannot make {}", args.output.display()))?;
+    fs::create_dir_all(args.output.join("images"))
+        .with_context(|| format!("cannot make {}", args.output.display()))?;
     let progress = messages.progress(order.frames, "Drawing frames");
     let drawn = draw_match(&order, &mut |picture: DrawnPicture| -> anyhow::Result<()> {
         write_file(&args.output.join(&picture.image), &picture.jpeg, args.force)?;
@@ -133,7 +156,11 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
         Ok(())
     })?;
     progress.finish_and_clear();
-    write_file(&args.output.join(TRUTH_FILE), document_to_string(&drawn.truth)?.as_bytes(), args.force)?;
+    write_file(
+        &args.output.join(TRUTH_FILE),
+        document_to_string(&drawn.truth)?.as_bytes(),
+        args.force,
+    )?;
     let location = Location::for_new_document(&args.output.join(""))?;
     write_document(&location, &drawn.project, args.force)?;
     messages.note(&format!(
@@ -144,12 +171,19 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Refuses a folder with a project that was not drawn here: its pictures have the names that a drawn match gives its own.
+/// Refuses a folder with a project that was not drawn here: its pictures have the names that a
+/// drawn match gives its own.
 fn refuse_other_project(folder: &Path) -> anyhow::Result<()> {
     let is_other = |name: &str| folder.join(name).exists() && !folder.join(TRUTH_FILE).is_file();
-    match [PROJECT_FILE, "images"].into_iter().find(|name| is_other(name)) {
+    match [PROJECT_FILE, "images"]
+        .into_iter()
+        .find(|name| is_other(name))
+    {
         Some(name) => {
-            bail!("{} holds {name}, which was not drawn by this program; give another folder", folder.display())
+            bail!(
+                "{} holds {name}, which was not drawn by this program; give another folder",
+                folder.display()
+            )
         }
         None => Ok(()),
     }
@@ -158,12 +192,21 @@ fn refuse_other_project(folder: &Path) -> anyhow::Result<()> {
 fn image_size(text: &str) -> Result<ImageSize, String> {
     let wrong = || format!("{text:?} is not a size; write it like 1280x720, both from 16 to 8192");
     let (width, height) = text.split_once('x').ok_or_else(wrong)?;
-    let side = |digits: &str| digits.parse::<u32>().ok().filter(|side| (16..=8192).contains(side)).ok_or_else(wrong);
+    let side = |digits: &str| {
+        digits
+            .parse::<u32>()
+            .ok()
+            .filter(|side| (16..=8192).contains(side))
+            .ok_or_else(wrong)
+    };
     Ok(ImageSize::new(side(width)?, side(height)?))
 }
 
 fn step_s(text: &str) -> Result<f64, String> {
-    let step = text.parse::<f64>().ok().filter(|step| *step > 0.0 && *step <= 3600.0);
+    let step = text
+        .parse::<f64>()
+        .ok()
+        .filter(|step| *step > 0.0 && *step <= 3600.0);
     step.ok_or_else(|| format!("{text:?} is not a time; give seconds above 0, up to 3600"))
 }
 
@@ -174,8 +217,22 @@ mod tests {
     #[test]
     fn sizes_and_steps_are_checked_with_a_way_out() {
         assert_eq!(image_size("640x360"), Ok(ImageSize::new(640, 360)));
-        for wrong in ["640", "640x", "x", "0x0", "640x-1", "99999x9", "640 x 360", "NaNx3"] {
-            assert!(image_size(wrong).unwrap_err().contains("write it like 1280x720"), "{wrong}");
+        for wrong in [
+            "640",
+            "640x",
+            "x",
+            "0x0",
+            "640x-1",
+            "99999x9",
+            "640 x 360",
+            "NaNx3",
+        ] {
+            assert!(
+                image_size(wrong)
+                    .unwrap_err()
+                    .contains("write it like 1280x720"),
+                "{wrong}"
+            );
         }
         assert_eq!(step_s("0.04"), Ok(0.04));
         for wrong in ["0", "-1", "NaN", "inf", "soon"] {

@@ -9,26 +9,32 @@ use std::ops::{ControlFlow, RangeInclusive};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::calibrate::{
-    ClipProgress, ClipSpan, LengthOnLines, OnPaintErrors, PaintSeen, TrackClipOptions, TrackedClip, clips,
+    ClipProgress, ClipSpan, LengthOnLines, OnPaintErrors, PaintSeen, TrackClipOptions, TrackedClip,
+    clips,
 };
-use touchline_calibration::pipelines::{TrackedFrames, TrackingEvent, TrackingOptions, track_clips};
+use touchline_calibration::pipelines::{
+    TrackedFrames, TrackingEvent, TrackingOptions, track_clips,
+};
 use touchline_core::geometry::counted;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{CameraId, Document};
 use touchline_vision::media::{FrameReader, FrameRef};
 
-/// Carries the cameras of solved frames to their neighbours, and adjusts all frames of a clip together.
+/// Carries the cameras of solved frames to their neighbours, and adjusts all frames of a clip
+/// together.
 #[derive(clap::Args, Debug)]
 pub struct TrackArgs {
     #[command(flatten)]
     document: DocumentArg,
     #[command(flatten)]
     output: DocumentOutput,
-    /// Smooth the motion of the camera; each frame keeps its own camera beside it (`solution.raw_ptz`).
+    /// Smooth the motion of the camera; each frame keeps its own camera beside it
+    /// (`solution.raw_ptz`).
     #[arg(long)]
     smooth: bool,
-    /// Seek the focal length of frames that state their lens (`lens`) as well; without it they keep it, and pan and tilt alone are sought.
+    /// Seek the focal length of frames that state their lens (`lens`) as well; without it they keep
+    /// it, and pan and tilt alone are sought.
     #[arg(long)]
     seek_focal: bool,
     /// Only frames with these numbers: video frames from 0, or places in the document.
@@ -37,18 +43,28 @@ pub struct TrackArgs {
     /// Hold every N-th frame to its painted lines; 0: none.
     #[arg(long, value_name = "N", default_value_t = TrackClipOptions::default().paint_every)]
     paint_every: usize,
-    /// Also refine each camera's base on the painted lines of the frames that were reached, and track them again, until that moves it
-    /// no more. A camera without a base gets one from its clicks first.
+    /// Also refine each camera's base on the painted lines of the frames that were reached, and
+    /// track them again, until that moves it no more. A camera without a base gets one from its
+    /// clicks first.
     #[arg(long)]
     refine_base: bool,
 }
 
 fn range(text: &str) -> Result<RangeInclusive<usize>, String> {
-    let wanted = || "frames are given as A..B, the first and the last number, such as 100..250".to_owned();
+    let wanted =
+        || "frames are given as A..B, the first and the last number, such as 100..250".to_owned();
     let (from, to) = text.split_once("..").ok_or_else(wanted)?;
-    let number = |text: &str| text.trim_start_matches('=').parse::<usize>().map_err(|_| wanted());
+    let number = |text: &str| {
+        text.trim_start_matches('=')
+            .parse::<usize>()
+            .map_err(|_| wanted())
+    };
     let (from, to) = (number(from)?, number(to)?);
-    if from <= to { Ok(from..=to) } else { Err(wanted()) }
+    if from <= to {
+        Ok(from..=to)
+    } else {
+        Err(wanted())
+    }
 }
 
 /// Carries out the command.
@@ -57,7 +73,10 @@ fn range(text: &str) -> Result<RangeInclusive<usize>, String> {
 /// The document cannot be read, its field is not valid, or the result cannot be written.
 pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
-    let Loaded { location, mut document } = args.document.load(messages)?;
+    let Loaded {
+        location,
+        mut document,
+    } = args.document.load(messages)?;
     let before = document.clone();
     let clip = TrackClipOptions {
         smooth: args.smooth,
@@ -65,10 +84,20 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
         seek_focal: args.seek_focal,
         ..TrackClipOptions::default()
     };
-    let options = TrackingOptions { clip, refine_base: args.refine_base };
+    let options = TrackingOptions {
+        clip,
+        refine_base: args.refine_base,
+    };
     let interrupt = Interrupt::listen();
     let within = args.frames.as_ref();
-    let found = track_and_report(&mut document, location.folder(), within, &options, Some(&interrupt), messages)?;
+    let found = track_and_report(
+        &mut document,
+        location.folder(),
+        within,
+        &options,
+        Some(&interrupt),
+        messages,
+    )?;
     if found.is_stopped && found.tracked == 0 {
         messages.note("stopped; no clip was finished, nothing was written");
         return Ok(Outcome::Stopped);
@@ -82,11 +111,20 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
         ));
         return Ok(Outcome::Stopped);
     }
-    messages.note(&format!("{} carried, {} not", counted(found.tracked, "frame"), found.missed));
-    Ok(if found.missed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+    messages.note(&format!(
+        "{} carried, {} not",
+        counted(found.tracked, "frame"),
+        found.missed
+    ));
+    Ok(if found.missed > 0 {
+        Outcome::SomeFailed
+    } else {
+        Outcome::Done
+    })
 }
 
-/// Tracks the clips of a document, with a bar and what is worth knowing; `interrupt` ends it within a clip, and keeps those before.
+/// Tracks the clips of a document, with a bar and what is worth knowing; `interrupt` ends it within
+/// a clip, and keeps those before.
 ///
 /// # Errors
 /// The field is not valid.
@@ -101,11 +139,22 @@ pub fn track_and_report(
     let clips = clips(document.at(folder), within);
     let report = Mutex::new(TrackingReport::new(messages));
     let progress = Progress::new(|event| {
-        report.lock().unwrap_or_else(PoisonError::into_inner).hear(event);
+        report
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .hear(event);
         interrupt.map_or(ControlFlow::Continue(()), Interrupt::check)
     });
     let mut reader = FrameReader::new();
-    Ok(track_clips(document, folder, &clips, &mut reader, options, &mut Vec::new(), &progress)?)
+    Ok(track_clips(
+        document,
+        folder,
+        &clips,
+        &mut reader,
+        options,
+        &mut Vec::new(),
+        &progress,
+    )?)
 }
 
 /// What is said while clips are tracked: a bar for each step, and a line for what is worth knowing.
@@ -117,7 +166,10 @@ pub struct TrackingReport {
 impl TrackingReport {
     /// Nothing has been said yet.
     pub const fn new(messages: Messages) -> Self {
-        Self { messages, bar: None }
+        Self {
+            messages,
+            bar: None,
+        }
     }
 
     /// Says what happened.
@@ -127,13 +179,21 @@ impl TrackingReport {
             self.clear();
         }
         match event {
-            TrackingEvent::Begun(clip) => self.bar = Some(messages.progress(2 * clip.num_pictures, "Tracking")),
+            TrackingEvent::Begun(clip) => {
+                self.bar = Some(messages.progress(2 * clip.num_pictures, "Tracking"))
+            }
             TrackingEvent::Progress(progress) => show_progress(self.bar.as_ref(), progress),
-            TrackingEvent::Refining(_) => self.bar = Some(messages.progress(1, "Refining the base on painted lines")),
+            TrackingEvent::Refining(_) => {
+                self.bar = Some(messages.progress(1, "Refining the base on painted lines"))
+            }
             TrackingEvent::Tracked(clip, tracked) => report_tracked(&clip, &tracked, messages),
-            TrackingEvent::Failed(clip, error) => messages.frame_failed(&name_of(&clip), &error.to_string()),
+            TrackingEvent::Failed(clip, error) => {
+                messages.frame_failed(&name_of(&clip), &error.to_string())
+            }
             TrackingEvent::Length(found) => messages.note(&describe_length(&found)),
-            TrackingEvent::Refined(camera, seen) => messages.note(&describe_refined(&camera, &seen)),
+            TrackingEvent::Refined(camera, seen) => {
+                messages.note(&describe_refined(&camera, &seen))
+            }
             TrackingEvent::NoBetter { kept, refined } => {
                 let [kept, refined] = [kept, refined].map(|confidence| 100.0 * confidence);
                 messages.note(&format!(
@@ -156,7 +216,8 @@ impl Drop for TrackingReport {
     }
 }
 
-/// Shows how far a clip has come: its points are followed in the first half of the bar, its paint is looked at in the second.
+/// Shows how far a clip has come: its points are followed in the first half of the bar, its paint
+/// is looked at in the second.
 fn show_progress(bar: Option<&ProgressBar>, progress: ClipProgress) {
     let Some(bar) = bar else { return };
     let half = bar.length().unwrap_or(0) / 2;
@@ -172,12 +233,19 @@ fn show_progress(bar: Option<&ProgressBar>, progress: ClipProgress) {
 
 /// A clip by its first and its last picture.
 fn name_of(clip: &ClipSpan) -> String {
-    let file_name = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    let file_name = |path: &Path| {
+        path.file_name()
+            .unwrap_or(path.as_os_str())
+            .to_string_lossy()
+            .into_owned()
+    };
     match (&clip.first, &clip.last) {
         (FrameRef::Video { path, index }, FrameRef::Video { index: last, .. }) => {
             format!("{} frames {index} to {last}", file_name(path))
         }
-        (FrameRef::Image(first), FrameRef::Image(last)) => format!("{} to {}", file_name(first), file_name(last)),
+        (FrameRef::Image(first), FrameRef::Image(last)) => {
+            format!("{} to {}", file_name(first), file_name(last))
+        }
         (first, last) => format!("{first} to {last}"),
     }
 }
@@ -198,10 +266,19 @@ fn report_tracked(clip: &ClipSpan, tracked: &TrackedClip, messages: Messages) {
         ));
     }
     for stop in &tracked.stops {
-        let why = format!("only {} of {} points agree with one turn and zoom", stop.agreeing, stop.seen);
-        messages.frame_failed(&stop.picture, &format!("not carried on to this frame: {why}"));
+        let why = format!(
+            "only {} of {} points agree with one turn and zoom",
+            stop.agreeing, stop.seen
+        );
+        messages.frame_failed(
+            &stop.picture,
+            &format!("not carried on to this frame: {why}"),
+        );
     }
-    for (what, jitter) in [(" before smoothing", tracked.raw_jitter), ("", tracked.jitter)] {
+    for (what, jitter) in [
+        (" before smoothing", tracked.raw_jitter),
+        ("", tracked.jitter),
+    ] {
         if let Some(jitter) = jitter {
             messages.note(&format!(
                 "jitter{what}: pan {:.4}°, tilt {:.4}°, focal length {:.2} px, picture {:.2} px",
@@ -212,9 +289,16 @@ fn report_tracked(clip: &ClipSpan, tracked: &TrackedClip, messages: Messages) {
 }
 
 fn describe_length(found: &LengthOnLines) -> String {
-    let FittedSize { assumed_m, value_m, sigma_m, .. } = found.size;
-    let seen =
-        format!("the painted lines of {} frames ask for a length of {value_m:.2} ± {sigma_m:.2} m", found.frames);
+    let FittedSize {
+        assumed_m,
+        value_m,
+        sigma_m,
+        ..
+    } = found.size;
+    let seen = format!(
+        "the painted lines of {} frames ask for a length of {value_m:.2} ± {sigma_m:.2} m",
+        found.frames
+    );
     if found.is_prescribed {
         format!("{seen}; {assumed_m} m is stated, and stays")
     } else {

@@ -9,7 +9,9 @@ use anyhow::ensure;
 use clap::ValueEnum;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use touchline_calibration::proposals::{FramePictures, LearnOptions, TrainingFrames, WRONG_PX, learn, measure, study};
+use touchline_calibration::proposals::{
+    FramePictures, LearnOptions, TrainingFrames, WRONG_PX, learn, measure, study,
+};
 use touchline_core::progress::{Progress, Share};
 use touchline_vision::features::{Detector, FeatureOptions};
 use touchline_vision::media::FrameReader;
@@ -17,7 +19,10 @@ use touchline_vision::relocalize::{CameraForest, RelocalizeOptions, TrainOptions
 
 /// Trains the pan-tilt forest on the frames that people accepted.
 #[derive(clap::Args, Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a flag of the command line"
+)]
 pub struct TrainArgs {
     #[command(flatten)]
     document: DocumentArg,
@@ -29,8 +34,8 @@ pub struct TrainArgs {
     /// Also train with accepted suggestions of the forest and of tracking.
     #[arg(long)]
     all_references: bool,
-    /// The settings of the paper: 5 trees of 30 references, depth 20, 6 dimensions with 10 thresholds each, leaves that are
-    /// means. Options given with it take precedence.
+    /// The settings of the paper: 5 trees of 30 references, depth 20, 6 dimensions with 10
+    /// thresholds each, leaves that are means. Options given with it take precedence.
     #[arg(long)]
     published: bool,
     /// Trees; 3 by default.
@@ -90,10 +95,19 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         location.file().display()
     );
     let store = args.kept.store(Some(location.file()));
-    let pictures =
-        FramePictures { document: &document, folder: location.folder(), options: options.features, store: &store };
+    let pictures = FramePictures {
+        document: &document,
+        folder: location.folder(),
+        options: options.features,
+        store: &store,
+    };
     let bar = messages.progress(training_frames.frames.len(), "Finding features");
-    let studied = study(&pictures, &mut FrameReader::new(), &training_frames.frames, &count_steps(&bar));
+    let studied = study(
+        &pictures,
+        &mut FrameReader::new(),
+        &training_frames.frames,
+        &count_steps(&bar),
+    );
     bar.finish_and_clear();
     let studied = studied.unwrap_or_default();
     tell_refusal(&store, messages);
@@ -101,7 +115,10 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         messages.frame_failed(&document.frames[*index].name(), &error.to_string());
     }
     ensure!(
-        studied.training_samples.iter().any(|sample| !sample.rays.is_empty()),
+        studied
+            .training_samples
+            .iter()
+            .any(|sample| !sample.rays.is_empty()),
         "{}: no reference gave features to train with",
         location.file().display()
     );
@@ -121,7 +138,14 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         ControlFlow::Continue(())
     });
     let (references, relocalizing) = (&training_frames.frames, RelocalizeOptions::default());
-    let quality = measure(&pictures, &mut FrameReader::new(), references, &options, &relocalizing, &asking);
+    let quality = measure(
+        &pictures,
+        &mut FrameReader::new(),
+        references,
+        &options,
+        &relocalizing,
+        &asking,
+    );
     bar.finish_and_clear();
     if let Some(quality) = &quality {
         quality.bound(&document, &mut model);
@@ -150,12 +174,20 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
             training_frames.withheld
         ));
     }
-    Ok(if studied.failed.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
+    Ok(if studied.failed.is_empty() {
+        Outcome::Done
+    } else {
+        Outcome::SomeFailed
+    })
 }
 
 impl TrainArgs {
     fn options(&self) -> LearnOptions {
-        let usual = if self.published { TrainOptions::published() } else { TrainOptions::default() };
+        let usual = if self.published {
+            TrainOptions::published()
+        } else {
+            TrainOptions::default()
+        };
         LearnOptions {
             features: FeatureOptions {
                 max_count: self.features,

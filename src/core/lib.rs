@@ -1,4 +1,5 @@
-//! A pan-tilt-zoom camera over a sports field, as mathematics: no picture, no document, no disk but what it is given.
+//! A pan-tilt-zoom camera over a sports field, as mathematics: no picture, no document, no disk but
+//! what it is given.
 //!
 //! | floor | rooms |
 //! |---|---|

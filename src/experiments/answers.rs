@@ -1,10 +1,13 @@
-//! Frames asked of a method, how far its answers are from the truth, and what that is in a few numbers.
+//! Frames asked of a method, how far its answers are from the truth, and what that is in a few
+//! numbers.
 
 use super::paper::{FAILURE_IOU, ROTATION};
 use super::sets::FrameSet;
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::quantile;
-use touchline_core::score::{CameraError, Summary, camera_error, horizontal_view, iou_part, iou_whole};
+use touchline_core::score::{
+    CameraError, Summary, camera_error, horizontal_view, iou_part, iou_whole,
+};
 use touchline_documents::report::{Cell, Table};
 
 /// What became of one frame.
@@ -45,7 +48,12 @@ impl FoundCamera {
         let known = &set.frames[frame];
         Self {
             camera: *estimate,
-            iou: iou_part(&known.field, &known.truth, estimate, known.features.image_size),
+            iou: iou_part(
+                &known.field,
+                &known.truth,
+                estimate,
+                known.features.image_size,
+            ),
             iou_whole: iou_whole(&known.field, &known.truth, estimate),
             error: camera_error(&known.truth, estimate),
         }
@@ -56,8 +64,17 @@ impl AskedFrame {
     /// Of a frame that was not found yet.
     pub fn blank(set: &FrameSet, repeat: usize, split: usize, frame: usize) -> Self {
         let known = &set.frames[frame];
-        let view_deg = horizontal_view(known.truth.ptz().focal_px, known.features.image_size).degrees();
-        Self { repeat, frame, split, view_deg, found: None, predict_ms: 0.0, pose_ms: 0.0 }
+        let view_deg =
+            horizontal_view(known.truth.ptz().focal_px, known.features.image_size).degrees();
+        Self {
+            repeat,
+            frame,
+            split,
+            view_deg,
+            found: None,
+            predict_ms: 0.0,
+            pose_ms: 0.0,
+        }
     }
 
     /// Its `IoU`, 0 where it was not found; none where the picture shows nothing of the field.
@@ -89,7 +106,8 @@ impl RayCount {
     }
 }
 
-/// How many frames went, in a few numbers. Frames that were not found count as `IoU` 0 and as never within a rotation.
+/// How many frames went, in a few numbers. Frames that were not found count as `IoU` 0 and as never
+/// within a rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tally {
     pub asked: usize,
@@ -143,7 +161,10 @@ impl Tally {
         let of_found: Vec<f64> = found.iter().filter_map(|found| found.iou).collect();
         let rotation = ascending(&|found| found.error.rotation.degrees());
         let focal = ascending(&|found| found.error.focal_px.abs());
-        let within = rotation.iter().filter(|degrees| **degrees <= ROTATION.0).count();
+        let within = rotation
+            .iter()
+            .filter(|degrees| **degrees <= ROTATION.0)
+            .count();
         Self {
             asked: all.len(),
             found: found.len(),
@@ -161,8 +182,20 @@ impl Tally {
     }
 
     pub fn cells(&self) -> Vec<Cell> {
-        let number = |value: f64| if value.is_finite() { Cell::Number(value) } else { Cell::Empty };
-        let fixed = |value: f64| if value.is_finite() { Cell::Fixed(value, 3) } else { Cell::Empty };
+        let number = |value: f64| {
+            if value.is_finite() {
+                Cell::Number(value)
+            } else {
+                Cell::Empty
+            }
+        };
+        let fixed = |value: f64| {
+            if value.is_finite() {
+                Cell::Fixed(value, 3)
+            } else {
+                Cell::Empty
+            }
+        };
         vec![
             self.asked.into(),
             self.found.into(),
@@ -182,7 +215,10 @@ impl Tally {
     /// As the paper writes it, with the interval.
     pub fn describe(&self) -> String {
         let [low, high] = self.iou_interval;
-        format!("{:.2} ± {:.2} ({low:.2} to {high:.2})", self.iou_mean, self.iou_sd)
+        format!(
+            "{:.2} ± {:.2} ({low:.2} to {high:.2})",
+            self.iou_mean, self.iou_sd
+        )
     }
 }
 
@@ -194,10 +230,14 @@ pub fn mean_sd(values: &[f64]) -> [f64; 2] {
     [mean, (squares / (count - 1.0).max(1.0)).sqrt()]
 }
 
-/// The 97.5 % point of Student's t by degrees of freedom, from 1 on; beyond, the normal distribution's.
-const STUDENT_975: [f64; 9] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262];
+/// The 97.5 % point of Student's t by degrees of freedom, from 1 on; beyond, the normal
+/// distribution's.
+const STUDENT_975: [f64; 9] = [
+    12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262,
+];
 
-/// The 95 % interval of the mean `IoU`: frames of one seed share stadium, crowd and path, so that the seeds are what is independent.
+/// The 95 % interval of the mean `IoU`: frames of one seed share stadium, crowd and path, so that
+/// the seeds are what is independent.
 fn interval_of_mean(all: &[&AskedFrame]) -> [f64; 2] {
     let ious: Vec<Vec<f64>> = by_seed(all.iter().copied())
         .into_iter()
@@ -242,7 +282,8 @@ pub fn over_seeds<'a>(
     interval_over_seeds(&by_seed(asked).into_iter().map(number).collect::<Vec<_>>())
 }
 
-/// By how much a number of some answers is greater than that of others, both in each seed: its 95 % interval over the seeds.
+/// By how much a number of some answers is greater than that of others, both in each seed: its 95 %
+/// interval over the seeds.
 pub fn difference<'a>(
     of: impl IntoIterator<Item = &'a AskedFrame>,
     than: impl IntoIterator<Item = &'a AskedFrame>,
@@ -250,7 +291,9 @@ pub fn difference<'a>(
 ) -> [f64; 2] {
     let tallied = |asked: Vec<&'a AskedFrame>| number(&Tally::of(asked.into_iter()));
     let pairs = by_seed(of).into_iter().zip(by_seed(than));
-    let differences: Vec<f64> = pairs.map(|(of, than)| tallied(of) - tallied(than)).collect();
+    let differences: Vec<f64> = pairs
+        .map(|(of, than)| tallied(of) - tallied(than))
+        .collect();
     interval_over_seeds(&differences)
 }
 
@@ -273,9 +316,21 @@ pub fn tally_table(heading: (&str, &str), tallies: &[(Cell, Tally)]) -> Table {
 }
 
 /// The frames asked by the name of their split, and all together.
-pub fn by_name<'a>(set: &'a FrameSet, asked: &'a [AskedFrame]) -> Vec<(&'a str, Vec<&'a AskedFrame>)> {
-    let of = |name: &str| asked.iter().filter(|asked| set.splits[asked.split].name == name).collect();
-    let mut parts: Vec<(&str, Vec<&AskedFrame>)> = set.names().into_iter().map(|name| (name, of(name))).collect();
+pub fn by_name<'a>(
+    set: &'a FrameSet,
+    asked: &'a [AskedFrame],
+) -> Vec<(&'a str, Vec<&'a AskedFrame>)> {
+    let of = |name: &str| {
+        asked
+            .iter()
+            .filter(|asked| set.splits[asked.split].name == name)
+            .collect()
+    };
+    let mut parts: Vec<(&str, Vec<&AskedFrame>)> = set
+        .names()
+        .into_iter()
+        .map(|name| (name, of(name)))
+        .collect();
     parts.push(("all", asked.iter().collect()));
     parts
 }
@@ -333,15 +388,36 @@ mod tests {
 
     fn asked(repeat: usize, iou: Option<f64>) -> AskedFrame {
         let base = crate::setting::base();
-        let camera = PtzCamera::new(base, touchline_core::camera::Ptz::from_degrees(50.0, -9.0, 3000.0));
+        let camera = PtzCamera::new(
+            base,
+            touchline_core::camera::Ptz::from_degrees(50.0, -9.0, 3000.0),
+        );
         let error = camera_error(&camera, &camera);
-        let found = iou.map(|iou| FoundCamera { camera, iou: Some(iou), iou_whole: iou, error });
-        AskedFrame { repeat, frame: 0, split: 0, view_deg: 24.0, found, predict_ms: 0.0, pose_ms: 0.0 }
+        let found = iou.map(|iou| FoundCamera {
+            camera,
+            iou: Some(iou),
+            iou_whole: iou,
+            error,
+        });
+        AskedFrame {
+            repeat,
+            frame: 0,
+            split: 0,
+            view_deg: 24.0,
+            found,
+            predict_ms: 0.0,
+            pose_ms: 0.0,
+        }
     }
 
     #[test]
     fn what_was_not_found_counts_as_zero_and_the_mean_of_found_does_not_know_it() {
-        let all = [asked(0, Some(0.9)), asked(0, None), asked(0, Some(0.5)), asked(0, Some(1.0))];
+        let all = [
+            asked(0, Some(0.9)),
+            asked(0, None),
+            asked(0, Some(0.5)),
+            asked(0, Some(1.0)),
+        ];
         let tally = Tally::of(all.iter());
         assert_eq!((tally.asked, tally.found, tally.failed), (4, 3, 2));
         assert!((tally.iou_mean - 0.6).abs() < 1e-12 && (tally.iou_of_found - 0.8).abs() < 1e-12);
@@ -353,24 +429,46 @@ mod tests {
     #[test]
     fn the_interval_is_that_of_the_means_of_the_seeds() {
         // Means .5 and .7: their SD is .1414, t with one degree of freedom 12.706.
-        let all = [asked(0, Some(0.4)), asked(0, Some(0.6)), asked(1, Some(0.7)), asked(1, Some(0.7))];
+        let all = [
+            asked(0, Some(0.4)),
+            asked(0, Some(0.6)),
+            asked(1, Some(0.7)),
+            asked(1, Some(0.7)),
+        ];
         assert_eq!(Tally::of(all.iter()).iou_interval, [0.0, 1.0]);
         let three = [0.60, 0.61, 0.62].map(|iou| [asked(0, Some(iou)); 1]);
-        let all: Vec<AskedFrame> =
-            three.iter().enumerate().map(|(repeat, [asked])| AskedFrame { repeat, ..*asked }).collect();
+        let all: Vec<AskedFrame> = three
+            .iter()
+            .enumerate()
+            .map(|(repeat, [asked])| AskedFrame { repeat, ..*asked })
+            .collect();
         let [low, high] = Tally::of(all.iter()).iou_interval;
         // 4.303 × .01 / √3 = .02484.
-        assert!((low - 0.585_16).abs() < 1e-4 && (high - 0.634_84).abs() < 1e-4, "{low} {high}");
+        assert!(
+            (low - 0.585_16).abs() < 1e-4 && (high - 0.634_84).abs() < 1e-4,
+            "{low} {high}"
+        );
         assert!(Tally::of([].iter()).iou_mean.is_nan());
     }
 
     #[test]
     fn a_difference_is_taken_in_each_seed() {
         // The seeds differ by .3, the methods by .1 in each of them.
-        let of: Vec<AskedFrame> = [0.5, 0.8].iter().enumerate().map(|(seed, iou)| asked(seed, Some(*iou))).collect();
-        let than: Vec<AskedFrame> = [0.4, 0.7].iter().enumerate().map(|(seed, iou)| asked(seed, Some(*iou))).collect();
+        let of: Vec<AskedFrame> = [0.5, 0.8]
+            .iter()
+            .enumerate()
+            .map(|(seed, iou)| asked(seed, Some(*iou)))
+            .collect();
+        let than: Vec<AskedFrame> = [0.4, 0.7]
+            .iter()
+            .enumerate()
+            .map(|(seed, iou)| asked(seed, Some(*iou)))
+            .collect();
         let [low, high] = difference(&of, &than, |tally| tally.iou_mean);
-        assert!((low - 0.1).abs() < 1e-9 && (high - 0.1).abs() < 1e-9, "{low} {high}");
+        assert!(
+            (low - 0.1).abs() < 1e-9 && (high - 0.1).abs() < 1e-9,
+            "{low} {high}"
+        );
         let [low, high] = difference(&of[..1], &than[..1], |tally| tally.iou_mean);
         assert!(low.is_nan() && high.is_nan());
         assert_eq!(describe_difference([-0.01, 0.2]), "-0.010 to +0.200");

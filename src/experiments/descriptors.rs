@@ -1,4 +1,5 @@
-//! SIFT against ORB and AKAZE: each feature's nearest neighbour among all references' features is its ray, then the pose.
+//! SIFT against ORB and AKAZE: each feature's nearest neighbour among all references' features is
+//! its ray, then the pose.
 
 use super::answers::{AskedFrame, FoundCamera, TALLY_EXPLAINED, Tally, frame_table, tally_table};
 use super::matching::{DescriptorRows, nearest};
@@ -10,13 +11,18 @@ use super::{ExperimentError, SharedInputs};
 use rayon::prelude::*;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_documents::report::{Cell, Report, Verdict};
-use touchline_vision::features::{BinaryDescriptor, BinaryKind, Keypoint, MAX_SQUARED_DISTANCE, extract_binary};
+use touchline_vision::features::{
+    BinaryDescriptor, BinaryKind, Keypoint, MAX_SQUARED_DISTANCE, extract_binary,
+};
 use touchline_vision::media::FrameReader;
-use touchline_vision::relocalize::{PoseOptions, RayCandidate, RayMatches, SeenRange, pose_from_candidates};
+use touchline_vision::relocalize::{
+    PoseOptions, RayCandidate, RayMatches, SeenRange, pose_from_candidates,
+};
 
 /// Features of a picture at most, as SIFT's default is.
 const MOST_FEATURES: usize = 1000;
-/// The share of the largest distance up to which a nearest neighbour is a match: SIFT's is the forest's gate, 0.2 of 2.
+/// The share of the largest distance up to which a nearest neighbour is a match: SIFT's is the
+/// forest's gate, 0.2 of 2.
 const GATE: f32 = 0.1;
 /// The same for bits: unrelated descriptors differ in half of them.
 const BINARY_GATE: f32 = 0.15;
@@ -27,7 +33,10 @@ const BATCH: usize = 16;
 /// The features of all frames of a set, of one kind.
 enum Described {
     Sift(Vec<DescriptorRows>),
-    Bits { frames: Vec<(Vec<Keypoint>, Vec<BinaryDescriptor>)>, kind: BinaryKind },
+    Bits {
+        frames: Vec<(Vec<Keypoint>, Vec<BinaryDescriptor>)>,
+        kind: BinaryKind,
+    },
 }
 
 /// A feature of a frame, and how far its descriptor is from the one asked: from 0 (the same) to 1.
@@ -35,7 +44,12 @@ type Neighbour = (f32, usize);
 
 impl Described {
     fn sift(set: &FrameSet) -> Self {
-        Self::Sift(set.frames.iter().map(|known| DescriptorRows::of(&known.features.descriptors)).collect())
+        Self::Sift(
+            set.frames
+                .iter()
+                .map(|known| DescriptorRows::of(&known.features.descriptors))
+                .collect(),
+        )
     }
 
     fn keypoints<'a>(&'a self, set: &'a FrameSet, frame: usize) -> &'a [Keypoint] {
@@ -51,12 +65,19 @@ impl Described {
             Self::Sift(rows) if rows[other].is_empty() => vec![None; rows[frame].len()],
             Self::Sift(rows) => {
                 let found = nearest(&rows[frame], &rows[other]);
-                found.iter().map(|found| Some((found.squared_distance / MAX_SQUARED_DISTANCE, found.feature))).collect()
+                found
+                    .iter()
+                    .map(|found| {
+                        Some((found.squared_distance / MAX_SQUARED_DISTANCE, found.feature))
+                    })
+                    .collect()
             }
             Self::Bits { frames, kind } => {
                 let others = || frames[other].1.iter().enumerate();
                 let of_feature = |asked: &BinaryDescriptor| {
-                    let (bits, feature) = others().map(|(feature, other)| (asked.distance(other), feature)).min()?;
+                    let (bits, feature) = others()
+                        .map(|(feature, other)| (asked.distance(other), feature))
+                        .min()?;
                     Some((bits as f32 / kind.bits() as f32, feature))
                 };
                 frames[frame].1.iter().map(of_feature).collect()
@@ -78,9 +99,16 @@ impl Described {
 /// The frames or their pictures cannot be had.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let sets = inputs.highlights(progress)?;
-    let mut report = Report::new("descriptors", &sets[0].heading("Descriptors: SIFT, ORB, AKAZE"));
+    let mut report = Report::new(
+        "descriptors",
+        &sets[0].heading("Descriptors: SIFT, ORB, AKAZE"),
+    );
     let stride = inputs.options.sized(2, 2);
-    introduce(&mut report, sets, &format!("One frame in {stride} is asked, the same ones of every kind."));
+    introduce(
+        &mut report,
+        sets,
+        &format!("One frame in {stride} is asked, the same ones of every kind."),
+    );
     report.text(&format!(
         "At most {MOST_FEATURES} features a picture, OpenCV's own settings; every feature's nearest neighbour among all references' features \
          is its ray, then the pose from two points. No forest: a forest splits numbers, not bits. {TALLY_EXPLAINED}"
@@ -98,8 +126,11 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             progress(3 * repeat + number + 1, 3 * sets.len());
         }
     }
-    let tallies: Vec<(Cell, Tally)> =
-        names.iter().zip(&asked).map(|(name, asked)| ((*name).into(), Tally::of(asked.iter()))).collect();
+    let tallies: Vec<(Cell, Tally)> = names
+        .iter()
+        .zip(&asked)
+        .map(|(name, asked)| ((*name).into(), Tally::of(asked.iter())))
+        .collect();
     let mut table = tally_table(("features", "features"), &tallies);
     let is_own = sets[0].kind == SetKind::Own;
     let [sift, surf] = SIFT_SURF;
@@ -107,18 +138,32 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         let mut row: Vec<Cell> = vec!["SURF (paper only)".into()];
         row.resize(table.columns.len(), Cell::Empty);
         table.push(row);
-        let paper = [Cell::Fixed(sift, 2), Cell::Empty, Cell::Empty, Cell::Fixed(surf, 2)];
+        let paper = [
+            Cell::Fixed(sift, 2),
+            Cell::Empty,
+            Cell::Empty,
+            Cell::Fixed(surf, 2),
+        ];
         table = table.with_column("paper_iou", "paper: IoU (forest)", paper);
     }
     report.table("kinds", "By kind of features.", table);
     let ways = names.into_iter().zip(asked.iter().map(Vec::as_slice));
-    report.data("frames", "Every frame asked, by kind of features.", frame_table(sets, ways));
+    report.data(
+        "frames",
+        "Every frame asked, by kind of features.",
+        frame_table(sets, ways),
+    );
     if !is_own {
-        let shown = tallies.iter().map(|(name, tally)| format!("{name} {:.2}", tally.iou_mean));
+        let shown = tallies
+            .iter()
+            .map(|(name, tally)| format!("{name} {:.2}", tally.iou_mean));
         report.claim(
             Verdict::NotMeasured,
             &format!("SURF in place of SIFT: IoU {surf} (SIFT {sift})"),
-            &format!("{} (nearest neighbours, no forest)", shown.collect::<Vec<_>>().join(", ")),
+            &format!(
+                "{} (nearest neighbours, no forest)",
+                shown.collect::<Vec<_>>().join(", ")
+            ),
             "SURF is non-free and absent from Debian's OpenCV; ORB and AKAZE are what users have",
         );
     }
@@ -130,9 +175,17 @@ fn binary(set: &FrameSet, kind: BinaryKind) -> Result<Described, ExperimentError
     let mut frames = Vec::with_capacity(set.frames.len());
     for batch in set.frames.chunks(BATCH) {
         // Read one after the other: a video's decoder stands at one place at a time.
-        let pictures: Vec<_> = batch.iter().map(|known| known.picture(&mut reader)).collect::<Result<_, _>>()?;
+        let pictures: Vec<_> = batch
+            .iter()
+            .map(|known| known.picture(&mut reader))
+            .collect::<Result<_, _>>()?;
         let of_frame = |(known, picture): (&KnownFrame, _)| {
-            let found = extract_binary(&as_picture(picture)?, known.used_masks(), kind, MOST_FEATURES)?;
+            let found = extract_binary(
+                &as_picture(picture)?,
+                known.used_masks(),
+                kind,
+                MOST_FEATURES,
+            )?;
             Ok((found.keypoints, found.descriptors))
         };
         let found = batch.par_iter().zip(pictures).map(of_frame);
@@ -143,26 +196,46 @@ fn binary(set: &FrameSet, kind: BinaryKind) -> Result<Described, ExperimentError
 
 fn ask(set: &FrameSet, repeat: usize, described: &Described, stride: usize) -> Vec<AskedFrame> {
     let of_split = |(number, split): (usize, &Split)| -> Vec<AskedFrame> {
-        let seen: Vec<Ptz> =
-            split.training_frames.iter().map(|&training_frame| set.frames[training_frame].truth.ptz()).collect();
-        let Some(seen) = SeenRange::of(&seen) else { return Vec::new() };
-        let options = PoseOptions { seed: set.seed, ranges: Some(seen.plausible()), ..PoseOptions::default() };
+        let seen: Vec<Ptz> = split
+            .training_frames
+            .iter()
+            .map(|&training_frame| set.frames[training_frame].truth.ptz())
+            .collect();
+        let Some(seen) = SeenRange::of(&seen) else {
+            return Vec::new();
+        };
+        let options = PoseOptions {
+            seed: set.seed,
+            ranges: Some(seen.plausible()),
+            ..PoseOptions::default()
+        };
         let asked: Vec<usize> = split.asked.iter().copied().step_by(stride).collect();
         let one = |&frame: &usize| {
             let known = &set.frames[frame];
             let base = *known.truth.base();
             let matches = nearest_rays(set, described, frame, &split.training_frames);
-            let pose = pose_from_candidates(&matches, &base, known.features.image_size, &options).ok();
-            let found = pose.map(|pose| FoundCamera::of(set, frame, &PtzCamera::new(base, pose.ptz)));
-            AskedFrame { found, ..AskedFrame::blank(set, repeat, number, frame) }
+            let pose =
+                pose_from_candidates(&matches, &base, known.features.image_size, &options).ok();
+            let found =
+                pose.map(|pose| FoundCamera::of(set, frame, &PtzCamera::new(base, pose.ptz)));
+            AskedFrame {
+                found,
+                ..AskedFrame::blank(set, repeat, number, frame)
+            }
         };
         asked.par_iter().map(one).collect()
     };
     set.splits.iter().enumerate().flat_map(of_split).collect()
 }
 
-/// For each feature of a frame the ray of its nearest neighbour among the training frames' features.
-fn nearest_rays(set: &FrameSet, described: &Described, frame: usize, training_frames: &[usize]) -> RayMatches {
+/// For each feature of a frame the ray of its nearest neighbour among the training frames'
+/// features.
+fn nearest_rays(
+    set: &FrameSet,
+    described: &Described,
+    frame: usize,
+    training_frames: &[usize],
+) -> RayMatches {
     let keypoints = described.keypoints(set, frame);
     let mut best: Vec<Option<(Neighbour, usize)>> = vec![None; keypoints.len()];
     for &training_frame in training_frames {
@@ -184,7 +257,13 @@ fn nearest_rays(set: &FrameSet, described: &Described, frame: usize, training_fr
         };
         let point = described.keypoints(set, training_frame)[feature].point;
         if let Ok(ray) = set.frames[training_frame].truth.ray_from_image(point) {
-            matches.push(keypoint.point, &[RayCandidate { ray, squared_distance: distance }]);
+            matches.push(
+                keypoint.point,
+                &[RayCandidate {
+                    ray,
+                    squared_distance: distance,
+                }],
+            );
         }
     }
     matches

@@ -76,8 +76,12 @@ fn not_given(experiment: Experiment, folder: Option<&Path>) -> String {
     let wanted = match experiment {
         Experiment::Homographies => "train_val.json, or a file N.homographyMatrix for each frame",
         Experiment::Motion | Experiment::Annotator => "soccer_ground_truth.json",
-        Experiment::Worldcup => "MATLAB files such as game1_anno.mat, in it or in a folder named after the World Cup",
-        Experiment::Synthetic | Experiment::Ransac => return format!("{experiment} needs no data; omit --data"),
+        Experiment::Worldcup => {
+            "MATLAB files such as game1_anno.mat, in it or in a folder named after the World Cup"
+        }
+        Experiment::Synthetic | Experiment::Ransac => {
+            return format!("{experiment} needs no data; omit --data");
+        }
         _ => "MATLAB files such as seq1_anno.mat, in it or in a folder named highlights",
     };
     match folder {

@@ -1,6 +1,8 @@
 //! The distributions of rotation and focal length errors.
 
-use super::answers::{AskedFrame, FoundCamera, TALLY_EXPLAINED, Tally, difference, over_seeds, tally_table};
+use super::answers::{
+    AskedFrame, FoundCamera, TALLY_EXPLAINED, Tally, difference, over_seeds, tally_table,
+};
 use super::forests::ForestKind;
 use super::inputs::{Masks, Sets};
 use super::paper::ROTATION;
@@ -17,12 +19,17 @@ use touchline_documents::report::{Cell, Report, Verdict};
 /// The frames cannot be had.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let one = inputs.highlights(progress)?;
-    let mut report = Report::new("errors", &one[0].heading("Errors: cumulative distributions"));
+    let mut report = Report::new(
+        "errors",
+        &one[0].heading("Errors: cumulative distributions"),
+    );
     let mut chosen = vec![("highlights", Sets::Highlights)];
     match one[0].kind {
         SetKind::Own => chosen[0].0 = "own frames",
         // Published and drawn frames share no diagram.
-        kind if inputs.worldcup(progress)?[0].kind == kind => chosen.push(("World Cup", Sets::WorldCup)),
+        kind if inputs.worldcup(progress)?[0].kind == kind => {
+            chosen.push(("World Cup", Sets::WorldCup))
+        }
         _ => {}
     }
     for (_, sets) in &chosen {
@@ -36,19 +43,41 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         }
     }
     for (stem, label, of) in [
-        ("rotation", "rotation error (°)", (|found| found.error.rotation.degrees()) as fn(&FoundCamera) -> f64),
-        ("focal", "focal length error (px)", |found| found.error.focal_px.abs()),
+        (
+            "rotation",
+            "rotation error (°)",
+            (|found| found.error.rotation.degrees()) as fn(&FoundCamera) -> f64,
+        ),
+        ("focal", "focal length error (px)", |found| {
+            found.error.focal_px.abs()
+        }),
     ] {
-        let mut figure = Figure::new("", Axis::log(label), Axis::linear("share of frames").within(0.0, 1.0));
+        let mut figure = Figure::new(
+            "",
+            Axis::log(label),
+            Axis::linear("share of frames").within(0.0, 1.0),
+        );
         for (number, (name, asked)) in asked.iter().enumerate() {
-            let values: Vec<f64> = asked.iter().filter_map(|asked| asked.found.as_ref()).map(of).collect();
-            let line = if number % 2 == 0 { Line::Solid } else { Line::Dashed };
-            figure = figure.with(Series::cumulative(name, number + 1, &values, asked.len()).lined(line));
+            let values: Vec<f64> = asked
+                .iter()
+                .filter_map(|asked| asked.found.as_ref())
+                .map(of)
+                .collect();
+            let line = if number % 2 == 0 {
+                Line::Solid
+            } else {
+                Line::Dashed
+            };
+            figure =
+                figure.with(Series::cumulative(name, number + 1, &values, asked.len()).lined(line));
         }
         if stem == "rotation" && one[0].kind != SetKind::Own {
             let (degrees, share) = ROTATION;
-            figure =
-                figure.with(Series::new("paper", 0, vec![[degrees, share]]).lined(Line::None).marked(Mark::Square));
+            figure = figure.with(
+                Series::new("paper", 0, vec![[degrees, share]])
+                    .lined(Line::None)
+                    .marked(Mark::Square),
+            );
         }
         report.figure(
             stem,
@@ -56,26 +85,48 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             figure,
         );
     }
-    let tallies: Vec<(Cell, Tally)> =
-        asked.iter().map(|(name, asked)| (name.as_str().into(), Tally::of(asked.iter()))).collect();
+    let tallies: Vec<(Cell, Tally)> = asked
+        .iter()
+        .map(|(name, asked)| (name.as_str().into(), Tally::of(asked.iter())))
+        .collect();
     report.text(TALLY_EXPLAINED);
-    report.table("summary", "In numbers.", tally_table(("set", "set and forest"), &tallies));
+    report.table(
+        "summary",
+        "In numbers.",
+        tally_table(("set", "set and forest"), &tallies),
+    );
     let (degrees, share) = ROTATION;
     if one[0].kind != SetKind::Own {
         let within = |asked: Vec<&AskedFrame>| Tally::of(asked.into_iter()).within_rotation;
-        let intervals: Vec<[f64; 2]> = asked.iter().map(|(_, asked)| over_seeds(*asked, within)).collect();
-        let shown = tallies.iter().zip(&intervals).map(|((name, tally), [low, high])| {
-            let [mean, low, high] = [tally.within_rotation, *low, high.min(1.0)].map(|share| 100.0 * share);
-            format!("{name} {mean:.0} % ({low:.0} to {high:.0})")
-        });
+        let intervals: Vec<[f64; 2]> = asked
+            .iter()
+            .map(|(_, asked)| over_seeds(*asked, within))
+            .collect();
+        let shown = tallies
+            .iter()
+            .zip(&intervals)
+            .map(|((name, tally), [low, high])| {
+                let [mean, low, high] =
+                    [tally.within_rotation, *low, high.min(1.0)].map(|share| 100.0 * share);
+                format!("{name} {mean:.0} % ({low:.0} to {high:.0})")
+            });
         report.claim(
-            Verdict::all(intervals.iter().map(|interval| Verdict::above(*interval, share))),
-            &format!("Rotation error below {degrees}° for more than about {:.0} % of the images", 100.0 * share),
+            Verdict::all(
+                intervals
+                    .iter()
+                    .map(|interval| Verdict::above(*interval, share)),
+            ),
+            &format!(
+                "Rotation error below {degrees}° for more than about {:.0} % of the images",
+                100.0 * share
+            ),
             &shown.collect::<Vec<_>>().join(", "),
             "not found counts as not below",
         );
     }
-    if let ([(_, one), _, (_, other), _], [(_, highlights), _, (_, world_cup), _]) = (&tallies[..], &asked[..]) {
+    if let ([(_, one), _, (_, other), _], [(_, highlights), _, (_, world_cup), _]) =
+        (&tallies[..], &asked[..])
+    {
         report.claim(
             Verdict::above(difference(*highlights, *world_cup, |tally| tally.focal_median_px), 0.0),
             "Focal length errors are small, smallest on the World Cup data",

@@ -8,7 +8,8 @@ use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::geometry::Angle;
 use touchline_core::progress::Progress;
 use touchline_vision::relocalize::{
-    Forest, PredictOptions, RelocalizeOptions, Samples, SeenRange, TrainOptions, candidates_of, relocalize, train,
+    Forest, PredictOptions, RelocalizeOptions, Samples, SeenRange, TrainOptions, candidates_of,
+    relocalize, train,
 };
 
 /// Leaves of a tree that the paper's program looks at.
@@ -50,8 +51,14 @@ impl ForestKind {
 
     pub fn training(self, seed: u64) -> TrainOptions {
         match self {
-            Self::Default => TrainOptions { seed, ..TrainOptions::default() },
-            Self::Published => TrainOptions { seed, ..TrainOptions::published() },
+            Self::Default => TrainOptions {
+                seed,
+                ..TrainOptions::default()
+            },
+            Self::Published => TrainOptions {
+                seed,
+                ..TrainOptions::published()
+            },
         }
     }
 
@@ -80,15 +87,34 @@ pub struct Trained<'a> {
 impl<'a> Trained<'a> {
     /// Trains a forest for every split; `repeat` is the set's number among those of other seeds.
     pub fn of(set: &'a FrameSet, repeat: usize, training: &TrainOptions) -> Self {
-        let forest =
-            |split: &Split| trained_on(split.training_frames.iter().map(|&frame| &set.frames[frame]), training);
-        Self { set, repeat, forests: set.splits.iter().map(forest).collect() }
+        let forest = |split: &Split| {
+            trained_on(
+                split
+                    .training_frames
+                    .iter()
+                    .map(|&frame| &set.frames[frame]),
+                training,
+            )
+        };
+        Self {
+            set,
+            repeat,
+            forests: set.splits.iter().map(forest).collect(),
+        }
     }
 
     /// The same with the first few trees of every forest, as if no more had been trained.
     pub fn first_trees(&self, trees: usize) -> Self {
-        let first = |(forest, seen): &(Forest, SeenRange)| (forest.first_trees(trees), seen.clone());
-        Self { forests: self.forests.iter().map(|forest| forest.as_ref().map(first)).collect(), ..*self }
+        let first =
+            |(forest, seen): &(Forest, SeenRange)| (forest.first_trees(trees), seen.clone());
+        Self {
+            forests: self
+                .forests
+                .iter()
+                .map(|forest| forest.as_ref().map(first))
+                .collect(),
+            ..*self
+        }
     }
 
     /// Asks for all test frames; `base_of` may give them another base than the true one.
@@ -101,7 +127,9 @@ impl<'a> Trained<'a> {
             let one = |&frame: &usize| {
                 let known = &self.set.frames[frame];
                 let mut asked = AskedFrame::blank(self.set, self.repeat, number, frame);
-                let Some((forest, seen)) = &self.forests[number] else { return asked };
+                let Some((forest, seen)) = &self.forests[number] else {
+                    return asked;
+                };
                 let base = base_of(&known.truth);
                 let answer = relocalize(&known.features, forest, seen, &base, asking);
                 asked.predict_ms = answer.predict_time.as_secs_f64() * 1e3;
@@ -112,7 +140,12 @@ impl<'a> Trained<'a> {
             };
             split.asked.par_iter().map(one).collect()
         };
-        self.set.splits.iter().enumerate().flat_map(of_split).collect()
+        self.set
+            .splits
+            .iter()
+            .enumerate()
+            .flat_map(of_split)
+            .collect()
     }
 
     /// Asks with the true bases.
@@ -120,19 +153,25 @@ impl<'a> Trained<'a> {
         self.ask(asking, &|truth| *truth.base())
     }
 
-    /// Of all features of the frames asked: how many get a ray, and how many of those get the true one within half a degree
-    /// as their first.
+    /// Of all features of the frames asked: how many get a ray, and how many of those get the true
+    /// one within half a degree as their first.
     pub fn count_rays(&self, predict: &PredictOptions) -> RayCount {
         let of_split = |(number, split): (usize, &Split)| {
-            let Some((forest, _)) = &self.forests[number] else { return RayCount::default() };
+            let Some((forest, _)) = &self.forests[number] else {
+                return RayCount::default();
+            };
             let one = |&frame: &usize| {
                 let known = &self.set.frames[frame];
                 let matches = candidates_of(&known.features, forest, predict);
-                let mut count = RayCount { features: known.features.len(), ..RayCount::default() };
+                let mut count = RayCount {
+                    features: known.features.len(),
+                    ..RayCount::default()
+                };
                 for feature in 0..matches.len() {
-                    let (Some(first), Ok(truth)) =
-                        (matches.rays(feature).first(), known.truth.ray_from_image(matches.point(feature)))
-                    else {
+                    let (Some(first), Ok(truth)) = (
+                        matches.rays(feature).first(),
+                        known.truth.ray_from_image(matches.point(feature)),
+                    ) else {
                         continue;
                     };
                     count.passing += 1;
@@ -141,9 +180,18 @@ impl<'a> Trained<'a> {
                 }
                 count
             };
-            split.asked.par_iter().map(one).reduce(RayCount::default, RayCount::plus)
+            split
+                .asked
+                .par_iter()
+                .map(one)
+                .reduce(RayCount::default, RayCount::plus)
         };
-        self.set.splits.iter().enumerate().map(of_split).fold(RayCount::default(), RayCount::plus)
+        self.set
+            .splits
+            .iter()
+            .enumerate()
+            .map(of_split)
+            .fold(RayCount::default(), RayCount::plus)
     }
 }
 
@@ -155,7 +203,11 @@ pub fn trained_on<'a>(
     let mut samples = Samples::new();
     let mut looked = Vec::new();
     for known in frames {
-        let rays = known.features.keypoints.iter().map(|keypoint| known.truth.ray_from_image(keypoint.point));
+        let rays = known
+            .features
+            .keypoints
+            .iter()
+            .map(|keypoint| known.truth.ray_from_image(keypoint.point));
         let pairs = rays.zip(&known.features.descriptors);
         samples.add_frame(pairs.filter_map(|(ray, descriptor)| Some((*descriptor, ray.ok()?))));
         looked.push(known.truth.ptz());
@@ -188,8 +240,8 @@ mod tests {
             let each: Vec<(Descriptor, PanTilt)> = (0..50)
                 .map(|_| {
                     let values = std::array::from_fn(|_| draw.random_range(0.0f32..1.0).powi(3));
-                    let [pan, tilt] =
-                        [0.0..60.0, -14.0..-5.0].map(|range| Angle::from_degrees(draw.random_range(range)));
+                    let [pan, tilt] = [0.0..60.0, -14.0..-5.0]
+                        .map(|range| Angle::from_degrees(draw.random_range(range)));
                     (Descriptor::root(&values), PanTilt { pan, tilt })
                 })
                 .collect();
@@ -197,7 +249,10 @@ mod tests {
         }
         for kind in ForestKind::BOTH {
             let trained = |trees: u32| {
-                let options = TrainOptions { trees, ..kind.training(7) };
+                let options = TrainOptions {
+                    trees,
+                    ..kind.training(7)
+                };
                 train(&samples, &options, &Progress::default()).unwrap()
             };
             assert_eq!(trained(4).first_trees(2), trained(2), "{kind:?}");

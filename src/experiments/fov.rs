@@ -12,7 +12,15 @@ use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Report, Verdict};
 
 /// Where bins of the field of view begin, degrees: the paper's bounds are among them.
-const BINS_DEG: [f64; 7] = [0.0, 15.0, 20.0, FAILURES_BELOW_DEG, 30.0, NO_FAILURE_ABOVE_DEG, 180.0];
+const BINS_DEG: [f64; 7] = [
+    0.0,
+    15.0,
+    20.0,
+    FAILURES_BELOW_DEG,
+    30.0,
+    NO_FAILURE_ABOVE_DEG,
+    180.0,
+];
 
 /// Runs the experiment.
 ///
@@ -31,18 +39,36 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         let asked = inputs.answers(Sets::Highlights, kind, Masks::AsTheyAre, progress)?;
         report.figure(
             kind.key(),
-            &format!("1 − IoU over the horizontal field of view, a dot a frame: {}; not found: 1.", kind.describe()),
+            &format!(
+                "1 − IoU over the horizontal field of view, a dot a frame: {}; not found: 1.",
+                kind.describe()
+            ),
             figure(asked, !is_own),
         );
-        let bins = BINS_DEG.windows(2).map(|bin| (bin[0], bin[1])).filter_map(|(from, to)| {
-            let within: Vec<&AskedFrame> = asked.iter().filter(|asked| (from..to).contains(&asked.view_deg)).collect();
-            let name = if to < 180.0 { format!("{from}–{to}°") } else { format!("over {from}°") };
-            (!within.is_empty()).then(|| (Cell::from(name), Tally::of(within.into_iter())))
-        });
+        let bins = BINS_DEG
+            .windows(2)
+            .map(|bin| (bin[0], bin[1]))
+            .filter_map(|(from, to)| {
+                let within: Vec<&AskedFrame> = asked
+                    .iter()
+                    .filter(|asked| (from..to).contains(&asked.view_deg))
+                    .collect();
+                let name = if to < 180.0 {
+                    format!("{from}–{to}°")
+                } else {
+                    format!("over {from}°")
+                };
+                (!within.is_empty()).then(|| (Cell::from(name), Tally::of(within.into_iter())))
+            });
         let tallies: Vec<(Cell, Tally)> = bins.collect();
         let failed = tallies.iter().map(|(_, tally)| tally.failed.into());
-        let table = tally_table(("view", "view"), &tallies).with_column("failures", "failures", failed);
-        report.table(&format!("bins-{}", kind.key()), &format!("By field of view: {}.", kind.describe()), table);
+        let table =
+            tally_table(("view", "view"), &tallies).with_column("failures", "failures", failed);
+        report.table(
+            &format!("bins-{}", kind.key()),
+            &format!("By field of view: {}.", kind.describe()),
+            table,
+        );
         failures.push((asked, failed_by_bound(asked.iter())));
     }
     if let (SetKind::Drawn, [default, published]) = (sets[0].kind, &failures[..]) {
@@ -76,8 +102,8 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
 fn failed_by_bound<'a>(asked: impl IntoIterator<Item = &'a AskedFrame>) -> [[usize; 2]; 3] {
     let mut counted = [[0; 2]; 3];
     for asked in asked {
-        let place =
-            usize::from(asked.view_deg >= FAILURES_BELOW_DEG) + usize::from(asked.view_deg > NO_FAILURE_ABOVE_DEG);
+        let place = usize::from(asked.view_deg >= FAILURES_BELOW_DEG)
+            + usize::from(asked.view_deg > NO_FAILURE_ABOVE_DEG);
         counted[place][0] += usize::from(asked.is_failure());
         counted[place][1] += 1;
     }
@@ -85,25 +111,53 @@ fn failed_by_bound<'a>(asked: impl IntoIterator<Item = &'a AskedFrame>) -> [[usi
 }
 
 fn figure(asked: &[AskedFrame], with_paper: bool) -> Figure {
-    let lost = |asked: &AskedFrame| Some([asked.view_deg, (1.0 - asked.iou()?).max(lost_iou::ENDS[0])]);
+    let lost =
+        |asked: &AskedFrame| Some([asked.view_deg, (1.0 - asked.iou()?).max(lost_iou::ENDS[0])]);
     let (found, not_found): (Vec<&AskedFrame>, Vec<&AskedFrame>) =
         asked.iter().partition(|asked| asked.found.is_some());
-    let points = |asked: &[&AskedFrame]| asked.iter().filter_map(|asked| lost(asked)).collect::<Vec<_>>();
+    let points = |asked: &[&AskedFrame]| {
+        asked
+            .iter()
+            .filter_map(|asked| lost(asked))
+            .collect::<Vec<_>>()
+    };
     let views = || asked.iter().map(|asked| asked.view_deg);
-    let (least, greatest) = (views().fold(f64::INFINITY, f64::min), views().fold(FAILURES_BELOW_DEG, f64::max));
+    let (least, greatest) = (
+        views().fold(f64::INFINITY, f64::min),
+        views().fold(FAILURES_BELOW_DEG, f64::max),
+    );
     let ends = [(least - 2.0).max(0.0).floor(), (greatest + 2.0).ceil()];
-    let mut figure =
-        Figure::new("", Axis::linear("horizontal field of view (°)").within(ends[0], ends[1]), lost_iou::axis())
-            .with(Series::new("found", 1, points(&found)).lined(Line::None).marked(Mark::Dot))
-            .with(Series::new("not found", 2, points(&not_found)).lined(Line::None).marked(Mark::Cross));
+    let mut figure = Figure::new(
+        "",
+        Axis::linear("horizontal field of view (°)").within(ends[0], ends[1]),
+        lost_iou::axis(),
+    )
+    .with(
+        Series::new("found", 1, points(&found))
+            .lined(Line::None)
+            .marked(Mark::Dot),
+    )
+    .with(
+        Series::new("not found", 2, points(&not_found))
+            .lined(Line::None)
+            .marked(Mark::Cross),
+    );
     if with_paper {
-        let line =
-            |name: &str, points: Vec<[f64; 2]>, line| Series::new(name, 0, points).marked(Mark::None).lined(line);
+        let line = |name: &str, points: Vec<[f64; 2]>, line| {
+            Series::new(name, 0, points).marked(Mark::None).lined(line)
+        };
         let failure = 1.0 - FAILURE_IOU;
-        figure = figure.with(line("failures above", vec![[ends[0], failure], [ends[1], failure]], Line::Dotted));
+        figure = figure.with(line(
+            "failures above",
+            vec![[ends[0], failure], [ends[1], failure]],
+            Line::Dotted,
+        ));
         figure = figure.with(line(
             "paper: failures left",
-            vec![[FAILURES_BELOW_DEG, lost_iou::ENDS[0]], [FAILURES_BELOW_DEG, lost_iou::ENDS[1]]],
+            vec![
+                [FAILURES_BELOW_DEG, lost_iou::ENDS[0]],
+                [FAILURES_BELOW_DEG, lost_iou::ENDS[1]],
+            ],
             Line::Dashed,
         ));
     }

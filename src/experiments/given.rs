@@ -11,7 +11,11 @@ pub fn folder_with(data: &Path, holds: impl Fn(&Path) -> bool) -> Option<PathBuf
         return Some(data.to_path_buf());
     }
     let entries = std::fs::read_dir(data).ok()?;
-    let mut folders: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
+    let mut folders: Vec<PathBuf> = entries
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| path.is_dir())
+        .collect();
     folders.sort();
     folders.into_iter().find(|folder| holds(folder))
 }

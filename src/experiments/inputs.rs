@@ -6,16 +6,16 @@ use super::given::folder_with;
 use super::homographies::holds_homographies;
 use super::progress::{Progress, counted};
 use super::sets::{
-    FrameSet, MOTION_FILE, OwnDocuments, PublishedKind, SetKind, frames_a_game, frames_a_sequence, highlights, of_own,
-    published, published_folder, worldcup,
+    FrameSet, MOTION_FILE, OwnDocuments, PublishedKind, SetKind, frames_a_game, frames_a_sequence,
+    highlights, of_own, published, published_folder, worldcup,
 };
 use super::{Experiment, ExperimentError, ExperimentOptions};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use touchline_vision::synthetic::Preset;
 
-/// How experiments are run, and what they share: frames are drawn or read, and their features found, once; so are the answers of the
-/// forests to them.
+/// How experiments are run, and what they share: frames are drawn or read, and their features
+/// found, once; so are the answers of the forests to them.
 #[derive(Debug, Default)]
 pub struct SharedInputs {
     /// How they are run.
@@ -53,10 +53,16 @@ pub(super) enum Masks {
 }
 
 impl SharedInputs {
-    /// The inputs for these options, with a user's own frames and a folder of published data if they are given.
+    /// The inputs for these options, with a user's own frames and a folder of published data if
+    /// they are given.
     #[must_use]
     pub fn new(options: ExperimentOptions, own: Option<OwnDocuments>, data: Option<&Path>) -> Self {
-        Self { options, own, data: data.map(Path::to_path_buf), ..Self::default() }
+        Self {
+            options,
+            own,
+            data: data.map(Path::to_path_buf),
+            ..Self::default()
+        }
     }
 
     /// The folder with what an experiment is about, in the given data.
@@ -74,44 +80,72 @@ impl SharedInputs {
             Experiment::Synthetic | Experiment::Ransac => None,
             _ => published_folder(data, PublishedKind::Highlights),
         });
-        found.ok_or_else(|| ExperimentError::NotGiven { experiment, folder: self.data.clone() })
-    }
-
-    /// The published sequences, sequences like them, or the user's own frames; drawn ones once for every seed.
-    pub(super) fn highlights(&self, progress: Progress) -> Result<&[FrameSet], ExperimentError> {
-        once(&self.highlights, || match (&self.own, self.given_for(Experiment::Highlights)) {
-            (Some(own), _) => Ok(vec![self.own_frames(own, progress)?]),
-            (None, Ok(folder)) => Ok(vec![published(&folder, PublishedKind::Highlights, progress)?]),
-            (None, Err(_)) => self.drawn(SEQUENCES * frames_a_sequence(&self.options), progress, &|seed, step| {
-                highlights(&self.options, Preset::Paper, seed, step)
-            }),
+        found.ok_or_else(|| ExperimentError::NotGiven {
+            experiment,
+            folder: self.data.clone(),
         })
     }
 
-    /// Sequences like the highlights through a lens with strong distortion, or the user's own frames.
+    /// The published sequences, sequences like them, or the user's own frames; drawn ones once for
+    /// every seed.
+    pub(super) fn highlights(&self, progress: Progress) -> Result<&[FrameSet], ExperimentError> {
+        once(&self.highlights, || {
+            match (&self.own, self.given_for(Experiment::Highlights)) {
+                (Some(own), _) => Ok(vec![self.own_frames(own, progress)?]),
+                (None, Ok(folder)) => Ok(vec![published(
+                    &folder,
+                    PublishedKind::Highlights,
+                    progress,
+                )?]),
+                (None, Err(_)) => self.drawn(
+                    SEQUENCES * frames_a_sequence(&self.options),
+                    progress,
+                    &|seed, step| highlights(&self.options, Preset::Paper, seed, step),
+                ),
+            }
+        })
+    }
+
+    /// Sequences like the highlights through a lens with strong distortion, or the user's own
+    /// frames.
     pub(super) fn distorted(&self, progress: Progress) -> Result<&FrameSet, ExperimentError> {
         let sets = once(&self.distorted, || {
             if let Some(own) = &self.own {
                 return Ok(vec![self.own_frames(own, progress)?]);
             }
             let step = counted(SEQUENCES * frames_a_sequence(&self.options), progress);
-            Ok(vec![highlights(&self.options, Preset::Hard, self.options.seed, &step)?])
+            Ok(vec![highlights(
+                &self.options,
+                Preset::Hard,
+                self.options.seed,
+                &step,
+            )?])
         })?;
         Ok(&sets[0])
     }
 
     /// The published World Cup games, games like them, or the user's own frames.
     pub(super) fn worldcup(&self, progress: Progress) -> Result<&[FrameSet], ExperimentError> {
-        once(&self.worldcup, || match (&self.own, self.given_for(Experiment::Worldcup)) {
-            (Some(own), _) => Ok(vec![self.own_frames(own, progress)?]),
-            (None, Ok(folder)) => Ok(vec![published(&folder, PublishedKind::WorldCup, progress)?]),
-            (None, Err(_)) => self.drawn(frames_a_game(&self.options).iter().sum(), progress, &|seed, step| {
-                worldcup(&self.options, seed, step)
-            }),
+        once(&self.worldcup, || {
+            match (&self.own, self.given_for(Experiment::Worldcup)) {
+                (Some(own), _) => Ok(vec![self.own_frames(own, progress)?]),
+                (None, Ok(folder)) => {
+                    Ok(vec![published(&folder, PublishedKind::WorldCup, progress)?])
+                }
+                (None, Err(_)) => self.drawn(
+                    frames_a_game(&self.options).iter().sum(),
+                    progress,
+                    &|seed, step| worldcup(&self.options, seed, step),
+                ),
+            }
         })
     }
 
-    pub(super) fn sets(&self, sets: Sets, progress: Progress) -> Result<&[FrameSet], ExperimentError> {
+    pub(super) fn sets(
+        &self,
+        sets: Sets,
+        progress: Progress,
+    ) -> Result<&[FrameSet], ExperimentError> {
         match sets {
             Sets::Highlights => self.highlights(progress),
             Sets::WorldCup => self.worldcup(progress),
@@ -132,28 +166,52 @@ impl SharedInputs {
             + usize::from(masks == Masks::Masked);
         Ok(self.answers[place].get_or_init(|| match masks {
             Masks::AsTheyAre => ask_all(asked, kind),
-            Masks::Masked => ask_all(&asked.iter().map(FrameSet::masked).collect::<Vec<_>>(), kind),
+            Masks::Masked => ask_all(
+                &asked.iter().map(FrameSet::masked).collect::<Vec<_>>(),
+                kind,
+            ),
         }))
     }
 
     /// A drawn set of so many frames for every seed.
-    fn drawn(&self, frames: usize, progress: Progress, set: &Drawing<'_>) -> Result<Vec<FrameSet>, ExperimentError> {
+    fn drawn(
+        &self,
+        frames: usize,
+        progress: Progress,
+        set: &Drawing<'_>,
+    ) -> Result<Vec<FrameSet>, ExperimentError> {
         let seeds = self.options.seeds();
         let step = counted(seeds.len() * frames, progress);
         seeds.into_iter().map(|seed| set(seed, &step)).collect()
     }
 
-    fn own_frames(&self, own: &OwnDocuments, progress: Progress) -> Result<FrameSet, ExperimentError> {
-        let read = [&self.highlights, &self.distorted, &self.worldcup].into_iter().find_map(OnceLock::get);
+    fn own_frames(
+        &self,
+        own: &OwnDocuments,
+        progress: Progress,
+    ) -> Result<FrameSet, ExperimentError> {
+        let read = [&self.highlights, &self.distorted, &self.worldcup]
+            .into_iter()
+            .find_map(OnceLock::get);
         if let Some(set) = read.and_then(|sets| sets.first()) {
             return Ok(set.clone());
         }
-        Ok(FrameSet { seed: self.options.seed, ..of_own(own, &counted(own.frame_count(), progress))? })
+        Ok(FrameSet {
+            seed: self.options.seed,
+            ..of_own(own, &counted(own.frame_count(), progress))?
+        })
     }
 
     /// Whether the sets are drawn, so that masks and the paper's ranges are a choice.
-    pub(super) fn are_drawn(&self, sets: Sets, progress: Progress) -> Result<bool, ExperimentError> {
-        Ok(self.sets(sets, progress)?.iter().all(|set| set.kind == SetKind::Drawn))
+    pub(super) fn are_drawn(
+        &self,
+        sets: Sets,
+        progress: Progress,
+    ) -> Result<bool, ExperimentError> {
+        Ok(self
+            .sets(sets, progress)?
+            .iter()
+            .all(|set| set.kind == SetKind::Drawn))
     }
 }
 

@@ -5,8 +5,9 @@
 //! | the experiments | [`Experiment`], [`SharedInputs`] |
 //! | the matching of the baselines | [`nearest`] |
 //!
-//! The paper: Chen, Zhu, Little, "A Two-point Method for PTZ Camera Calibration in Sports", WACV 2018. Everything here draws
-//! its chance from one seed: the same seed gives the same bytes, times apart.
+//! The paper: Chen, Zhu, Little, "A Two-point Method for PTZ Camera Calibration in Sports", WACV
+//! 2018. Everything here draws its chance from one seed: the same seed gives the same bytes, times
+//! apart.
 
 mod annotator;
 mod answers;

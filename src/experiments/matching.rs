@@ -1,8 +1,11 @@
-//! Nearest neighbours of descriptors by trying all of them, as fast as a processor multiplies matrices.
+//! Nearest neighbours of descriptors by trying all of them, as fast as a processor multiplies
+//! matrices.
 //!
-//! ‖a − b‖² = ‖a‖² + ‖b‖² − 2 a·b, and the products of many descriptors with many are one product of two matrices, for which
-//! nalgebra has a kernel tuned to the processor (matrixmultiply). Entries are bytes and no sum exceeds 2²⁴, so that f32 holds every
-//! sum exactly: neighbours are those of a plain search, to the last bit. OpenCV's `BFMatcher` sums the squares of differences instead.
+//! ‖a − b‖² = ‖a‖² + ‖b‖² − 2 a·b, and the products of many descriptors with many are one product
+//! of two matrices, for which nalgebra has a kernel tuned to the processor (matrixmultiply).
+//! Entries are bytes and no sum exceeds 2²⁴, so that f32 holds every sum exactly: neighbours are
+//! those of a plain search, to the last bit. OpenCV's `BFMatcher` sums the squares of differences
+//! instead.
 
 use nalgebra::DMatrix;
 use touchline_vision::features::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor};
@@ -18,11 +21,19 @@ impl DescriptorRows {
     /// Of some descriptors.
     #[must_use]
     pub fn of(descriptors: &[Descriptor]) -> Self {
-        let values = descriptors.iter().flat_map(|descriptor| descriptor.0.map(f32::from));
+        let values = descriptors
+            .iter()
+            .flat_map(|descriptor| descriptor.0.map(f32::from));
         let matrix = DMatrix::from_row_iterator(descriptors.len(), DESCRIPTOR_BYTES, values);
         let squared = descriptors
             .iter()
-            .map(|descriptor| descriptor.0.iter().map(|value| f32::from(*value).powi(2)).sum())
+            .map(|descriptor| {
+                descriptor
+                    .0
+                    .iter()
+                    .map(|value| f32::from(*value).powi(2))
+                    .sum()
+            })
             .collect();
         Self { matrix, squared }
     }
@@ -61,20 +72,37 @@ pub fn nearest(asked: &DescriptorRows, reference: &DescriptorRows) -> Vec<Neares
     let products = &reference.matrix * asked.matrix.transpose();
     let unit = DESCRIPTOR_NORM * DESCRIPTOR_NORM;
     let of_feature = |(number, products): (usize, &[f32])| {
-        let mut best = Nearest { feature: 0, squared_distance: f32::INFINITY, second: f32::INFINITY };
+        let mut best = Nearest {
+            feature: 0,
+            squared_distance: f32::INFINITY,
+            second: f32::INFINITY,
+        };
         for (feature, (product, squared)) in products.iter().zip(&reference.squared).enumerate() {
             let distance = squared - 2.0 * product;
             if distance < best.squared_distance {
-                best = Nearest { feature, squared_distance: distance, second: best.squared_distance };
+                best = Nearest {
+                    feature,
+                    squared_distance: distance,
+                    second: best.squared_distance,
+                };
             } else if distance < best.second {
                 best.second = distance;
             }
         }
         let own = asked.squared[number];
         let whole = |distance: f32| (distance + own) / unit;
-        Nearest { squared_distance: whole(best.squared_distance), second: whole(best.second), ..best }
+        Nearest {
+            squared_distance: whole(best.squared_distance),
+            second: whole(best.second),
+            ..best
+        }
     };
-    products.as_slice().chunks_exact(reference.len()).enumerate().map(of_feature).collect()
+    products
+        .as_slice()
+        .chunks_exact(reference.len())
+        .enumerate()
+        .map(of_feature)
+        .collect()
 }
 
 #[cfg(test)]
@@ -98,12 +126,18 @@ mod tests {
         let found = nearest(&DescriptorRows::of(&asked), &DescriptorRows::of(&reference));
         assert_eq!(found.len(), asked.len());
         for (descriptor, found) in asked.iter().zip(found) {
-            let mut distances: Vec<(f32, usize)> =
-                reference.iter().enumerate().map(|(at, other)| (descriptor.squared_distance(other), at)).collect();
+            let mut distances: Vec<(f32, usize)> = reference
+                .iter()
+                .enumerate()
+                .map(|(at, other)| (descriptor.squared_distance(other), at))
+                .collect();
             distances.sort_by(|a, b| a.0.total_cmp(&b.0));
             assert_eq!((found.squared_distance, found.feature), distances[0]);
             assert_eq!(found.second, distances[1].0);
         }
-        assert_eq!(nearest(&DescriptorRows::of(&asked), &DescriptorRows::of(&[])), []);
+        assert_eq!(
+            nearest(&DescriptorRows::of(&asked), &DescriptorRows::of(&[])),
+            []
+        );
     }
 }

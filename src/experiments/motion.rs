@@ -1,4 +1,5 @@
-//! A real broadcast camera's motion, drawn: a few of its frames are used for training, all others for testing.
+//! A real broadcast camera's motion, drawn: a few of its frames are used for training, all others
+//! for testing.
 
 use super::answers::{AskedFrame, FoundCamera, Tally, frame_table, tally_table};
 use super::forests::{ForestKind, Trained};
@@ -18,14 +19,19 @@ use touchline_documents::report::{Report, Table};
 ///
 /// # Errors
 /// The motion cannot be read, or the frames cannot be drawn.
-pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Result<Report, ExperimentError> {
+pub fn run(
+    options: &ExperimentOptions,
+    folder: &Path,
+    progress: Progress,
+) -> Result<Report, ExperimentError> {
     let real = RealMotion::read(&folder.join(MOTION_FILE))?;
     let stride = options.sized(1, 22);
     let every = options.sized(30, 3);
     let drawn = real.ptz.len().div_ceil(stride);
     let set = motion(&real, [stride, every], options, &counted(drawn, progress))?;
     let kind = ForestKind::Default;
-    let mut asked = Trained::of(&set, 0, &kind.training(set.seed)).ask_plainly(&kind.asking(set.seed));
+    let mut asked =
+        Trained::of(&set, 0, &kind.training(set.seed)).ask_plainly(&kind.asking(set.seed));
     asked.sort_by_key(|asked| asked.frame);
 
     let mut report = Report::new("motion", "Motion: a real broadcast camera's path, drawn");
@@ -45,8 +51,16 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
     let pans = AngleRange::smallest(real.ptz.iter().map(|ptz| ptz.pan)).unwrap_or(AngleRange::FULL);
     let pan_deg = |ptz: &Ptz| pans.unwrapped(ptz.pan).degrees();
     report.table("path", "The motion.", path_table(&real.ptz, &pan_deg));
-    report.table("all", "All frames asked.", tally_table(("set", "set"), &[("drawn".into(), Tally::of(asked.iter()))]));
-    report.data("frames", "Every frame asked.", frame_table(std::slice::from_ref(&set), [("default", &asked[..])]));
+    report.table(
+        "all",
+        "All frames asked.",
+        tally_table(("set", "set"), &[("drawn".into(), Tally::of(asked.iter()))]),
+    );
+    report.data(
+        "frames",
+        "Every frame asked.",
+        frame_table(std::slice::from_ref(&set), [("default", &asked[..])]),
+    );
     report.text(&evaluated(&set, &asked)?);
     let number = |frame: usize| (frame * stride) as f64;
     for (stem, label, of) in [
@@ -54,17 +68,35 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
         ("tilt", "tilt (°)", &|ptz| ptz.tilt.degrees()),
         ("focal", "focal length (px)", &|ptz| ptz.focal_px),
     ] {
-        let truth = set.frames.iter().enumerate().map(|(frame, known)| [number(frame), of(&known.truth.ptz())]);
-        let taught =
-            set.splits[0].training_frames.iter().map(|&frame| [number(frame), of(&set.frames[frame].truth.ptz())]);
-        let answers = asked.iter().filter_map(|asked| Some([number(asked.frame), of(&asked.found?.camera.ptz())]));
+        let truth = set
+            .frames
+            .iter()
+            .enumerate()
+            .map(|(frame, known)| [number(frame), of(&known.truth.ptz())]);
+        let taught = set.splits[0]
+            .training_frames
+            .iter()
+            .map(|&frame| [number(frame), of(&set.frames[frame].truth.ptz())]);
+        let answers = asked
+            .iter()
+            .filter_map(|asked| Some([number(asked.frame), of(&asked.found?.camera.ptz())]));
         // A mark at every tenth answer only, as more would hide the curve.
         let answers = answers.step_by(options.sized(10, 1));
         let figure = Figure::new("", Axis::linear("frame"), Axis::linear(label))
             .with(Series::new("truth", 0, truth.collect()).marked(Mark::None))
-            .with(Series::new("training", 3, taught.collect()).lined(Line::None).marked(Mark::Square))
-            .with(Series::new("answer", 2, answers.collect()).lined(Line::None).marked(Mark::Cross));
-        let caption = format!("The {label} of the drawn frames, and the answers (of many, one in ten is shown).");
+            .with(
+                Series::new("training", 3, taught.collect())
+                    .lined(Line::None)
+                    .marked(Mark::Square),
+            )
+            .with(
+                Series::new("answer", 2, answers.collect())
+                    .lined(Line::None)
+                    .marked(Mark::Cross),
+            );
+        let caption = format!(
+            "The {label} of the drawn frames, and the answers (of many, one in ten is shown)."
+        );
         report.figure(stem, &caption, figure);
     }
     for (stem, label, of) in [
@@ -73,10 +105,14 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
             "rotation error (°)",
             (|found| Some(found.error.rotation.degrees())) as fn(&FoundCamera) -> Option<f64>,
         ),
-        ("focal-error", "focal length error (px)", |found| Some(found.error.focal_px.abs())),
+        ("focal-error", "focal length error (px)", |found| {
+            Some(found.error.focal_px.abs())
+        }),
         ("iou", "1 − IoU", |found| Some(1.0 - found.iou?)),
     ] {
-        let points = asked.iter().filter_map(|asked| Some([number(asked.frame), of(&asked.found?)?]));
+        let points = asked
+            .iter()
+            .filter_map(|asked| Some([number(asked.frame), of(&asked.found?)?]));
         let figure = Figure::new("", Axis::linear("frame"), Axis::log(label))
             .with(Series::new("", 1, points.collect()).marked(Mark::None));
         report.figure(stem, &format!("Drawn frames: {label} over time."), figure);
@@ -100,17 +136,30 @@ fn path_table(ptz: &[Ptz], pan_deg: &dyn Fn(&Ptz) -> f64) -> Table {
         let values: Vec<f64> = ptz.iter().map(of).collect();
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
         let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let step = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
-        table.push(vec![name.into(), least.into(), greatest.into(), step.into()]);
+        let step = values
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).abs())
+            .fold(0.0, f64::max);
+        table.push(vec![
+            name.into(),
+            least.into(),
+            greatest.into(),
+            step.into(),
+        ]);
     }
     table
 }
 
 /// The answers as `touchline evaluate` measures them.
 fn evaluated(set: &FrameSet, asked: &[AskedFrame]) -> Result<String, ExperimentError> {
-    let Some(known) = set.frames.first() else { return Ok(String::new()) };
+    let Some(known) = set.frames.first() else {
+        return Ok(String::new());
+    };
     let mut field = FieldSpec::new("soccer");
-    field.params.extend([("length_m".to_owned(), known.field.length_m), ("width_m".to_owned(), known.field.width_m)]);
+    field.params.extend([
+        ("length_m".to_owned(), known.field.length_m),
+        ("width_m".to_owned(), known.field.width_m),
+    ]);
     let size = known.features.image_size;
     let mut camera = Camera::new("drawn".into(), size);
     camera.set_base(known.truth.base());
@@ -121,9 +170,16 @@ fn evaluated(set: &FrameSet, asked: &[AskedFrame]) -> Result<String, ExperimentE
     let [truth, estimate] = &mut documents;
     for asked in asked {
         let frame = Frame::from_image(&format!("{}.jpg", asked.frame), camera.id.clone(), size);
-        let pointed = |ptz: Ptz| Frame { ptz: Some(FramePtz::new(ptz, None)), ..frame.clone() };
-        truth.frames.push(pointed(set.frames[asked.frame].truth.ptz()).into());
-        estimate.frames.extend(asked.found.map(|found| pointed(found.camera.ptz()).into()));
+        let pointed = |ptz: Ptz| Frame {
+            ptz: Some(FramePtz::new(ptz, None)),
+            ..frame.clone()
+        };
+        truth
+            .frames
+            .push(pointed(set.frames[asked.frame].truth.ptz()).into());
+        estimate
+            .frames
+            .extend(asked.found.map(|found| pointed(found.camera.ptz()).into()));
     }
     let evaluation = evaluate(truth.at(Path::new("")), estimate.at(Path::new("")))?;
     let tables = evaluation_tables(&evaluation.groups(0)[..1], Table::to_markdown);

@@ -7,7 +7,8 @@ use thiserror::Error;
 /// An experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Experiment {
-    /// Pan, tilt and focal length from noisy rays: figure (b), (c), (d) of the paper, with the Cramér–Rao bound.
+    /// Pan, tilt and focal length from noisy rays: figure (b), (c), (d) of the paper, with the
+    /// Cramér–Rao bound.
     Synthetic,
     /// Rounds of RANSAC for four, two and one points: table 1, and what they cost as outliers grow.
     Ransac,
@@ -31,7 +32,8 @@ pub enum Experiment {
     Pose,
     /// What each step of the program is worth to a simulated annotator.
     Annotator,
-    /// Published homographies: our camera fitted to them, and how many frames share a base. Needs data.
+    /// Published homographies: our camera fitted to them, and how many frames share a base. Needs
+    /// data.
     Homographies,
     /// The motion of a real broadcast camera, drawn. Needs data.
     Motion,
@@ -80,7 +82,10 @@ impl Experiment {
     /// Whether it looks at frames that may be a user's own.
     #[must_use]
     pub const fn takes_frames(self) -> bool {
-        !matches!(self, Self::Synthetic | Self::Ransac | Self::Annotator | Self::Homographies | Self::Motion)
+        !matches!(
+            self,
+            Self::Synthetic | Self::Ransac | Self::Annotator | Self::Homographies | Self::Motion
+        )
     }
 
     /// Whether its drawn frames are drawn with several seeds.
@@ -106,8 +111,12 @@ impl FromStr for Experiment {
     type Err = UnknownExperiment;
 
     fn from_str(name: &str) -> Result<Self, Self::Err> {
-        let found = Self::ALL.into_iter().find(|experiment| experiment.name() == name);
-        found.ok_or_else(|| UnknownExperiment { name: name.to_owned() })
+        let found = Self::ALL
+            .into_iter()
+            .find(|experiment| experiment.name() == name);
+        found.ok_or_else(|| UnknownExperiment {
+            name: name.to_owned(),
+        })
     }
 }
 
@@ -141,6 +150,8 @@ impl ExperimentOptions {
     #[must_use]
     pub fn seeds(&self) -> Vec<u64> {
         let count = self.seeds.map_or(self.sized(5, 2) as u64, u64::from);
-        (0..count).map(|number| self.seed.wrapping_add(number)).collect()
+        (0..count)
+            .map(|number| self.seed.wrapping_add(number))
+            .collect()
     }
 }

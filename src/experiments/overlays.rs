@@ -10,16 +10,24 @@ const WORST_SHOWN: usize = 5;
 /// Errors of the overlay within which frames are counted, px at 1920 px width.
 const OVERLAY_PX: [f64; 4] = [2.0, 5.0, 10.0, 20.0];
 
-/// How far the overlay is off where a label may be wrong itself: shares of frames, and the worst frames by name.
-pub fn overlays(report: &mut Report, set: &FrameSet, asked: &[AskedFrame], parts: &[(&str, Vec<&AskedFrame>)]) {
+/// How far the overlay is off where a label may be wrong itself: shares of frames, and the worst
+/// frames by name.
+pub fn overlays(
+    report: &mut Report,
+    set: &FrameSet,
+    asked: &[AskedFrame],
+    parts: &[(&str, Vec<&AskedFrame>)],
+) {
     report.table(
         "overlay",
         "Share of all frames asked whose overlay is right within some pixels where it is off most (5 × 3 points of the picture, \
          at 1920 px width).",
         overlay_table(set, parts),
     );
-    let mut order: Vec<(f64, &AskedFrame)> =
-        asked.iter().map(|asked| (error_px(set, asked).unwrap_or(f64::INFINITY), asked)).collect();
+    let mut order: Vec<(f64, &AskedFrame)> = asked
+        .iter()
+        .map(|asked| (error_px(set, asked).unwrap_or(f64::INFINITY), asked))
+        .collect();
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut table = Table::new(&[
         ("frame", "frame"),
@@ -35,28 +43,46 @@ pub fn overlays(report: &mut Report, set: &FrameSet, asked: &[AskedFrame], parts
             set.splits[asked.split].name.as_str().into(),
             error_px.into(),
             asked.found.and_then(|found| found.iou).into(),
-            Some(known.warnings.clone()).filter(|warnings| !warnings.is_empty()).into(),
+            Some(known.warnings.clone())
+                .filter(|warnings| !warnings.is_empty())
+                .into(),
         ]);
     }
-    report.table("worst", "The worst frames. A wrong label counts here as a wrong answer.", table);
+    report.table(
+        "worst",
+        "The worst frames. A wrong label counts here as a wrong answer.",
+        table,
+    );
 }
 
 /// How far the overlay of an answer is off, px at 1920 px width; none where there is no answer.
 fn error_px(set: &FrameSet, asked: &AskedFrame) -> Option<f64> {
     let known = &set.frames[asked.frame];
-    Some(overlay_error_px(&known.truth, &asked.found?.camera, known.features.image_size))
+    Some(overlay_error_px(
+        &known.truth,
+        &asked.found?.camera,
+        known.features.image_size,
+    ))
 }
 
 /// Shares of the frames asked, those that were not found among them.
 fn overlay_table(set: &FrameSet, parts: &[(&str, Vec<&AskedFrame>)]) -> Table {
     let mut table = Table::new(&[("sequence", "sequence"), ("frames", "frames")]);
     for within in OVERLAY_PX {
-        table.columns.push(Column::new(&format!("within_{within}_px"), &format!("within {within} px")));
+        table.columns.push(Column::new(
+            &format!("within_{within}_px"),
+            &format!("within {within} px"),
+        ));
     }
     for (name, asked) in parts {
-        let errors: Vec<f64> = asked.iter().filter_map(|asked| error_px(set, asked)).collect();
+        let errors: Vec<f64> = asked
+            .iter()
+            .filter_map(|asked| error_px(set, asked))
+            .collect();
         let mut row: Vec<Cell> = vec![(*name).into(), asked.len().into()];
-        let share = |within: f64| errors.iter().filter(|error| **error <= within).count() as f64 / asked.len() as f64;
+        let share = |within: f64| {
+            errors.iter().filter(|error| **error <= within).count() as f64 / asked.len() as f64
+        };
         row.extend(OVERLAY_PX.map(|within| Cell::Fixed(share(within), 3)));
         table.push(row);
     }

@@ -3,10 +3,15 @@
 use std::fmt::Write as _;
 use touchline_documents::report::{Cell, Report, Table, Verdict};
 
-/// One page: what the paper states and what was measured, a row each, and how many of them agree. Empty without any.
+/// One page: what the paper states and what was measured, a row each, and how many of them agree.
+/// Empty without any.
 #[must_use]
 pub fn page(reports: &[Report]) -> String {
-    let claims = || reports.iter().flat_map(|report| report.claims.iter().map(move |claim| (report, claim)));
+    let claims = || {
+        reports
+            .iter()
+            .flat_map(|report| report.claims.iter().map(move |claim| (report, claim)))
+    };
     if claims().next().is_none() {
         return String::new();
     }
@@ -25,11 +30,17 @@ pub fn page(reports: &[Report]) -> String {
                 Verdict::Differs => format!("**{}**", claim.verdict.describe()).into(),
                 verdict => verdict.describe().into(),
             },
-            Some(claim.reason.as_str()).filter(|reason| !reason.is_empty()).map_or(Cell::Empty, Cell::from),
+            Some(claim.reason.as_str())
+                .filter(|reason| !reason.is_empty())
+                .map_or(Cell::Empty, Cell::from),
             report.name.as_str().into(),
         ]);
     }
-    let count = |verdict: Verdict| claims().filter(|(_, claim)| claim.verdict == verdict).count();
+    let count = |verdict: Verdict| {
+        claims()
+            .filter(|(_, claim)| claim.verdict == verdict)
+            .count()
+    };
     let mut text = String::from("## What the paper says, what we measure\n\n");
     // Writing to a string cannot fail.
     let _ = write!(
@@ -60,8 +71,14 @@ mod tests {
         let mut two = Report::new("two", "Two");
         two.claim(Verdict::NotMeasured, "SURF .74", "–", "non-free");
         let text = page(&[one, two, Report::new("three", "Three")]);
-        assert!(text.contains("1 confirmed, 1 different, 0 undecided, 1 not measured"), "{text}");
-        assert!(text.contains("| IoU .83 | IoU .71 | **differs** | motion blur | one |"), "{text}");
+        assert!(
+            text.contains("1 confirmed, 1 different, 0 undecided, 1 not measured"),
+            "{text}"
+        );
+        assert!(
+            text.contains("| IoU .83 | IoU .71 | **differs** | motion blur | one |"),
+            "{text}"
+        );
         assert!(text.lines().count() < 60);
         assert_eq!(page(&[Report::new("three", "Three")]), "");
     }

@@ -1,4 +1,5 @@
-//! What the paper states, in numbers: Chen, Zhu, Little, "A Two-point Method for PTZ Camera Calibration in Sports", WACV 2018.
+//! What the paper states, in numbers: Chen, Zhu, Little, "A Two-point Method for PTZ Camera
+//! Calibration in Sports", WACV 2018.
 
 /// A mean and its standard deviation over frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,13 +68,15 @@ pub const TABLE_2_SECONDS: [f64; 2] = [3.0, 0.3];
 /// Frames of a sequence.
 pub const SEQUENCE_FRAMES: usize = 29;
 
-/// Table 3: the games of the World Cup, their frames, and the `IoU` of `CalibMe` and of their method.
+/// Table 3: the games of the World Cup, their frames, and the `IoU` of `CalibMe` and of their
+/// method.
 pub const TABLE_3: [(&str, usize, [Stated; 2]); 2] = [
     ("BRA–MEX", 42, [stated(0.84, 0.24), stated(0.99, 0.01)]),
     ("BRA–NED", 33, [stated(0.69, 0.37), stated(0.98, 0.01)]),
 ];
 
-/// Table 4: without and with the gate on descriptors' distances, the share of rays within half a degree and the mean `IoU`.
+/// Table 4: without and with the gate on descriptors' distances, the share of rays within half a
+/// degree and the mean `IoU`.
 pub const TABLE_4: [[f64; 2]; 2] = [[0.09, 0.53], [0.33, 0.83]];
 /// Rays within this angle of the true one are inliers of table 4, degrees.
 pub const INLIER_DEG: f64 = 0.5;
@@ -82,7 +85,8 @@ pub const INLIER_DEG: f64 = 0.5;
 pub const SIFT_SURF: [f64; 2] = [0.83, 0.74];
 /// "More than about 85 %" of the frames have a rotation error below 1°.
 pub const ROTATION: (f64, f64) = (1.0, 0.85);
-/// An `IoU` below this is a failure; failures are at views below the first, none above the second, degrees.
+/// An `IoU` below this is a failure; failures are at views below the first, none above the second,
+/// degrees.
 pub const FAILURE_IOU: f64 = 0.6;
 pub const FAILURES_BELOW_DEG: f64 = 25.0;
 pub const NO_FAILURE_ABOVE_DEG: f64 = 40.0;

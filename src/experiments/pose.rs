@@ -19,7 +19,9 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         SetKind::Drawn => {
             "The lens bends strongly, and more at long focal lengths; low sun, motion blur, defocus and noise besides."
         }
-        SetKind::Published | SetKind::Own => "The lens is what the documents' cameras hold (`distortion`).",
+        SetKind::Published | SetKind::Own => {
+            "The lens is what the documents' cameras hold (`distortion`)."
+        }
     };
     report.text(&format!(
         "Frames: {}. {lens} The rays that the forest has learnt are right in both cases; only the optimisation differs. One seed, the default \
@@ -27,14 +29,31 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         set.title
     ));
     let kind = ForestKind::Default;
-    let (trained, asking) = (Trained::of(set, 0, &kind.training(set.seed)), kind.asking(set.seed));
-    let without = |truth: &PtzCamera| CameraBase { distortion: FocalCurve::NONE, ..*truth.base() };
+    let (trained, asking) = (
+        Trained::of(set, 0, &kind.training(set.seed)),
+        kind.asking(set.seed),
+    );
+    let without = |truth: &PtzCamera| CameraBase {
+        distortion: FocalCurve::NONE,
+        ..*truth.base()
+    };
     let asked = [trained.ask_plainly(&asking), trained.ask(&asking, &without)];
     let names = ["with k1", "without"];
-    let tallies: Vec<(Cell, Tally)> =
-        names.iter().zip(&asked).map(|(name, asked)| ((*name).into(), Tally::of(asked.iter()))).collect();
-    report.table("k1", "Errors with and without k1.", tally_table(("optimisation", "optimisation"), &tallies));
+    let tallies: Vec<(Cell, Tally)> = names
+        .iter()
+        .zip(&asked)
+        .map(|(name, asked)| ((*name).into(), Tally::of(asked.iter())))
+        .collect();
+    report.table(
+        "k1",
+        "Errors with and without k1.",
+        tally_table(("optimisation", "optimisation"), &tallies),
+    );
     let ways = names.into_iter().zip(asked.iter().map(Vec::as_slice));
-    report.data("frames", "Every frame asked, with and without k1.", frame_table(std::slice::from_ref(set), ways));
+    report.data(
+        "frames",
+        "Every frame asked, with and without k1.",
+        frame_table(std::slice::from_ref(set), ways),
+    );
     Ok(report)
 }

@@ -1,4 +1,5 @@
-//! Rounds of RANSAC: table 1 of the paper, confirmed by simulation, and two points against four as outliers grow.
+//! Rounds of RANSAC: table 1 of the paper, confirmed by simulation, and two points against four as
+//! outliers grow.
 
 use super::ExperimentOptions;
 use super::progress::Progress;
@@ -28,14 +29,19 @@ const NOISE_PX: f64 = 1.0;
 const AGREES_PX: f64 = 3.0;
 /// Rounds at most.
 const MOST_ROUNDS: usize = 2000;
-/// An answer is right if points of the ground in the picture are at most so far off, px (the worst of them).
+/// An answer is right if points of the ground in the picture are at most so far off, px (the worst
+/// of them).
 const RIGHT_PX: f64 = 5.0;
 const OUTLIERS: [f64; 7] = [0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.8];
 
 /// Runs the experiment.
 pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
     let mut report = Report::new("ransac", "RANSAC: rounds for four, two and one points");
-    report.table("table-1", "Rounds for success in 99 % of all cases at 50 % outliers.", table_1(options));
+    report.table(
+        "table-1",
+        "Rounds for success in 99 % of all cases at 50 % outliers.",
+        table_1(options),
+    );
     report.text(
         "The paper states 71, 16 and 7 rounds; 71.36 and 16.01 rounds are needed, which is 72 and 17 whole ones. Simulated: 200 \
          matches, half of them wrong, drawn without repetition until a sample is all right.",
@@ -60,18 +66,32 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
         .enumerate()
         .map(|(place, outliers)| {
             let of_trial = |trial: usize| {
-                let found = compare(outliers, &mut rng(options.seed, [40 + place as u64, trial as u64]));
-                progress(done.fetch_add(1, Ordering::Relaxed) + 1, trials * OUTLIERS.len());
+                let found = compare(
+                    outliers,
+                    &mut rng(options.seed, [40 + place as u64, trial as u64]),
+                );
+                progress(
+                    done.fetch_add(1, Ordering::Relaxed) + 1,
+                    trials * OUTLIERS.len(),
+                );
                 found
             };
             let found: Vec<[Run; 2]> = (0..trials).into_par_iter().map(of_trial).collect();
             for (trial, runs) in found.iter().enumerate() {
                 for (points, run) in [2, 4].into_iter().zip(runs) {
                     let right = usize::from(run.right);
-                    every.push(vec![outliers.into(), trial.into(), points.into(), right.into(), run.rounds.into()]);
+                    every.push(vec![
+                        outliers.into(),
+                        trial.into(),
+                        points.into(),
+                        right.into(),
+                        run.rounds.into(),
+                    ]);
                 }
             }
-            let outcome = |method: usize| Outcome::of(&found.iter().map(|runs| runs[method]).collect::<Vec<_>>());
+            let outcome = |method: usize| {
+                Outcome::of(&found.iter().map(|runs| runs[method]).collect::<Vec<_>>())
+            };
             (outliers, [outcome(0), outcome(1)])
         })
         .collect();
@@ -81,17 +101,33 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
          better sample would have been missed with 1 %, {MOST_ROUNDS} at most, then a fit to all that agree. {trials} pictures \
          for each share. Right: no point of the ground in the picture is more than {RIGHT_PX} px off."
     ));
-    report.table("outliers", "Success and rounds over the share of outliers.", outlier_table(&shares));
+    report.table(
+        "outliers",
+        "Success and rounds over the share of outliers.",
+        outlier_table(&shares),
+    );
     report.data("pictures", "Every picture.", every);
-    report.figure("success", "Success over the share of outliers.", success_figure(&shares));
-    report.figure("rounds", "Rounds over the share of outliers (median).", rounds_figure(&shares));
+    report.figure(
+        "success",
+        "Success over the share of outliers.",
+        success_figure(&shares),
+    );
+    report.figure(
+        "rounds",
+        "Rounds over the share of outliers (median).",
+        rounds_figure(&shares),
+    );
     let mut times = Table::new(&[
         ("outliers", "outliers"),
         ("two_points_ms", "two points (ms, median)"),
         ("four_points_ms", "four points (ms, median)"),
     ]);
     for (outliers, [two, four]) in &shares {
-        times.push(vec![Cell::Fixed(*outliers, 1), two.median_ms.into(), four.median_ms.into()]);
+        times.push(vec![
+            Cell::Fixed(*outliers, 1),
+            two.median_ms.into(),
+            four.median_ms.into(),
+        ]);
     }
     report.time_table("outliers-times", "One picture, fit included.", times);
     report
@@ -110,10 +146,22 @@ fn table_1(options: &ExperimentOptions) -> Table {
         let needed = (1.0 - SUCCESS).ln() / (1.0 - 0.5f64.powi(points as i32)).ln();
         let whole = needed.ceil() as usize;
         let mut rng = rng(options.seed, [30, points as u64]);
-        let all_right = |rng: &mut Pcg64Mcg| sample(rng, MATCHES, points).iter().all(|index| index < MATCHES / 2);
-        let successes = (0..draws).filter(|_| (0..whole).any(|_| all_right(&mut rng))).count();
+        let all_right = |rng: &mut Pcg64Mcg| {
+            sample(rng, MATCHES, points)
+                .iter()
+                .all(|index| index < MATCHES / 2)
+        };
+        let successes = (0..draws)
+            .filter(|_| (0..whole).any(|_| all_right(&mut rng)))
+            .count();
         let share = successes as f64 / draws as f64;
-        table.push(vec![points.into(), needed.into(), whole.into(), paper.into(), Cell::Fixed(share, 4)]);
+        table.push(vec![
+            points.into(),
+            needed.into(),
+            whole.into(),
+            paper.into(),
+            Cell::Fixed(share, 4),
+        ]);
     }
     table
 }
@@ -166,18 +214,29 @@ fn compare(outliers: f64, rng: &mut Pcg64Mcg) -> [Run; 2] {
     let camera = PtzCamera::new(base, ptz);
     let exact: Vec<Match> = std::iter::repeat_with(|| pixel(rng))
         .take(50 * MATCHES)
-        .filter_map(|image| Some(Match { ground: camera.plane_from_image(image, 0.0)?, image }))
+        .filter_map(|image| {
+            Some(Match {
+                ground: camera.plane_from_image(image, 0.0)?,
+                image,
+            })
+        })
         .filter(|seen| (seen.ground - base.position_m).norm() < 160.0)
         .take(MATCHES)
         .collect();
     let wrong = (outliers * exact.len() as f64).round() as usize;
     let mut matches = exact.clone();
     for (index, seen) in matches.iter_mut().enumerate() {
-        seen.image =
-            if index < wrong { pixel(rng) } else { seen.image.moved(Vec2::new(normal(rng), normal(rng)) * NOISE_PX) };
+        seen.image = if index < wrong {
+            pixel(rng)
+        } else {
+            seen.image
+                .moved(Vec2::new(normal(rng), normal(rng)) * NOISE_PX)
+        };
     }
     let right = |image_of: &dyn Fn(Vec3) -> Option<ImagePoint>| {
-        exact.iter().all(|seen| image_of(seen.ground).is_some_and(|image| image.distance_px(seen.image) <= RIGHT_PX))
+        exact.iter().all(|seen| {
+            image_of(seen.ground).is_some_and(|image| image.distance_px(seen.image) <= RIGHT_PX)
+        })
     };
     let (two, two_rounds, two_ms) = timed(|| by_two_points(&base, &matches, rng));
     let (four, four_rounds, four_ms) = timed(|| by_four_points(&matches, rng));
@@ -187,13 +246,24 @@ fn compare(outliers: f64, rng: &mut Pcg64Mcg) -> [Run; 2] {
     });
     let four_right = four.is_some_and(|h| right(&|ground| through(&h, ground)));
     [
-        Run { right: two_right, rounds: two_rounds, ms: two_ms },
-        Run { right: four_right, rounds: four_rounds, ms: four_ms },
+        Run {
+            right: two_right,
+            rounds: two_rounds,
+            ms: two_ms,
+        },
+        Run {
+            right: four_right,
+            rounds: four_rounds,
+            ms: four_ms,
+        },
     ]
 }
 
 fn pixel(rng: &mut Pcg64Mcg) -> ImagePoint {
-    ImagePoint::new(rng.random_range(0.0..f64::from(SIZE.width)), rng.random_range(0.0..f64::from(SIZE.height)))
+    ImagePoint::new(
+        rng.random_range(0.0..f64::from(SIZE.width)),
+        rng.random_range(0.0..f64::from(SIZE.height)),
+    )
 }
 
 fn timed<T>(work: impl FnOnce() -> (Option<T>, usize)) -> (Option<T>, usize, f64) {
@@ -222,14 +292,22 @@ fn ransac<const N: usize, M: Clone>(
             let count = matches.iter().filter(|seen| agrees(&model, seen)).count();
             if best.as_ref().is_none_or(|(_, most)| count > *most) {
                 let all_right = (count as f64 / matches.len() as f64).powi(N as i32);
-                let needed = if all_right < 1.0 { (1.0 - SUCCESS).ln() / (1.0 - all_right).ln() } else { 1.0 };
+                let needed = if all_right < 1.0 {
+                    (1.0 - SUCCESS).ln() / (1.0 - all_right).ln()
+                } else {
+                    1.0
+                };
                 wanted = (needed.ceil() as usize).clamp(1, MOST_ROUNDS);
                 best = Some((model, count));
             }
         }
     }
     let best = best.map(|(model, _)| {
-        let agreeing = matches.iter().filter(|seen| agrees(&model, seen)).copied().collect();
+        let agreeing = matches
+            .iter()
+            .filter(|seen| agrees(&model, seen))
+            .copied()
+            .collect();
         (model, agreeing)
     });
     (best, rounds)
@@ -238,9 +316,13 @@ fn ransac<const N: usize, M: Clone>(
 fn by_two_points(base: &CameraBase, matches: &[Match], rng: &mut Pcg64Mcg) -> (Option<Ptz>, usize) {
     let models = |[one, two]: [Match; 2]| -> Vec<PtzCamera> {
         let found = solve_two_points(base, [one.ground, two.ground], [one.image, two.image]);
-        found.map(|found| found.iter().map(|ptz| PtzCamera::new(*base, ptz)).collect()).unwrap_or_default()
+        found
+            .map(|found| found.iter().map(|ptz| PtzCamera::new(*base, ptz)).collect())
+            .unwrap_or_default()
     };
-    let (best, rounds) = ransac(matches, rng, models, |camera, ground| camera.image_from_world(ground).ok());
+    let (best, rounds) = ransac(matches, rng, models, |camera, ground| {
+        camera.image_from_world(ground).ok()
+    });
     let fitted = best.map(|(camera, agreeing)| {
         let observations: Vec<Observation> = agreeing
             .iter()
@@ -252,20 +334,33 @@ fn by_two_points(base: &CameraBase, matches: &[Match], rng: &mut Pcg64Mcg) -> (O
     (fitted, rounds)
 }
 
-/// The homography that most matches agree with, fitted to them, and the rounds that finding it took.
+/// The homography that most matches agree with, fitted to them, and the rounds that finding it
+/// took.
 pub(super) fn by_four_points(matches: &[Match], rng: &mut Pcg64Mcg) -> (Option<Mat3>, usize) {
     let fitted = |matches: &[Match]| {
-        let pairs: Vec<(Vec2, Vec2)> =
-            matches.iter().map(|seen| (seen.ground.xy(), Vec2::new(seen.image.x, seen.image.y))).collect();
+        let pairs: Vec<(Vec2, Vec2)> = matches
+            .iter()
+            .map(|seen| (seen.ground.xy(), Vec2::new(seen.image.x, seen.image.y)))
+            .collect();
         homography(&pairs).ok()
     };
-    let (best, rounds) = ransac(matches, rng, |sampled: [Match; 4]| fitted(&sampled).into_iter().collect(), through);
-    (best.and_then(|(model, agreeing)| fitted(&agreeing).or(Some(model))), rounds)
+    let (best, rounds) = ransac(
+        matches,
+        rng,
+        |sampled: [Match; 4]| fitted(&sampled).into_iter().collect(),
+        through,
+    );
+    (
+        best.and_then(|(model, agreeing)| fitted(&agreeing).or(Some(model))),
+        rounds,
+    )
 }
 
 /// How many matches agree with a homography.
 pub(super) fn agreeing(h: &Mat3, matches: &[Match]) -> usize {
-    let agrees = |seen: &&Match| through(h, seen.ground).is_some_and(|at| at.distance_px(seen.image) <= AGREES_PX);
+    let agrees = |seen: &&Match| {
+        through(h, seen.ground).is_some_and(|at| at.distance_px(seen.image) <= AGREES_PX)
+    };
     matches.iter().filter(agrees).count()
 }
 
@@ -297,7 +392,12 @@ fn outlier_table(shares: &[(f64, [Outcome; 2])]) -> Table {
 }
 
 fn success_figure(shares: &[(f64, [Outcome; 2])]) -> Figure {
-    let points = |method: usize| shares.iter().map(|(outliers, of)| [*outliers, of[method].success]).collect();
+    let points = |method: usize| {
+        shares
+            .iter()
+            .map(|(outliers, of)| [*outliers, of[method].success])
+            .collect()
+    };
     Figure::new(
         "",
         Axis::linear("share of outliers").within(0.0, 0.8),
@@ -308,10 +408,19 @@ fn success_figure(shares: &[(f64, [Outcome; 2])]) -> Figure {
 }
 
 fn rounds_figure(shares: &[(f64, [Outcome; 2])]) -> Figure {
-    let points = |method: usize| shares.iter().map(|(outliers, of)| [*outliers, of[method].rounds]).collect();
-    Figure::new("", Axis::linear("share of outliers").within(0.0, 0.8), Axis::log("rounds"))
-        .with(Series::new("two points", 1, points(0)))
-        .with(Series::new("four points (homography)", 2, points(1)).marked(Mark::Square))
+    let points = |method: usize| {
+        shares
+            .iter()
+            .map(|(outliers, of)| [*outliers, of[method].rounds])
+            .collect()
+    };
+    Figure::new(
+        "",
+        Axis::linear("share of outliers").within(0.0, 0.8),
+        Axis::log("rounds"),
+    )
+    .with(Series::new("two points", 1, points(0)))
+    .with(Series::new("four points (homography)", 2, points(1)).marked(Mark::Square))
 }
 
 #[cfg(test)]
@@ -329,11 +438,24 @@ mod tests {
 
     #[test]
     fn simulated_success_is_the_one_asked_for() {
-        let table = table_1(&ExperimentOptions { quick: true, seed: 3, seeds: None });
+        let table = table_1(&ExperimentOptions {
+            quick: true,
+            seed: 3,
+            seeds: None,
+        });
         for row in &table.rows {
-            let Cell::Fixed(share, _) = row[4] else { panic!("{row:?}") };
+            let Cell::Fixed(share, _) = row[4] else {
+                panic!("{row:?}")
+            };
             assert!((0.98..=1.0).contains(&share), "{row:?}");
         }
-        assert_eq!(table.rows.iter().map(|row| row[2].clone()).collect::<Vec<_>>(), [72.into(), 17.into(), 7.into()]);
+        assert_eq!(
+            table
+                .rows
+                .iter()
+                .map(|row| row[2].clone())
+                .collect::<Vec<_>>(),
+            [72.into(), 17.into(), 7.into()]
+        );
     }
 }

@@ -2,8 +2,8 @@
 
 use super::progress::Progress;
 use super::{
-    Experiment, ExperimentError, SharedInputs, annotator, baselines, descriptors, errors, fov, homographies, motion,
-    pose, ransac, sequences, synthetic, threshold, trees,
+    Experiment, ExperimentError, SharedInputs, annotator, baselines, descriptors, errors, fov,
+    homographies, motion, pose, ransac, sequences, synthetic, threshold, trees,
 };
 use touchline_documents::report::Report;
 
@@ -25,8 +25,14 @@ impl Experiment {
             Self::Baselines => baselines::run(inputs, progress),
             Self::Descriptors => descriptors::run(inputs, progress),
             Self::Pose => pose::run(inputs, progress),
-            Self::Homographies => homographies::run(&inputs.options, &inputs.given_for(self)?, progress),
-            Self::Annotator => annotator::run(&inputs.options, inputs.given_for(self).ok().as_deref(), progress),
+            Self::Homographies => {
+                homographies::run(&inputs.options, &inputs.given_for(self)?, progress)
+            }
+            Self::Annotator => annotator::run(
+                &inputs.options,
+                inputs.given_for(self).ok().as_deref(),
+                progress,
+            ),
             Self::Motion => motion::run(&inputs.options, &inputs.given_for(self)?, progress),
         }
     }

@@ -1,6 +1,8 @@
 //! Sequences asked of other sequences, and games asked of themselves: tables 2 and 3 of the paper.
 
-use super::answers::{AskedFrame, TALLY_EXPLAINED, Tally, by_name, difference, frame_table, tally_table};
+use super::answers::{
+    AskedFrame, TALLY_EXPLAINED, Tally, by_name, difference, frame_table, tally_table,
+};
 use super::forests::ForestKind;
 use super::inputs::{Masks, Sets};
 use super::overlays::overlays;
@@ -45,15 +47,24 @@ const DRAWN_WORLD_CUP: &str = "The paper does not state the cameras of its World
 pub fn highlights(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let sets = inputs.highlights(progress)?;
     let kind = sets[0].kind;
-    let heading = if kind == SetKind::Own { "Sequences: asked of other sequences" } else { "Highlights: table 2" };
+    let heading = if kind == SetKind::Own {
+        "Sequences: asked of other sequences"
+    } else {
+        "Highlights: table 2"
+    };
     let mut report = Report::new("highlights", &sets[0].heading(heading));
     introduce(&mut report, sets, "");
-    let mut paper: Vec<[Stated; 2]> = TABLE_2.iter().map(|sequence| [sequence.calib_me, sequence.theirs]).collect();
+    let mut paper: Vec<[Stated; 2]> = TABLE_2
+        .iter()
+        .map(|sequence| [sequence.calib_me, sequence.theirs])
+        .collect();
     paper.push(TABLE_2_AVERAGE);
     match kind {
         SetKind::Drawn => report.text(DRAWN_HIGHLIGHTS),
         SetKind::Published => {
-            report.text(&format!("The paper's table 2 has {SEQUENCE_FRAMES} frames in each of four sequences."));
+            report.text(&format!(
+                "The paper's table 2 has {SEQUENCE_FRAMES} frames in each of four sequences."
+            ));
         }
         SetKind::Own => paper.clear(),
     }
@@ -78,13 +89,23 @@ pub fn worldcup(inputs: &SharedInputs, progress: Progress) -> Result<Report, Exp
     }
     let all = tables(&mut report, inputs, Sets::WorldCup, &paper, progress)?;
     if let Some([default, published, _]) = all.filter(|_| sets[0].kind == SetKind::Drawn) {
-        let theirs = TABLE_3.map(|(name, _, [_, theirs])| format!("{name} {}", theirs.describe())).join(", ");
-        let stated = TABLE_3.iter().map(|(.., [_, theirs])| theirs.mean).sum::<f64>() / TABLE_3.len() as f64;
+        let theirs = TABLE_3
+            .map(|(name, _, [_, theirs])| format!("{name} {}", theirs.describe()))
+            .join(", ");
+        let stated = TABLE_3
+            .iter()
+            .map(|(.., [_, theirs])| theirs.mean)
+            .sum::<f64>()
+            / TABLE_3.len() as f64;
         // The paper states two decimals.
         report.claim(
             Verdict::above(default.iou_interval, stated - 0.005),
             &format!("Table 3, IoU: {theirs}"),
-            &format!("default forest {}, --published {}", default.describe(), published.describe()),
+            &format!(
+                "default forest {}, --published {}",
+                default.describe(),
+                published.describe()
+            ),
             "drawn games from a main camera; the paper does not state its cameras",
         );
     }
@@ -117,16 +138,35 @@ fn claims_of_table_2(
         },
     );
     let sets = inputs.highlights(progress)?;
-    let asked = inputs.answers(Sets::Highlights, ForestKind::Default, Masks::AsTheyAre, progress)?;
+    let asked = inputs.answers(
+        Sets::Highlights,
+        ForestKind::Default,
+        Masks::AsTheyAre,
+        progress,
+    )?;
     let mut by_sequence = by_name(&sets[0], asked);
     by_sequence.retain(|(name, _)| *name != "all");
-    let ious = by_sequence.iter().map(|(_, asked)| format!("{:.2}", Tally::of(asked.iter().copied()).iou_mean));
+    let ious = by_sequence
+        .iter()
+        .map(|(_, asked)| format!("{:.2}", Tally::of(asked.iter().copied()).iou_mean));
     let shown = ious.collect::<Vec<_>>().join(", ");
-    let Some((_, third)) = by_sequence.get(2) else { return Ok(()) };
+    let Some((_, third)) = by_sequence.get(2) else {
+        return Ok(());
+    };
     // The difference to the one that is next to it in weakness.
-    let others = by_sequence.iter().enumerate().filter(|(number, _)| *number != 2).map(|(_, (_, asked))| asked);
-    let ahead = others.map(|asked| difference(asked.iter().copied(), third.iter().copied(), |tally| tally.iou_mean));
-    let least = ahead.min_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1]))).unwrap_or([f64::NAN; 2]);
+    let others = by_sequence
+        .iter()
+        .enumerate()
+        .filter(|(number, _)| *number != 2)
+        .map(|(_, (_, asked))| asked);
+    let ahead = others.map(|asked| {
+        difference(asked.iter().copied(), third.iter().copied(), |tally| {
+            tally.iou_mean
+        })
+    });
+    let least = ahead
+        .min_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])))
+        .unwrap_or([f64::NAN; 2]);
     report.claim(
         Verdict::above(least, 0.0),
         "Sequence 3 is weakest: a part of its pan range is in no training sequence",
@@ -136,8 +176,8 @@ fn claims_of_table_2(
     Ok(())
 }
 
-/// The tables of all frames asked; the tallies of all frames together by the default forest, by the published one, and by the
-/// default one masked, where the set is drawn.
+/// The tables of all frames asked; the tallies of all frames together by the default forest, by the
+/// published one, and by the default one masked, where the set is drawn.
 fn tables(
     report: &mut Report,
     inputs: &SharedInputs,
@@ -160,16 +200,26 @@ fn tables(
             let masked = inputs.answers(which, kind, Masks::Masked, progress)?;
             let masked_tallies = self::tallies(&sets[0], masked);
             all.extend(masked_tallies.last().map(|(_, tally)| *tally));
-            let means = masked_tallies.iter().map(|(_, tally)| Cell::Fixed(tally.iou_mean, 3));
+            let means = masked_tallies
+                .iter()
+                .map(|(_, tally)| Cell::Fixed(tally.iou_mean, 3));
             table = table.with_column("masked_iou_mean", "masked: IoU", means);
             ways.push((format!("{}, masked", kind.key()), masked));
         }
-        let stated = |method: usize| paper.iter().map(move |stated| Cell::from(stated[method].describe()));
+        let stated = |method: usize| {
+            paper
+                .iter()
+                .map(move |stated| Cell::from(stated[method].describe()))
+        };
         if !paper.is_empty() {
             table = table.with_column("paper", "paper: IoU ± SD", stated(1));
             table = table.with_column("paper_calibme", "paper: CalibMe", stated(0));
         }
-        report.table(&format!("sequences-{}", kind.key()), &format!("By sequence: {}.", kind.describe()), table);
+        report.table(
+            &format!("sequences-{}", kind.key()),
+            &format!("By sequence: {}.", kind.describe()),
+            table,
+        );
     }
     let asked = inputs.answers(which, ForestKind::Default, Masks::AsTheyAre, progress)?;
     let parts = by_name(&sets[0], asked);
@@ -184,17 +234,33 @@ fn tables(
         ("focal_px", "focal length (px)"),
     ]);
     let ranges = parts.iter().filter(|(name, _)| *name != "all");
-    ranges.map(|(name, asked)| ranges_row(sets, name, asked)).for_each(|row| table.push(row));
+    ranges
+        .map(|(name, asked)| ranges_row(sets, name, asked))
+        .for_each(|row| table.push(row));
     if is_drawn && which == Sets::Highlights {
         let paper = TABLE_2.iter().map(|stated| {
             let range = |[from, to]: [f64; 2]| format!("{from:.0} to {to:.0}");
-            format!("{}; {}; {}", range(stated.pan_deg), range(stated.tilt_deg), range(stated.focal_px)).into()
+            format!(
+                "{}; {}; {}",
+                range(stated.pan_deg),
+                range(stated.tilt_deg),
+                range(stated.focal_px)
+            )
+            .into()
         });
         table = table.with_column("paper", "paper: pan; tilt; focal length at 1280 px", paper);
     }
     report.table("ranges", "Where the frames look.", table);
-    report.figure("views", "Fields of view of the frames asked (cumulative).", view_distribution(asked));
-    report.data("frames", "Every frame asked, by seed, forest and masks.", frame_table(sets, ways));
+    report.figure(
+        "views",
+        "Fields of view of the frames asked (cumulative).",
+        view_distribution(asked),
+    );
+    report.data(
+        "frames",
+        "Every frame asked, by seed, forest and masks.",
+        frame_table(sets, ways),
+    );
     report.time_table(
         "steps-times",
         "One frame, features found already; other frames were asked at the same time.",
@@ -216,29 +282,50 @@ fn tables(
 
 fn tallies(set: &FrameSet, asked: &[AskedFrame]) -> Vec<(Cell, Tally)> {
     let parts = by_name(set, asked);
-    parts.iter().map(|(name, asked)| ((*name).into(), Tally::of(asked.iter().copied()))).collect()
+    parts
+        .iter()
+        .map(|(name, asked)| ((*name).into(), Tally::of(asked.iter().copied())))
+        .collect()
 }
 
 fn step_times(asked: &[AskedFrame], which: Sets) -> Table {
-    let mut times = Table::new(&[("step", "step"), ("median_ms", "median (ms)"), ("p90_ms", "90 % (ms)")]);
+    let mut times = Table::new(&[
+        ("step", "step"),
+        ("median_ms", "median (ms)"),
+        ("p90_ms", "90 % (ms)"),
+    ]);
     for (step, of) in [
-        ("asking the forest", (|asked: &AskedFrame| asked.predict_ms) as fn(&AskedFrame) -> f64),
+        (
+            "asking the forest",
+            (|asked: &AskedFrame| asked.predict_ms) as fn(&AskedFrame) -> f64,
+        ),
         ("finding the camera", |asked| asked.pose_ms),
     ] {
         let mut values: Vec<f64> = asked.iter().map(of).collect();
         values.sort_by(f64::total_cmp);
-        times.push(vec![step.into(), quantile(&values, 0.5).into(), quantile(&values, 0.9).into()]);
+        times.push(vec![
+            step.into(),
+            quantile(&values, 0.5).into(),
+            quantile(&values, 0.9).into(),
+        ]);
     }
     if which == Sets::Highlights {
         let [calib_me, theirs] = TABLE_2_SECONDS.map(|seconds| Cell::Number(1e3 * seconds));
         times.push(vec!["paper: theirs, a frame".into(), theirs, Cell::Empty]);
-        times.push(vec!["paper: CalibMe, a frame".into(), calib_me, Cell::Empty]);
+        times.push(vec![
+            "paper: CalibMe, a frame".into(),
+            calib_me,
+            Cell::Empty,
+        ]);
     }
     times
 }
 
 /// Six of the frames asked, from the worst to the best.
-fn worst_to_best<'a>(sets: &'a [FrameSet], asked: &[AskedFrame]) -> Result<Vec<SheetFrame<'a>>, ExperimentError> {
+fn worst_to_best<'a>(
+    sets: &'a [FrameSet],
+    asked: &[AskedFrame],
+) -> Result<Vec<SheetFrame<'a>>, ExperimentError> {
     let mut order: Vec<&AskedFrame> = asked.iter().collect();
     let iou = |asked: &AskedFrame| asked.found.map_or(-1.0, |found| found.iou.unwrap_or(0.0));
     order.sort_by(|a, b| iou(a).total_cmp(&iou(b)));
@@ -248,7 +335,11 @@ fn worst_to_best<'a>(sets: &'a [FrameSet], asked: &[AskedFrame]) -> Result<Vec<S
     let sheet_frame = |asked: &AskedFrame| {
         let known = &sets[asked.repeat].frames[asked.frame];
         let caption = match asked.found {
-            Some(found) => format!("view {:.0}°, IoU {:.4}", asked.view_deg, found.iou.unwrap_or(f64::NAN)),
+            Some(found) => format!(
+                "view {:.0}°, IoU {:.4}",
+                asked.view_deg,
+                found.iou.unwrap_or(f64::NAN)
+            ),
             None => format!("view {:.0}°, not found", asked.view_deg),
         };
         Ok(SheetFrame {
@@ -265,14 +356,22 @@ fn worst_to_best<'a>(sets: &'a [FrameSet], asked: &[AskedFrame]) -> Result<Vec<S
 fn ranges_row(sets: &[FrameSet], name: &str, asked: &[&AskedFrame]) -> Vec<Cell> {
     let range = |of: &dyn Fn(&AskedFrame) -> f64, digits: usize| -> Cell {
         let values = asked.iter().map(|asked| of(asked));
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+            (l.min(v), h.max(v))
+        });
         format!("{low:.digits$} to {high:.digits$}").into()
     };
     let ptz = |asked: &AskedFrame| sets[asked.repeat].frames[asked.frame].truth.ptz();
-    let pans = AngleRange::smallest(asked.iter().map(|asked| ptz(asked).pan)).unwrap_or(AngleRange::FULL);
+    let pans =
+        AngleRange::smallest(asked.iter().map(|asked| ptz(asked).pan)).unwrap_or(AngleRange::FULL);
     vec![
         name.into(),
-        format!("{:.1} to {:.1}", pans.start().degrees(), pans.end().wrapped().degrees()).into(),
+        format!(
+            "{:.1} to {:.1}",
+            pans.start().degrees(),
+            pans.end().wrapped().degrees()
+        )
+        .into(),
         range(&|asked| ptz(asked).tilt.degrees(), 1),
         range(&|asked| ptz(asked).focal_px, 0),
     ]
@@ -280,6 +379,10 @@ fn ranges_row(sets: &[FrameSet], name: &str, asked: &[&AskedFrame]) -> Vec<Cell>
 
 fn view_distribution(asked: &[AskedFrame]) -> Figure {
     let views: Vec<f64> = asked.iter().map(|asked| asked.view_deg).collect();
-    Figure::new("", Axis::linear("horizontal field of view (°)"), Axis::linear("share of frames").within(0.0, 1.0))
-        .with(Series::cumulative("", 1, &views, views.len()))
+    Figure::new(
+        "",
+        Axis::linear("horizontal field of view (°)"),
+        Axis::linear("share of frames").within(0.0, 1.0),
+    )
+    .with(Series::cumulative("", 1, &views, views.len()))
 }

@@ -1,4 +1,5 @@
-//! The setting of the paper's synthetic experiment: its camera, its ranges, points around its field.
+//! The setting of the paper's synthetic experiment: its camera, its ranges, points around its
+//! field.
 
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
@@ -26,17 +27,23 @@ const AROUND_M: f64 = 8.0;
 pub fn rng(seed: u64, place: [u64; 2]) -> Pcg64Mcg {
     let mut mixed = seed;
     for number in place {
-        mixed = (mixed ^ number.wrapping_add(0x9e37_79b9_7f4a_7c15)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ number.wrapping_add(0x9e37_79b9_7f4a_7c15))
+            .wrapping_mul(0xbf58_476d_1ce4_e5b9);
         mixed ^= mixed >> 29;
     }
     Pcg64Mcg::seed_from_u64(mixed)
 }
 
-/// The base of the published sequence `soccer2_seq2`, its origin moved from the field's corner to its middle. The camera
-/// stands low behind the corner and looks across the field.
+/// The base of the published sequence `soccer2_seq2`, its origin moved from the field's corner to
+/// its middle. The camera stands low behind the corner and looks across the field.
 pub fn base() -> CameraBase {
-    let position_m = Vec3::new(114.32318 - HALF_FIELD_M[0], 1.114215 - HALF_FIELD_M[1], 6.375646);
-    let base_from_world: Mat3 = rotation::from_rotation_vector(Vec3::new(1.230319, 1.129962, -1.157628));
+    let position_m = Vec3::new(
+        114.32318 - HALF_FIELD_M[0],
+        1.114215 - HALF_FIELD_M[1],
+        6.375646,
+    );
+    let base_from_world: Mat3 =
+        rotation::from_rotation_vector(Vec3::new(1.230319, 1.129962, -1.157628));
     CameraBase::new(position_m, base_from_world, SIZE.centre())
 }
 
@@ -69,11 +76,15 @@ impl Sighting {
     /// The same with noise of this 1-σ on both coordinates of the pixel, px.
     pub fn noisy(&self, sigma_px: f64, rng: &mut Pcg64Mcg) -> Self {
         let offset = Vec2::new(normal(rng), normal(rng)) * sigma_px;
-        Self { image: self.image.moved(offset), ..*self }
+        Self {
+            image: self.image.moved(offset),
+            ..*self
+        }
     }
 }
 
-/// What random pixels show: [`RAYS`] of them, nine in ten outside the field where the picture has room for that.
+/// What random pixels show: [`RAYS`] of them, nine in ten outside the field where the picture has
+/// room for that.
 pub fn sightings(camera: &PtzCamera, rng: &mut Pcg64Mcg) -> Vec<Sighting> {
     let outside = (RAYS as f64 * OUTSIDE) as usize;
     let (mut wanted, mut spare) = (Vec::with_capacity(RAYS), Vec::new());
@@ -82,8 +93,13 @@ pub fn sightings(camera: &PtzCamera, rng: &mut Pcg64Mcg) -> Vec<Sighting> {
         if wanted.len() == RAYS {
             break;
         }
-        let (x, y) = (rng.random_range(0.0..f64::from(SIZE.width)), rng.random_range(0.0..f64::from(SIZE.height)));
-        let Some(sighting) = sighting(camera, ImagePoint::new(x, y)) else { continue };
+        let (x, y) = (
+            rng.random_range(0.0..f64::from(SIZE.width)),
+            rng.random_range(0.0..f64::from(SIZE.height)),
+        );
+        let Some(sighting) = sighting(camera, ImagePoint::new(x, y)) else {
+            continue;
+        };
         let count = &mut counts[usize::from(sighting.on_field)];
         if *count > 0 {
             *count -= 1;
@@ -108,8 +124,17 @@ fn sighting(camera: &PtzCamera, image: ImagePoint) -> Option<Sighting> {
         })
         .filter(|distance| *distance > 0.0)
         .fold(f64::INFINITY, f64::min);
-    let to_ground = if direction.z < 0.0 { -from.z / direction.z } else { f64::INFINITY };
+    let to_ground = if direction.z < 0.0 {
+        -from.z / direction.z
+    } else {
+        f64::INFINITY
+    };
     let world = from + direction * to_wall.min(to_ground);
-    let on_field = to_ground < to_wall && (0..2).all(|axis| world[axis].abs() <= HALF_FIELD_M[axis]);
-    world.iter().all(|x| x.is_finite()).then_some(Sighting { image, world, on_field })
+    let on_field =
+        to_ground < to_wall && (0..2).all(|axis| world[axis].abs() <= HALF_FIELD_M[axis]);
+    world.iter().all(|x| x.is_finite()).then_some(Sighting {
+        image,
+        world,
+        on_field,
+    })
 }

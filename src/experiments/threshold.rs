@@ -1,7 +1,8 @@
 //! The gate on descriptors' distances: table 4 of the paper.
 
 use super::answers::{
-    AskedFrame, RayCount, TALLY_EXPLAINED, Tally, describe_difference, difference, interval_over_seeds, tally_table,
+    AskedFrame, RayCount, TALLY_EXPLAINED, Tally, describe_difference, difference,
+    interval_over_seeds, tally_table,
 };
 use super::forests::{ForestKind, Trained};
 use super::paper::{INLIER_DEG, TABLE_4};
@@ -13,7 +14,8 @@ use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Report, Table, Verdict};
 use touchline_vision::relocalize::{PredictOptions, RelocalizeOptions};
 
-/// The gates, squared distances of descriptors of unit length. None can be larger than 2: the last is no gate.
+/// The gates, squared distances of descriptors of unit length. None can be larger than 2: the last
+/// is no gate.
 const GATES: [f32; 7] = [0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 4.0];
 const PUBLISHED_GATE: f32 = 0.2;
 const NO_GATE: f32 = 4.0;
@@ -33,15 +35,25 @@ struct AtGate {
 /// The frames cannot be had.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let sets = inputs.highlights(progress)?;
-    let mut report =
-        Report::new("threshold", &sets[0].heading("Threshold: table 4, the gate on descriptors' distances"));
-    introduce(&mut report, sets, "A leaf farther than the gate (squared distance of unit descriptors) is no match.");
+    let mut report = Report::new(
+        "threshold",
+        &sets[0].heading("Threshold: table 4, the gate on descriptors' distances"),
+    );
+    introduce(
+        &mut report,
+        sets,
+        "A leaf farther than the gate (squared distance of unit descriptors) is no match.",
+    );
     report.text(ForestKind::EXPLAINED);
     report.text(&format!(
         "*Passing* is the share of features with a ray that passes the gate, *Inlier.5* the share of those whose nearest ray lies \
          within {INLIER_DEG}° of the true one. {TALLY_EXPLAINED}"
     ));
-    let gates: &[f32] = if inputs.options.quick { &[0.1, PUBLISHED_GATE, NO_GATE] } else { &GATES };
+    let gates: &[f32] = if inputs.options.quick {
+        &[0.1, PUBLISHED_GATE, NO_GATE]
+    } else {
+        &GATES
+    };
     let mut axes = Figure::new(
         "",
         Axis::linear("gate (squared distance)").within(0.0, 0.65),
@@ -49,23 +61,45 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     );
     let mut both = Vec::new();
     for (number, kind) in ForestKind::BOTH.into_iter().enumerate() {
-        let measured = measure(sets, kind, gates, &|done, total| progress(number * total + done, 2 * total));
+        let measured = measure(sets, kind, gates, &|done, total| {
+            progress(number * total + done, 2 * total)
+        });
         report.table(
             &format!("gates-{}", kind.key()),
-            &format!("By gate: {}; the published gate is {PUBLISHED_GATE}.", kind.describe()),
+            &format!(
+                "By gate: {}; the published gate is {PUBLISHED_GATE}.",
+                kind.describe()
+            ),
             gate_table(&measured, sets[0].kind != SetKind::Own),
         );
         let points = |of: &dyn Fn(&AtGate) -> f64| {
             let gated = measured.iter().filter(|at| at.gate < NO_GATE);
-            gated.map(|at| [f64::from(at.gate), of(at)]).collect::<Vec<_>>()
+            gated
+                .map(|at| [f64::from(at.gate), of(at)])
+                .collect::<Vec<_>>()
         };
-        let line = if number == 0 { Line::Solid } else { Line::Dashed };
+        let line = if number == 0 {
+            Line::Solid
+        } else {
+            Line::Dashed
+        };
         axes = axes
-            .with(Series::new(&format!("IoU, {}", kind.key()), 1, points(&|at| at.tally.iou_mean)).lined(line))
             .with(
-                Series::new(&format!("Inlier.5, {}", kind.key()), 2, points(&AtGate::inliers))
-                    .lined(line)
-                    .marked(Mark::Square),
+                Series::new(
+                    &format!("IoU, {}", kind.key()),
+                    1,
+                    points(&|at| at.tally.iou_mean),
+                )
+                .lined(line),
+            )
+            .with(
+                Series::new(
+                    &format!("Inlier.5, {}", kind.key()),
+                    2,
+                    points(&AtGate::inliers),
+                )
+                .lined(line)
+                .marked(Mark::Square),
             );
         both.push(measured);
     }
@@ -83,7 +117,10 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
 impl AtGate {
     /// The rays of all seeds.
     fn all_rays(&self) -> RayCount {
-        self.rays.iter().copied().fold(RayCount::default(), RayCount::plus)
+        self.rays
+            .iter()
+            .copied()
+            .fold(RayCount::default(), RayCount::plus)
     }
 
     /// The share of passing rays that are right.
@@ -105,21 +142,37 @@ fn measure(sets: &[FrameSet], kind: ForestKind, gates: &[f32], progress: Progres
         let trained = Trained::of(set, repeat, &kind.training(set.seed));
         for (place, gate) in gates.iter().enumerate() {
             let usual = kind.asking(set.seed);
-            let predict = PredictOptions { max_squared_distance: *gate, ..usual.predict };
+            let predict = PredictOptions {
+                max_squared_distance: *gate,
+                ..usual.predict
+            };
             rays[place].push(trained.count_rays(&predict));
             asked[place].extend(trained.ask_plainly(&RelocalizeOptions { predict, ..usual }));
             progress(repeat * gates.len() + place + 1, sets.len() * gates.len());
         }
     }
     let each = gates.iter().zip(asked).zip(rays);
-    each.map(|((gate, asked), rays)| AtGate { gate: *gate, tally: Tally::of(asked.iter()), asked, rays }).collect()
+    each.map(|((gate, asked), rays)| AtGate {
+        gate: *gate,
+        tally: Tally::of(asked.iter()),
+        asked,
+        rays,
+    })
+    .collect()
 }
 
 fn gate_table(measured: &[AtGate], with_paper: bool) -> Table {
     let name = |gate: f32| {
-        if gate < NO_GATE { Cell::Fixed((f64::from(gate) * 1e6).round() / 1e6, 2) } else { "no gate".into() }
+        if gate < NO_GATE {
+            Cell::Fixed((f64::from(gate) * 1e6).round() / 1e6, 2)
+        } else {
+            "no gate".into()
+        }
     };
-    let tallies: Vec<(Cell, Tally)> = measured.iter().map(|at| (name(at.gate), at.tally)).collect();
+    let tallies: Vec<(Cell, Tally)> = measured
+        .iter()
+        .map(|at| (name(at.gate), at.tally))
+        .collect();
     let share = |count: usize, of: usize| Cell::Fixed(count as f64 / of.max(1) as f64, 3);
     let rays: Vec<RayCount> = measured.iter().map(AtGate::all_rays).collect();
     let passing = rays.iter().map(|rays| share(rays.passing, rays.features));
@@ -137,10 +190,14 @@ fn gate_table(measured: &[AtGate], with_paper: bool) -> Table {
         _ => None,
     };
     let stated = |column: usize| {
-        let of = move |at: &AtGate| of_paper(at).map_or(Cell::Empty, |stated| Cell::Fixed(stated[column], 2));
+        let of = move |at: &AtGate| {
+            of_paper(at).map_or(Cell::Empty, |stated| Cell::Fixed(stated[column], 2))
+        };
         measured.iter().map(of).collect::<Vec<_>>()
     };
-    table.with_column("paper_inlier_5", "paper: Inlier.5", stated(0)).with_column("paper_iou", "paper: IoU", stated(1))
+    table
+        .with_column("paper_inlier_5", "paper: Inlier.5", stated(0))
+        .with_column("paper_iou", "paper: IoU", stated(1))
 }
 
 fn claims(report: &mut Report, default: &[AtGate], published: &[AtGate]) {
@@ -148,13 +205,21 @@ fn claims(report: &mut Report, default: &[AtGate], published: &[AtGate]) {
         let at = |gate: f32| measured.iter().find(|at| at.gate == gate);
         Some([at(NO_GATE)?, at(PUBLISHED_GATE)?])
     }
-    let (Some(of_default), Some(of_published)) = (pair(default), pair(published)) else { return };
+    let (Some(of_default), Some(of_published)) = (pair(default), pair(published)) else {
+        return;
+    };
     let [[rays_without, iou_without], [rays_with, iou_with]] = TABLE_4;
-    let shown = |[without, with]: [&AtGate; 2], of: fn(&AtGate) -> f64| format!("{:.2} → {:.2}", of(without), of(with));
+    let shown = |[without, with]: [&AtGate; 2], of: fn(&AtGate) -> f64| {
+        format!("{:.2} → {:.2}", of(without), of(with))
+    };
     let of_iou = |at: &AtGate| at.tally.iou_mean;
     let [without, with] = of_published;
-    let more_rays: Vec<f64> =
-        with.rays.iter().zip(&without.rays).map(|(with, without)| inliers(*with) - inliers(*without)).collect();
+    let more_rays: Vec<f64> = with
+        .rays
+        .iter()
+        .zip(&without.rays)
+        .map(|(with, without)| inliers(*with) - inliers(*without))
+        .collect();
     let more_rays = interval_over_seeds(&more_rays);
     report.claim(
         Verdict::above(more_rays, 0.0),

@@ -13,7 +13,12 @@ use touchline_documents::report::{Cell, Column, Report, Table, Verdict};
 use touchline_vision::relocalize::TrainOptions;
 
 /// The quantiles of 1 − `IoU` that are shown.
-const QUANTILES: [(f64, &str); 4] = [(0.5, "median"), (0.75, "75 %"), (0.9, "90 %"), (0.95, "95 %")];
+const QUANTILES: [(f64, &str); 4] = [
+    (0.5, "median"),
+    (0.75, "75 %"),
+    (0.9, "90 %"),
+    (0.95, "95 %"),
+];
 /// A mean `IoU` that is greater by no more than this is no better.
 const IMPROVES: f64 = 0.005;
 
@@ -24,12 +29,22 @@ const IMPROVES: f64 = 0.005;
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let sets = inputs.highlights(progress)?;
     let mut report = Report::new("trees", &sets[0].heading("Trees: how many are needed"));
-    introduce(&mut report, sets, "1 − IoU of all frames asked; not found counts as 1.");
+    introduce(
+        &mut report,
+        sets,
+        "1 − IoU of all frames asked; not found counts as 1.",
+    );
     report.text(ForestKind::EXPLAINED);
-    let counts: &[usize] = if inputs.options.quick { &[1, 2, 5] } else { &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10] };
+    let counts: &[usize] = if inputs.options.quick {
+        &[1, 2, 5]
+    } else {
+        &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10]
+    };
     let mut both = Vec::new();
     for (number, kind) in ForestKind::BOTH.into_iter().enumerate() {
-        let asked = measure(sets, kind, counts, &|done, total| progress(number * total + done, 2 * total));
+        let asked = measure(sets, kind, counts, &|done, total| {
+            progress(number * total + done, 2 * total)
+        });
         let lost: Vec<Vec<f64>> = asked.iter().map(|asked| lost(asked)).collect();
         let mut figure = Figure::new(
             "",
@@ -42,12 +57,17 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             (Mark::Triangle, Line::Dotted),
             (Mark::Cross, Line::Solid),
         ];
-        for (place, ((share, name), (mark, line))) in QUANTILES.into_iter().zip(styles).enumerate() {
+        for (place, ((share, name), (mark, line))) in QUANTILES.into_iter().zip(styles).enumerate()
+        {
             let points = counts
                 .iter()
                 .zip(&lost)
                 .map(|(trees, lost)| [*trees as f64, quantile(lost, share).max(lost_iou::ENDS[0])]);
-            figure = figure.with(Series::new(name, place + 1, points.collect()).marked(mark).lined(line));
+            figure = figure.with(
+                Series::new(name, place + 1, points.collect())
+                    .marked(mark)
+                    .lined(line),
+            );
         }
         report.figure(
             kind.key(),
@@ -57,20 +77,37 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             ),
             figure,
         );
-        report.table(kind.key(), &format!("1 − IoU: {}.", kind.describe()), table(counts, &lost));
+        report.table(
+            kind.key(),
+            &format!("1 − IoU: {}.", kind.describe()),
+            table(counts, &lost),
+        );
         both.push(asked);
     }
     if let (SetKind::Drawn, [default, published]) = (sets[0].kind, &both[..]) {
         let shown = |asked: &[Vec<AskedFrame>]| {
-            let each = counts.iter().zip(asked).filter(|(trees, _)| [1, 2, 5, 10].contains(*trees));
-            let means = each.map(|(trees, asked)| format!("{trees}: {:.3}", 1.0 - mean_sd(&lost(asked))[0]));
+            let each = counts
+                .iter()
+                .zip(asked)
+                .filter(|(trees, _)| [1, 2, 5, 10].contains(*trees));
+            let means = each
+                .map(|(trees, asked)| format!("{trees}: {:.3}", 1.0 - mean_sd(&lost(asked))[0]));
             means.collect::<Vec<_>>().join(", ")
         };
-        let at = counts.iter().position(|trees| *trees == ENOUGH_TREES).unwrap_or(0);
-        let gain = |to: usize, from: usize| difference(&published[to], &published[from], |tally| tally.iou_mean);
+        let at = counts
+            .iter()
+            .position(|trees| *trees == ENOUGH_TREES)
+            .unwrap_or(0);
+        let gain = |to: usize, from: usize| {
+            difference(&published[to], &published[from], |tally| tally.iou_mean)
+        };
         // Beyond, no number of trees is better by more than chance makes it.
         let verdict = match Verdict::above(gain(at, 0), 0.0) {
-            Verdict::Confirmed if (at + 1..counts.len()).any(|more| gain(more, at)[0] > IMPROVES) => Verdict::Differs,
+            Verdict::Confirmed
+                if (at + 1..counts.len()).any(|more| gain(more, at)[0] > IMPROVES) =>
+            {
+                Verdict::Differs
+            }
             verdict => verdict,
         };
         report.claim(
@@ -85,17 +122,29 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
 
 /// 1 − `IoU` of all frames, ascending.
 fn lost(asked: &[AskedFrame]) -> Vec<f64> {
-    let mut lost: Vec<f64> = asked.iter().filter_map(AskedFrame::iou).map(|iou| 1.0 - iou).collect();
+    let mut lost: Vec<f64> = asked
+        .iter()
+        .filter_map(AskedFrame::iou)
+        .map(|iou| 1.0 - iou)
+        .collect();
     lost.sort_by(f64::total_cmp);
     lost
 }
 
 /// All frames asked, for each number of trees.
-fn measure(sets: &[FrameSet], kind: ForestKind, counts: &[usize], progress: Progress) -> Vec<Vec<AskedFrame>> {
+fn measure(
+    sets: &[FrameSet],
+    kind: ForestKind,
+    counts: &[usize],
+    progress: Progress,
+) -> Vec<Vec<AskedFrame>> {
     let most = counts.iter().copied().max().unwrap_or(1);
     let mut asked = vec![Vec::new(); counts.len()];
     for (repeat, set) in sets.iter().enumerate() {
-        let training = TrainOptions { trees: most as u32, ..kind.training(set.seed) };
+        let training = TrainOptions {
+            trees: most as u32,
+            ..kind.training(set.seed)
+        };
         let all = Trained::of(set, repeat, &training);
         for (place, trees) in counts.iter().enumerate() {
             asked[place].extend(all.first_trees(*trees).ask_plainly(&kind.asking(set.seed)));
@@ -108,7 +157,9 @@ fn measure(sets: &[FrameSet], kind: ForestKind, counts: &[usize], progress: Prog
 fn table(counts: &[usize], lost: &[Vec<f64>]) -> Table {
     let mut table = Table::new(&[("trees", "trees"), ("mean", "mean"), ("sd", "SD")]);
     for (share, name) in QUANTILES {
-        table.columns.push(Column::new(&format!("quantile_{}", 100.0 * share), name));
+        table
+            .columns
+            .push(Column::new(&format!("quantile_{}", 100.0 * share), name));
     }
     for (trees, lost) in counts.iter().zip(lost) {
         let [mean, sd] = mean_sd(lost);

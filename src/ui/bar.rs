@@ -2,7 +2,10 @@
 
 use super::theme::Themed as _;
 use egui::text::{LayoutJob, TextWrapping};
-use egui::{Align2, Color32, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{
+    Align2, Color32, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo,
+    pos2, vec2,
+};
 
 /// The height of a row, points.
 const ROW: f32 = 20.0;
@@ -31,44 +34,84 @@ pub struct Bar<'a> {
 
 impl Default for Bar<'_> {
     fn default() -> Self {
-        Self { name: "", value: "", share: 0.0, expected: None, colour: None, selected: false, width: 56.0, tail: 0.0 }
+        Self {
+            name: "",
+            value: "",
+            share: 0.0,
+            expected: None,
+            colour: None,
+            selected: false,
+            width: 56.0,
+            tail: 0.0,
+        }
     }
 }
 
 impl Bar<'_> {
     /// Shows the row.
     pub fn show(&self, ui: &mut Ui) -> (Rect, Response) {
-        let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
+        let (rect, response) =
+            ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
         response.widget_info(|| {
-            WidgetInfo::selected(Role::Button, true, self.selected, format!("{}: {}", self.name, self.value))
+            WidgetInfo::selected(
+                Role::Button,
+                true,
+                self.selected,
+                format!("{}: {}", self.name, self.value),
+            )
         });
         if !ui.is_rect_visible(rect) {
             return (rect, response);
         }
         let painter = ui.painter();
         if self.selected || response.hovered() || response.has_focus() {
-            let ground =
-                if self.selected { ui.palette().accent_ground } else { ui.visuals().widgets.hovered.weak_bg_fill };
+            let ground = if self.selected {
+                ui.palette().accent_ground
+            } else {
+                ui.visuals().widgets.hovered.weak_bg_fill
+            };
             painter.rect_filled(rect, CornerRadius::same(4), ground);
         }
         let right = rect.right() - self.tail - 2.0;
         let number = pos2(right, rect.center().y);
-        painter.text(number, Align2::RIGHT_CENTER, self.value, FontId::proportional(12.0), ui.palette().text);
+        painter.text(
+            number,
+            Align2::RIGHT_CENTER,
+            self.value,
+            FontId::proportional(12.0),
+            ui.palette().text,
+        );
         let bar_left = right - NUMBER - self.width;
         let name = Rect::from_min_max(rect.min, pos2(bar_left - 6.0, rect.bottom()));
-        let mut line =
-            LayoutJob::simple_singleline(self.name.to_owned(), FontId::proportional(12.0), ui.palette().text);
+        let mut line = LayoutJob::simple_singleline(
+            self.name.to_owned(),
+            FontId::proportional(12.0),
+            ui.palette().text,
+        );
         line.wrap = TextWrapping::truncate_at_width(name.width() - 4.0);
         let galley = painter.layout_job(line);
-        painter.galley(pos2(name.left() + 4.0, name.center().y - galley.size().y / 2.0), galley, ui.palette().text);
-        let track = Rect::from_min_size(pos2(bar_left, rect.center().y - 3.0), vec2(self.width, 6.0));
+        painter.galley(
+            pos2(name.left() + 4.0, name.center().y - galley.size().y / 2.0),
+            galley,
+            ui.palette().text,
+        );
+        let track =
+            Rect::from_min_size(pos2(bar_left, rect.center().y - 3.0), vec2(self.width, 6.0));
         painter.rect_filled(track, CornerRadius::same(2), ui.palette().line);
         let along = |share: f64| self.width * share.clamp(0.0, 1.0) as f32;
         let filled = Rect::from_min_size(track.min, vec2(along(self.share), track.height()));
-        painter.rect_filled(filled, CornerRadius::same(2), self.colour.unwrap_or(ui.palette().accent));
+        painter.rect_filled(
+            filled,
+            CornerRadius::same(2),
+            self.colour.unwrap_or(ui.palette().accent),
+        );
         if let Some(expected) = self.expected {
             let stroke = Stroke::new(1.5, ui.palette().strong);
-            painter.vline(track.left() + along(expected), track.top() - 3.0..=track.bottom() + 3.0, stroke);
+            painter.vline(
+                track.left() + along(expected),
+                track.top() - 3.0..=track.bottom() + 3.0,
+                stroke,
+            );
         }
         (rect, response)
     }

@@ -1,9 +1,12 @@
 //! Canvases of the render room inside the window.
 //!
-//! The window's wgpu renderer keeps one [`Renderer`]; a canvas is a paint callback that hands it the layers of this frame.
-//! Without wgpu (a test without a GPU) a canvas says so and everything else works.
+//! The window's wgpu renderer keeps one [`Renderer`]; a canvas is a paint callback that hands it
+//! the layers of this frame. Without wgpu (a test without a GPU) a canvas says so and everything
+//! else works.
 
-use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
+use eframe::egui_wgpu::{
+    Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor,
+};
 use egui::{Align2, Color32, FontId, Id, Painter, Rect};
 use touchline_application::render::{CanvasId, Gpu, Layer, Renderer, View};
 
@@ -28,21 +31,38 @@ fn installed_id() -> Id {
 
 /// Draws layers into a box of the window, given in points and lying on whole physical px.
 pub fn paint(painter: &Painter, id: CanvasId, rect: Rect, view: View, layers: Vec<Layer>) {
-    if painter.ctx().data(|data| data.get_temp::<bool>(installed_id())) == Some(true) {
-        painter.add(Callback::new_paint_callback(rect, Canvas { id, view, layers }));
+    if painter
+        .ctx()
+        .data(|data| data.get_temp::<bool>(installed_id()))
+        == Some(true)
+    {
+        painter.add(Callback::new_paint_callback(
+            rect,
+            Canvas { id, view, layers },
+        ));
     } else {
         painter.rect_filled(rect, 0.0, Color32::from_gray(24));
         let text = "No graphics adapter: pictures cannot be drawn.";
-        painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), Color32::from_gray(120));
+        painter.text(
+            rect.center(),
+            Align2::CENTER_CENTER,
+            text,
+            FontId::proportional(12.0),
+            Color32::from_gray(120),
+        );
     }
 }
 
 /// The physical px that a box of the window covers, as the renderer will round it.
 pub fn size_px(rect: Rect, pixels_per_point: f32) -> [u32; 2] {
     let side = |from: f32, to: f32| {
-        ((to * pixels_per_point).round() - (from * pixels_per_point).round()).clamp(0.0, 32768.0) as u32
+        ((to * pixels_per_point).round() - (from * pixels_per_point).round()).clamp(0.0, 32768.0)
+            as u32
     };
-    [side(rect.left(), rect.right()), side(rect.top(), rect.bottom())]
+    [
+        side(rect.left(), rect.right()),
+        side(rect.top(), rect.bottom()),
+    ]
 }
 
 struct Canvas {
@@ -61,7 +81,16 @@ impl CallbackTrait for Canvas {
         resources: &mut CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
         if let Some(renderer) = resources.get_mut::<Renderer>() {
-            renderer.prepare(Gpu { device, queue, encoder }, self.id, &self.view, &self.layers);
+            renderer.prepare(
+                Gpu {
+                    device,
+                    queue,
+                    encoder,
+                },
+                self.id,
+                &self.view,
+                &self.layers,
+            );
         }
         Vec::new()
     }

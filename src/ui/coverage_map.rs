@@ -3,8 +3,8 @@
 use super::Panel;
 use super::theme::{Palette, Themed as _};
 use egui::{
-    Align, Color32, Layout, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
-    vec2,
+    Align, Color32, Layout, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke,
+    Ui, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::where_to_label::whole_degrees;
 use touchline_calibration::proposals::Coverage;
@@ -27,7 +27,12 @@ pub struct CoverageMap<'a> {
 pub fn missing(coverage: &Coverage) -> String {
     coverage.missing_pan_deg.map_or_else(
         || "References see all of the field.".to_owned(),
-        |pan_deg| format!("No reference sees the field near pan\u{a0}{}.", whole_degrees(pan_deg)),
+        |pan_deg| {
+            format!(
+                "No reference sees the field near pan\u{a0}{}.",
+                whole_degrees(pan_deg)
+            )
+        },
     )
 }
 
@@ -39,12 +44,18 @@ pub fn label_next(panel: &Panel<'_>, coverage: &Coverage) -> Option<f64> {
 }
 
 impl<'a> CoverageMap<'a> {
-    /// Shows a map of some height, points: the more references see a place, the brighter; the field where none looks in red.
+    /// Shows a map of some height, points: the more references see a place, the brighter; the field
+    /// where none looks in red.
     pub fn show(ui: &mut Ui, coverage: &'a Coverage, height: f32, sense: Sense) -> Self {
         let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), sense);
         let description = format!("Map of pan and tilt. {}", missing(coverage));
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &description));
-        let map = Self { coverage, rect, response, painter: ui.painter_at(rect) };
+        let map = Self {
+            coverage,
+            rect,
+            response,
+            painter: ui.painter_at(rect),
+        };
         map.cells();
         map
     }
@@ -53,7 +64,11 @@ impl<'a> CoverageMap<'a> {
     pub fn borders(&self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             let weak = ui.palette().weak;
-            let border = |pan: Angle| RichText::new(whole_degrees(pan.degrees())).small().color(weak);
+            let border = |pan: Angle| {
+                RichText::new(whole_degrees(pan.degrees()))
+                    .small()
+                    .color(weak)
+            };
             ui.label(border(self.coverage.pan.start()));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 ui.label(border(self.coverage.pan.end().wrapped()));
@@ -63,7 +78,12 @@ impl<'a> CoverageMap<'a> {
 
     /// Where a pan and a tilt lie.
     pub fn at(&self, pan_deg: f64, tilt_deg: f64) -> Pos2 {
-        place(self.coverage, self.rect, self.coverage.pan.share(Angle::from_degrees(pan_deg)), tilt_deg)
+        place(
+            self.coverage,
+            self.rect,
+            self.coverage.pan.share(Angle::from_degrees(pan_deg)),
+            tilt_deg,
+        )
     }
 
     /// The cell under a point of the screen, and the pan and tilt there.
@@ -76,38 +96,63 @@ impl<'a> CoverageMap<'a> {
         let cell = (share.y * rows as f32) as usize * columns + (share.x * columns as f32) as usize;
         let Coverage { pan, tilt_deg, .. } = self.coverage;
         let tilt_deg = tilt_deg.end() - f64::from(share.y) * (tilt_deg.end() - tilt_deg.start());
-        Some((cell, [pan.at(f64::from(share.x)).wrapped().degrees(), tilt_deg]))
+        Some((
+            cell,
+            [pan.at(f64::from(share.x)).wrapped().degrees(), tilt_deg],
+        ))
     }
 
     /// The outline of what a camera sees, in one piece wherever on the map its middle is.
     pub fn outline(&self, camera: &PtzCamera, size: ImageSize) {
         let (middle, width) = (camera.ptz().pan, self.coverage.pan.width().radians());
         let at_middle = self.coverage.pan.share(middle);
-        let corners = size.corners().into_iter().filter_map(|corner| camera.ray_from_image(corner).ok());
+        let corners = size
+            .corners()
+            .into_iter()
+            .filter_map(|corner| camera.ray_from_image(corner).ok());
         let points = corners.map(|ray| {
             let share = at_middle + ray.pan.turn_from(middle).radians() / width;
             place(self.coverage, self.rect, share, ray.tilt.degrees())
         });
         let points: Vec<Pos2> = points.collect();
         if points.len() == 4 {
-            self.painter.add(Shape::closed_line(points, Stroke::new(1.5, self.painter.palette().strong)));
+            self.painter.add(Shape::closed_line(
+                points,
+                Stroke::new(1.5, self.painter.palette().strong),
+            ));
         }
     }
 
     /// A pointer from above at a pan.
     pub fn pointer(&self, pan_deg: f64) {
-        let x = self.at(pan_deg, 0.0).x.clamp(self.rect.left() + 6.0, self.rect.right() - 6.0);
+        let x = self
+            .at(pan_deg, 0.0)
+            .x
+            .clamp(self.rect.left() + 6.0, self.rect.right() - 6.0);
         let tip = pos2(x, self.rect.top() + 9.0);
         let corners = vec![tip, tip + vec2(-5.0, -8.0), tip + vec2(5.0, -8.0)];
         let palette = self.painter.palette();
-        self.painter.add(Shape::convex_polygon(corners, palette.strong, Stroke::new(1.0, palette.backdrop)));
+        self.painter.add(Shape::convex_polygon(
+            corners,
+            palette.strong,
+            Stroke::new(1.0, palette.backdrop),
+        ));
     }
 
     /// A small square in the middle of each cell that others see, the larger the more.
     pub fn dots(&self, others: &Coverage, colour: Color32) {
-        for (index, cell) in others.cells.iter().enumerate().filter(|(_, cell)| cell.references > 0) {
+        for (index, cell) in others
+            .cells
+            .iter()
+            .enumerate()
+            .filter(|(_, cell)| cell.references > 0)
+        {
             let side = 2.0 + 3.0 * (cell.references as f32 / PLENTY).min(1.0);
-            self.painter.rect_filled(Rect::from_center_size(self.cell(index).center(), vec2(side, side)), 0.0, colour);
+            self.painter.rect_filled(
+                Rect::from_center_size(self.cell(index).center(), vec2(side, side)),
+                0.0,
+                colour,
+            );
         }
     }
 
@@ -132,7 +177,8 @@ impl<'a> CoverageMap<'a> {
                 references => seen_by(palette, references),
             };
             // A gap between cells shows that they are counts, not measurements.
-            self.painter.rect_filled(self.cell(index).shrink(0.5), 0.0, colour);
+            self.painter
+                .rect_filled(self.cell(index).shrink(0.5), 0.0, colour);
         }
     }
 }
@@ -140,14 +186,19 @@ impl<'a> CoverageMap<'a> {
 /// The colour of a place that a number of references see.
 pub fn seen_by(palette: &Palette, references: u32) -> Color32 {
     let share = (references as f32 / PLENTY).min(1.0);
-    palette.accent_ground.lerp_to_gamma(palette.accent, 0.15 + 0.55 * share)
+    palette
+        .accent_ground
+        .lerp_to_gamma(palette.accent, 0.15 + 0.55 * share)
 }
 
 /// Where a share of the map's width and a tilt lie.
 fn place(coverage: &Coverage, rect: Rect, share: f64, tilt_deg: f64) -> Pos2 {
     let tilts = &coverage.tilt_deg;
     let down = (tilts.end() - tilt_deg) / (tilts.end() - tilts.start());
-    pos2(rect.left() + share as f32 * rect.width(), rect.top() + down as f32 * rect.height())
+    pos2(
+        rect.left() + share as f32 * rect.width(),
+        rect.top() + down as f32 * rect.height(),
+    )
 }
 
 #[cfg(test)]

@@ -18,7 +18,10 @@ const WIDTH: f32 = 560.0;
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let area = ui.available_rect_before_wrap();
     ui.painter().rect_filled(area, 0.0, ui.palette().backdrop);
-    let column = area.shrink2(vec2((area.width() - WIDTH).max(0.0) / 2.0, (area.height() / 5.0).max(24.0)));
+    let column = area.shrink2(vec2(
+        (area.width() - WIDTH).max(0.0) / 2.0,
+        (area.height() / 5.0).max(24.0),
+    ));
     ui.scope_builder(egui::UiBuilder::new().max_rect(column).layout(Layout::top_down(Align::Center)), |ui| {
         ui.spacing_mut().item_spacing.y = 3.0 * theme::SPACE;
         ui.label(RichText::new("touchline").size(26.0).color(ui.palette().strong));
@@ -66,22 +69,32 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
     let memory = Id::unique("typed path");
     let mut typed: String = ui.data_mut(|data| data.get_temp(memory).unwrap_or_default());
-    ui.allocate_ui_with_layout(vec2(WIDTH, 28.0), Layout::left_to_right(Align::Center), |ui| {
-        let field = TextEdit::singleline(&mut typed)
-            .hint_text("or type a path: a project, a folder, a video")
-            .margin(Margin::symmetric(8, 6))
-            .desired_width(WIDTH - 72.0 - 3.0 * theme::SPACE);
-        let response = ui
-            .add(field)
-            .accessible_name("Path to open")
-            .on_hover_text("The path of a project, a folder of frames or a video; Enter opens it.");
-        let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        let open = ui.add_enabled(!typed.trim().is_empty(), Button::new("Open").min_size(vec2(72.0, 28.0)));
-        let open = open.on_hover_text("Open this path. (Enter)").on_disabled_hover_text("Type a path first.");
-        if (entered || open.clicked()) && !typed.trim().is_empty() {
-            panel.actions.push(Action::Open(PathBuf::from(typed.trim())));
-        }
-    });
+    ui.allocate_ui_with_layout(
+        vec2(WIDTH, 28.0),
+        Layout::left_to_right(Align::Center),
+        |ui| {
+            let field = TextEdit::singleline(&mut typed)
+                .hint_text("or type a path: a project, a folder, a video")
+                .margin(Margin::symmetric(8, 6))
+                .desired_width(WIDTH - 72.0 - 3.0 * theme::SPACE);
+            let response = ui.add(field).accessible_name("Path to open").on_hover_text(
+                "The path of a project, a folder of frames or a video; Enter opens it.",
+            );
+            let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+            let open = ui.add_enabled(
+                !typed.trim().is_empty(),
+                Button::new("Open").min_size(vec2(72.0, 28.0)),
+            );
+            let open = open
+                .on_hover_text("Open this path. (Enter)")
+                .on_disabled_hover_text("Type a path first.");
+            if (entered || open.clicked()) && !typed.trim().is_empty() {
+                panel
+                    .actions
+                    .push(Action::Open(PathBuf::from(typed.trim())));
+            }
+        },
+    );
     ui.data_mut(|data| data.insert_temp(memory, typed));
 }
 
@@ -93,12 +106,19 @@ fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.spacing_mut().item_spacing.y = theme::SPACE;
         theme::title(ui, "RECENT");
         for path in panel.app.settings.recent.iter().take(RECENT) {
-            let shown = path.parent().map(|folder| folder.display().to_string()).unwrap_or_default();
+            let shown = path
+                .parent()
+                .map(|folder| folder.display().to_string())
+                .unwrap_or_default();
             let row = Button::new(RichText::new(document_name(path)).color(ui.palette().strong))
                 .right_text(RichText::new(shown).small().color(ui.palette().weak))
                 .truncate()
                 .min_size(vec2(WIDTH, 26.0));
-            if ui.add(row).on_hover_text(path.display().to_string()).clicked() {
+            if ui
+                .add(row)
+                .on_hover_text(path.display().to_string())
+                .clicked()
+            {
                 panel.actions.push(Action::Open(path.clone()));
             }
         }

@@ -6,10 +6,13 @@ use touchline_application::app::{Action, Question, ViewAction};
 use touchline_application::jobs::{Background, BackgroundReport, Wake};
 
 /// Image, video and document files as the dialogs filter them.
-const VIDEOS: &[&str] = &["mp4", "mov", "mkv", "avi", "m4v", "webm", "ts", "mts", "mxf", "mpg", "mpeg"];
+const VIDEOS: &[&str] = &[
+    "mp4", "mov", "mkv", "avi", "m4v", "webm", "ts", "mts", "mxf", "mpg", "mpeg",
+];
 
-/// A dialog that is cancelled faster than this was never shown: a missing dialog reports "cancelled" at once, on a busy machine after
-/// some tenths of a second, and nobody reads a dialog and closes it that fast.
+/// A dialog that is cancelled faster than this was never shown: a missing dialog reports
+/// "cancelled" at once, on a busy machine after some tenths of a second, and nobody reads a dialog
+/// and closes it that fast.
 const NO_DIALOG: Duration = Duration::from_millis(400);
 
 /// What became of a dialog.
@@ -33,7 +36,11 @@ pub struct Files {
 impl Files {
     /// No dialog is open.
     pub const fn new(wake: Wake) -> Self {
-        Self { wake, open: None, failed: None }
+        Self {
+            wake,
+            open: None,
+            failed: None,
+        }
     }
 
     /// Opens a dialog, near a folder if one is given; one that is open already stays.
@@ -42,7 +49,9 @@ impl Files {
             return;
         }
         let dialog = dialog(question, near);
-        match Background::spawn("file dialog", self.wake.clone(), move |_| ask_and_time(|| pick(question, dialog))) {
+        match Background::spawn("file dialog", self.wake.clone(), move |_| {
+            ask_and_time(|| pick(question, dialog))
+        }) {
             Ok(task) => self.open = Some((question, task)),
             Err(error) => {
                 log::warn!("the system started no thread for a file dialog: {error}");
@@ -51,7 +60,8 @@ impl Files {
         }
     }
 
-    /// What was chosen, once it has been; nothing if cancelled. Where no dialog could open, the path is typed instead.
+    /// What was chosen, once it has been; nothing if cancelled. Where no dialog could open, the
+    /// path is typed instead.
     pub fn poll(&mut self) -> Option<Action> {
         if let Some(question) = self.failed.take() {
             return Some(Action::View(ViewAction::TypePath(question)));
@@ -100,10 +110,14 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
             dialog.add_filter("Projects and datasets", &["json"])
         }
         Question::Video => dialog.add_filter("Videos", VIDEOS),
-        Question::ExportAs(format) if !format.is_folder() => dialog.set_file_name(format.usual_name()),
-        Question::Folder | Question::CopyTo | Question::ExportAs(_) | Question::DatasetTo | Question::ImportFrom(_) => {
-            dialog
+        Question::ExportAs(format) if !format.is_folder() => {
+            dialog.set_file_name(format.usual_name())
         }
+        Question::Folder
+        | Question::CopyTo
+        | Question::ExportAs(_)
+        | Question::DatasetTo
+        | Question::ImportFrom(_) => dialog,
     }
 }
 
@@ -129,10 +143,14 @@ mod tests {
     #[test]
     fn a_dialog_that_fails_is_made_up_for_by_typing_however_late_the_window_looks() {
         let mut files = Files::new(Arc::new(|| {}));
-        let task = Background::spawn("file dialog", files.wake.clone(), |_| ask_and_time(|| None)).unwrap();
+        let task = Background::spawn("file dialog", files.wake.clone(), |_| ask_and_time(|| None))
+            .unwrap();
         files.open = Some((Question::Project, task));
         std::thread::sleep(2 * NO_DIALOG);
-        assert!(matches!(files.poll(), Some(Action::View(ViewAction::TypePath(Question::Project)))));
+        assert!(matches!(
+            files.poll(),
+            Some(Action::View(ViewAction::TypePath(Question::Project)))
+        ));
         let cancelled = ask_and_time(|| {
             std::thread::sleep(NO_DIALOG);
             None

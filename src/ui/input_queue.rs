@@ -1,8 +1,9 @@
 //! Keys one at a time: each is applied before the next one is interpreted.
 //!
-//! A key, a click and the next key can arrive within one frame of the window. The meaning of the second may depend on the
-//! effect of the first, which is known only in the next frame: a list opens, a text field takes the focus, another frame is
-//! shown. So the window gets at most one key stroke or button press per frame; the rest waits.
+//! A key, a click and the next key can arrive within one frame of the window. The meaning of the
+//! second may depend on the effect of the first, which is known only in the next frame: a list
+//! opens, a text field takes the focus, another frame is shown. So the window gets at most one key
+//! stroke or button press per frame; the rest waits.
 
 use egui::{Context, Event, Key, Plugin, RawInput};
 use std::collections::VecDeque;
@@ -33,9 +34,11 @@ impl Given {
             // The modifiers of this frame have to be those of the key stroke or the button.
             Event::ModifiersChanged(_) => self.stroke.is_none() && !self.button,
             Event::WindowFocused(_) => true,
-            Event::Key { pressed: false, key, .. } => {
-                !self.pointer && self.stroke.is_none_or(|(down, _)| down != Some(*key))
-            }
+            Event::Key {
+                pressed: false,
+                key,
+                ..
+            } => !self.pointer && self.stroke.is_none_or(|(down, _)| down != Some(*key)),
             Event::Text(_) if matches!(self.stroke, Some((Some(_), false))) => {
                 self.stroke = self.stroke.map(|(key, _)| (key, true));
                 true
@@ -79,7 +82,9 @@ impl InputQueue {
             let event = self.released_as_pressed(event);
             match &event {
                 // Repeats of a held key do not pile up in a slow window.
-                Event::Key { key, pressed: true, .. } if self.is_down_at_end(*key) => {
+                Event::Key {
+                    key, pressed: true, ..
+                } if self.is_down_at_end(*key) => {
                     text_of_repeat = true;
                     continue;
                 }
@@ -89,14 +94,28 @@ impl InputQueue {
             self.waiting.push_back(event);
         }
         let mut given = Given::default();
-        let count = self.waiting.iter().take_while(|event| given.accepts(event)).count();
+        let count = self
+            .waiting
+            .iter()
+            .take_while(|event| given.accepts(event))
+            .count();
         self.waiting.drain(..count).collect()
     }
 
-    /// A key goes up as what it went down as. Where Shift is let go before the slash, a question mark went down and a slash would come
-    /// up, so that the question mark would stay down and its next press would be a repeat.
+    /// A key goes up as what it went down as. Where Shift is let go before the slash, a question
+    /// mark went down and a slash would come up, so that the question mark would stay down and its
+    /// next press would be a repeat.
     fn released_as_pressed(&mut self, event: Event) -> Event {
-        let Event::Key { key, physical_key: Some(physical), pressed, repeat, modifiers } = event else { return event };
+        let Event::Key {
+            key,
+            physical_key: Some(physical),
+            pressed,
+            repeat,
+            modifiers,
+        } = event
+        else {
+            return event;
+        };
         let known = self.down.iter().position(|(down, _)| *down == physical);
         let meant = match (known, pressed) {
             (Some(known), false) => self.down.swap_remove(known).1,
@@ -106,7 +125,13 @@ impl InputQueue {
             }
             (Some(_), true) | (None, false) => key,
         };
-        Event::Key { key: meant, physical_key: Some(physical), pressed, repeat, modifiers }
+        Event::Key {
+            key: meant,
+            physical_key: Some(physical),
+            pressed,
+            repeat,
+            modifiers,
+        }
     }
 
     /// Whether the last queued event of a key is a press.
@@ -138,7 +163,13 @@ mod tests {
     use egui::{Modifiers, PointerButton, pos2};
 
     fn key(key: Key, pressed: bool) -> Event {
-        Event::Key { key, physical_key: None, pressed, repeat: false, modifiers: Modifiers::NONE }
+        Event::Key {
+            key,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        }
     }
 
     fn text(text: &str) -> Event {
@@ -147,7 +178,12 @@ mod tests {
 
     fn button(pressed: bool) -> Event {
         let (pos, button, modifiers) = (pos2(1.0, 2.0), PointerButton::Primary, Modifiers::NONE);
-        Event::PointerButton { pos, button, pressed, modifiers }
+        Event::PointerButton {
+            pos,
+            button,
+            pressed,
+            modifiers,
+        }
     }
 
     /// The events of each frame of the window, for events that arrive together.
@@ -166,7 +202,11 @@ mod tests {
         let [x, one] = [key(Key::X, true), key(Key::Num1, true)];
         assert_eq!(
             frames(&[x.clone(), text("x"), one.clone(), text("1"), text("é")]),
-            [vec![x.clone(), text("x")], vec![one.clone(), text("1")], vec![text("é")]]
+            [
+                vec![x.clone(), text("x")],
+                vec![one.clone(), text("1")],
+                vec![text("é")]
+            ]
         );
         let [x_up, one_up] = [key(Key::X, false), key(Key::Num1, false)];
         assert_eq!(
@@ -180,12 +220,32 @@ mod tests {
     fn keys_and_pointer_keep_their_order() {
         let (moved, n) = (Event::PointerMoved(pos2(3.0, 4.0)), key(Key::N, true));
         assert_eq!(
-            frames(&[moved.clone(), button(true), button(false), n.clone(), moved.clone(), button(true)]),
-            [vec![moved.clone(), button(true), button(false)], vec![n], vec![moved.clone(), button(true)]]
+            frames(&[
+                moved.clone(),
+                button(true),
+                button(false),
+                n.clone(),
+                moved.clone(),
+                button(true)
+            ]),
+            [
+                vec![moved.clone(), button(true), button(false)],
+                vec![n],
+                vec![moved.clone(), button(true)]
+            ]
         );
         assert_eq!(
-            frames(&[button(true), moved.clone(), button(false), button(true), button(false)]),
-            [vec![button(true), moved, button(false)], vec![button(true), button(false)]],
+            frames(&[
+                button(true),
+                moved.clone(),
+                button(false),
+                button(true),
+                button(false)
+            ]),
+            [
+                vec![button(true), moved, button(false)],
+                vec![button(true), button(false)]
+            ],
             "each press is interpreted after the effect of the one before"
         );
     }
@@ -195,8 +255,17 @@ mod tests {
         let [ctrl, none] = [Modifiers::COMMAND, Modifiers::NONE].map(Event::ModifiersChanged);
         let z = key(Key::Z, true);
         assert_eq!(
-            frames(&[ctrl.clone(), z.clone(), none.clone(), key(Key::Z, false), z.clone()]),
-            [vec![ctrl.clone(), z.clone()], vec![none.clone(), key(Key::Z, false), z]]
+            frames(&[
+                ctrl.clone(),
+                z.clone(),
+                none.clone(),
+                key(Key::Z, false),
+                z.clone()
+            ]),
+            [
+                vec![ctrl.clone(), z.clone()],
+                vec![none.clone(), key(Key::Z, false), z]
+            ]
         );
         assert_eq!(
             frames(&[ctrl.clone(), button(true), button(false), none.clone()]),
@@ -207,10 +276,24 @@ mod tests {
     #[test]
     fn a_held_key_does_not_run_ahead_and_taps_are_all_there() {
         let (down, up) = (key(Key::Period, true), key(Key::Period, false));
-        let held = [down.clone(), text("."), down.clone(), text("."), down.clone(), text("."), up.clone()];
-        assert_eq!(frames(&held), [vec![down.clone(), text(".")], vec![up.clone()]]);
+        let held = [
+            down.clone(),
+            text("."),
+            down.clone(),
+            text("."),
+            down.clone(),
+            text("."),
+            up.clone(),
+        ];
+        assert_eq!(
+            frames(&held),
+            [vec![down.clone(), text(".")], vec![up.clone()]]
+        );
         let taps = [down.clone(), up.clone(), down.clone(), up.clone()];
-        assert_eq!(frames(&taps), [vec![down.clone()], vec![up.clone(), down], vec![up]]);
+        assert_eq!(
+            frames(&taps),
+            [vec![down.clone()], vec![up.clone(), down], vec![up]]
+        );
     }
 
     #[test]

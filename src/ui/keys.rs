@@ -1,7 +1,7 @@
 //! Keys: from what was pressed to actions, through the user's keymap.
 //!
-//! Plain keys do nothing while a text field has the focus, and while a name or a reason is being chosen (those lists
-//! read letters and digits themselves).
+//! Plain keys do nothing while a text field has the focus, and while a name or a reason is being
+//! chosen (those lists read letters and digits themselves).
 
 use super::dialogs;
 use egui::{Event, FocusDirection, Key, Modifiers};
@@ -65,12 +65,31 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
     let (events, window_focused) = ctx.input(|input| (input.events.clone(), input.focused));
     let mut asked: Vec<Action> = Vec::new();
     for event in &events {
-        let Event::Key { key, physical_key, pressed, repeat, modifiers } = event else { continue };
-        let stroke =
-            KeyStroke { key: *key, physical: *physical_key, pressed: *pressed, repeat: *repeat, modifiers: *modifiers };
+        let Event::Key {
+            key,
+            physical_key,
+            pressed,
+            repeat,
+            modifiers,
+        } = event
+        else {
+            continue;
+        };
+        let stroke = KeyStroke {
+            key: *key,
+            physical: *physical_key,
+            pressed: *pressed,
+            repeat: *repeat,
+            modifiers: *modifiers,
+        };
         asked.extend(meaning(app, stroke, focus));
     }
-    let steps_clicks = |action: &Action| matches!(action, Action::Command(Command::NextClick | Command::PreviousClick));
+    let steps_clicks = |action: &Action| {
+        matches!(
+            action,
+            Action::Command(Command::NextClick | Command::PreviousClick)
+        )
+    };
     if asked.iter().any(steps_clicks) {
         // Tab was a command: the focus must not move.
         ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
@@ -90,12 +109,20 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
     if !stroke.pressed {
         return Command::all()
             .filter(|command| command.is_held() && is_held_down(app, *command))
-            .find(|command| app.settings.keys.chords(*command).iter().any(|chord| key_of(chord) == Some(stroke.key)))
+            .find(|command| {
+                app.settings
+                    .keys
+                    .chords(*command)
+                    .iter()
+                    .any(|chord| key_of(chord) == Some(stroke.key))
+            })
             .map(|command| Action::Hold(command, false));
     }
     if let Some(dialog) = &app.session.dialog {
         let opens_it = command.is_some_and(|command| opens(command, dialog));
-        if stroke.key == Key::Escape || opens_it && (focus != Focus::Text || stroke.modifiers.command) {
+        if stroke.key == Key::Escape
+            || opens_it && (focus != Focus::Text || stroke.modifiers.command)
+        {
             return Some(Action::View(ViewAction::CloseDialog));
         }
         if command == Some(Command::Guide) && is_free(&stroke, focus) {
@@ -115,16 +142,21 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
             return (command == Some(Command::Cancel)).then_some(Action::Command(Command::Cancel));
         }
         Mode::Dragging { .. } | Mode::Editing if command != Some(Command::Cancel) => {
-            return command.filter(|command| command.is_held() && !stroke.repeat).map(|held| Action::Hold(held, true));
+            return command
+                .filter(|command| command.is_held() && !stroke.repeat)
+                .map(|held| Action::Hold(held, true));
         }
         _ => {}
     }
     match command {
-        Some(command) if command.is_held() => (!stroke.repeat).then_some(Action::Hold(command, true)),
+        Some(command) if command.is_held() => {
+            (!stroke.repeat).then_some(Action::Hold(command, true))
+        }
         Some(command) if stroke.repeat && !REPEATED.contains(&command) => None,
         // Without points Tab moves the focus as usual.
         Some(Command::NextClick | Command::PreviousClick)
-            if app.session.quality.open || app.frame().is_none_or(|frame| frame.clicks.is_empty()) =>
+            if app.session.quality.open
+                || app.frame().is_none_or(|frame| frame.clicks.is_empty()) =>
         {
             None
         }
@@ -142,14 +174,25 @@ fn nudge(app: &App, stroke: &KeyStroke) -> Option<Action> {
         Key::ArrowDown => (0.0, 1.0),
         _ => return None,
     };
-    app.session.points.selected.filter(|_| !app.session.quality.open)?;
-    let step = match (stroke.modifiers.shift, stroke.modifiers.alt, stroke.modifiers.command) {
+    app.session
+        .points
+        .selected
+        .filter(|_| !app.session.quality.open)?;
+    let step = match (
+        stroke.modifiers.shift,
+        stroke.modifiers.alt,
+        stroke.modifiers.command,
+    ) {
         (false, false, false) => NUDGE_PX[0],
         (true, false, false) => NUDGE_PX[1],
         (false, true, false) => NUDGE_PX[2],
         _ => return None,
     };
-    Some(Action::Edit(EditAction::Nudge { dx_px: dx * step, dy_px: dy * step, held: stroke.repeat }))
+    Some(Action::Edit(EditAction::Nudge {
+        dx_px: dx * step,
+        dy_px: dy * step,
+        held: stroke.repeat,
+    }))
 }
 
 /// Whether a key is not used by the focused control.
@@ -171,15 +214,29 @@ fn is_free(stroke: &KeyStroke, focus: Focus) -> bool {
         // Its own undo, cursor and clipboard keys.
         Focus::Text => {
             function_key
-                || stroke.modifiers.command && matches!(stroke.key, Key::S | Key::O | Key::E | Key::K | Key::Q | Key::M)
+                || stroke.modifiers.command
+                    && matches!(
+                        stroke.key,
+                        Key::S | Key::O | Key::E | Key::K | Key::Q | Key::M
+                    )
         }
     }
 }
 
 /// Some layouts report no logical key for the question mark: there it is Shift with the slash key.
 fn question_mark(stroke: KeyStroke) -> KeyStroke {
-    let is_slash = stroke.key == Key::Slash && stroke.physical.is_none_or(|physical| physical == Key::Slash);
-    if is_slash && stroke.modifiers.shift { KeyStroke { key: Key::Questionmark, ..stroke } } else { stroke }
+    let is_slash = stroke.key == Key::Slash
+        && stroke
+            .physical
+            .is_none_or(|physical| physical == Key::Slash);
+    if is_slash && stroke.modifiers.shift {
+        KeyStroke {
+            key: Key::Questionmark,
+            ..stroke
+        }
+    } else {
+        stroke
+    }
 }
 
 /// The command of a key: by its logical key, else by its physical one.
@@ -204,7 +261,8 @@ fn is_physically(chord: &Chord, stroke: &KeyStroke) -> bool {
     is_sign(stroke.key)
         && stroke.physical.is_some()
         && key_of(chord) == stroke.physical
-        && (chord.ctrl, chord.alt, chord.shift) == (modifiers.command, modifiers.alt, modifiers.shift)
+        && (chord.ctrl, chord.alt, chord.shift)
+            == (modifiers.command, modifiers.alt, modifiers.shift)
 }
 
 /// A key whose Shift depends on the layout: a plus needs it here and not there.
@@ -268,17 +326,30 @@ mod tests {
     fn app() -> App {
         let mut document = Document::new(FieldSpec::new("soccer"));
         let size = ImageSize::new(1280, 720);
-        document.cameras.push(Camera::new("main".into(), size).into());
+        document
+            .cameras
+            .push(Camera::new("main".into(), size).into());
         let mut frame = Frame::from_image("a.jpg", "main".into(), size);
-        frame.clicks.push(Click::unnamed(ImagePoint::new(10.0, 20.0)));
+        frame
+            .clicks
+            .push(Click::unnamed(ImagePoint::new(10.0, 20.0)));
         document.frames.push(frame.into());
         let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        app.update(Action::Opened(Box::new(Opened::new(
+            document,
+            "/match/project.json",
+        ))));
         app
     }
 
     fn stroke(key: Key, modifiers: Modifiers) -> KeyStroke {
-        KeyStroke { key, physical: None, pressed: true, repeat: false, modifiers }
+        KeyStroke {
+            key,
+            physical: None,
+            pressed: true,
+            repeat: false,
+            modifiers,
+        }
     }
 
     fn press(app: &App, key: Key, modifiers: Modifiers) -> Option<Action> {
@@ -289,11 +360,26 @@ mod tests {
     fn modifiers_are_read_exactly() {
         let app = app();
         let ctrl_shift = Modifiers::COMMAND | Modifiers::SHIFT;
-        assert_eq!(press(&app, Key::Z, Modifiers::COMMAND), Some(Action::Command(Command::Undo)));
-        assert_eq!(press(&app, Key::Z, ctrl_shift), Some(Action::Command(Command::Redo)));
-        assert_eq!(press(&app, Key::Z, NONE), Some(Action::Command(Command::ZoomToClick)));
-        assert_eq!(press(&app, Key::Period, Modifiers::SHIFT), Some(Action::Command(Command::NextTenFrames)));
-        assert_eq!(press(&app, Key::Period, NONE), Some(Action::Command(Command::NextFrame)));
+        assert_eq!(
+            press(&app, Key::Z, Modifiers::COMMAND),
+            Some(Action::Command(Command::Undo))
+        );
+        assert_eq!(
+            press(&app, Key::Z, ctrl_shift),
+            Some(Action::Command(Command::Redo))
+        );
+        assert_eq!(
+            press(&app, Key::Z, NONE),
+            Some(Action::Command(Command::ZoomToClick))
+        );
+        assert_eq!(
+            press(&app, Key::Period, Modifiers::SHIFT),
+            Some(Action::Command(Command::NextTenFrames))
+        );
+        assert_eq!(
+            press(&app, Key::Period, NONE),
+            Some(Action::Command(Command::NextFrame))
+        );
         assert_eq!(press(&app, Key::J, NONE), None);
     }
 
@@ -304,12 +390,24 @@ mod tests {
         assert_eq!(press(&app, Key::Questionmark, Modifiers::SHIFT), question);
         assert_eq!(press(&app, Key::Questionmark, NONE), question);
         assert_eq!(press(&app, Key::Slash, Modifiers::SHIFT), question);
-        assert_eq!(press(&app, Key::Plus, Modifiers::SHIFT), Some(Action::Command(Command::ZoomIn)));
+        assert_eq!(
+            press(&app, Key::Plus, Modifiers::SHIFT),
+            Some(Action::Command(Command::ZoomIn))
+        );
         // On a German keyboard Shift and 7 is a slash, Shift and the dot is a colon.
-        let german_slash = KeyStroke { physical: Some(Key::Num7), ..stroke(Key::Slash, Modifiers::SHIFT) };
+        let german_slash = KeyStroke {
+            physical: Some(Key::Num7),
+            ..stroke(Key::Slash, Modifiers::SHIFT)
+        };
         assert_eq!(meaning(&app, german_slash, Focus::Free), None);
-        let german_colon = KeyStroke { physical: Some(Key::Period), ..stroke(Key::Colon, Modifiers::SHIFT) };
-        assert_eq!(meaning(&app, german_colon, Focus::Free), Some(Action::Command(Command::NextTenFrames)));
+        let german_colon = KeyStroke {
+            physical: Some(Key::Period),
+            ..stroke(Key::Colon, Modifiers::SHIFT)
+        };
+        assert_eq!(
+            meaning(&app, german_colon, Focus::Free),
+            Some(Action::Command(Command::NextTenFrames))
+        );
     }
 
     #[test]
@@ -319,15 +417,27 @@ mod tests {
         app.update(Action::Navigate(Navigation::Select(Some(0))));
         assert_eq!(
             press(&app, Key::ArrowLeft, NONE),
-            Some(Action::Edit(EditAction::Nudge { dx_px: -0.1, dy_px: 0.0, held: false }))
+            Some(Action::Edit(EditAction::Nudge {
+                dx_px: -0.1,
+                dy_px: 0.0,
+                held: false
+            }))
         );
         assert_eq!(
             press(&app, Key::ArrowDown, Modifiers::SHIFT),
-            Some(Action::Edit(EditAction::Nudge { dx_px: 0.0, dy_px: 1.0, held: false }))
+            Some(Action::Edit(EditAction::Nudge {
+                dx_px: 0.0,
+                dy_px: 1.0,
+                held: false
+            }))
         );
         assert_eq!(
             press(&app, Key::ArrowUp, Modifiers::ALT),
-            Some(Action::Edit(EditAction::Nudge { dx_px: 0.0, dy_px: -10.0, held: false }))
+            Some(Action::Edit(EditAction::Nudge {
+                dx_px: 0.0,
+                dy_px: -10.0,
+                held: false
+            }))
         );
         assert_eq!(press(&app, Key::ArrowUp, Modifiers::COMMAND), None);
     }
@@ -340,15 +450,24 @@ mod tests {
             meaning(&app, stroke(Key::S, Modifiers::COMMAND), Focus::Text),
             Some(Action::Command(Command::Save))
         );
-        assert_eq!(meaning(&app, stroke(Key::Z, Modifiers::COMMAND), Focus::Text), None);
+        assert_eq!(
+            meaning(&app, stroke(Key::Z, Modifiers::COMMAND), Focus::Text),
+            None
+        );
         assert_eq!(meaning(&app, stroke(Key::Enter, NONE), Focus::Widget), None);
         app.update(Action::Navigate(Navigation::Select(Some(0))));
         app.update(Action::Command(Command::RenameClick));
         for key in [Key::N, Key::Num3, Key::Enter, Key::X] {
             assert_eq!(press(&app, key, NONE), None);
         }
-        assert_eq!(press(&app, Key::Escape, NONE), Some(Action::Command(Command::Cancel)));
-        assert_eq!(press(&app, Key::Z, Modifiers::COMMAND), Some(Action::Command(Command::Undo)));
+        assert_eq!(
+            press(&app, Key::Escape, NONE),
+            Some(Action::Command(Command::Cancel))
+        );
+        assert_eq!(
+            press(&app, Key::Z, Modifiers::COMMAND),
+            Some(Action::Command(Command::Undo))
+        );
     }
 
     #[test]
@@ -356,19 +475,43 @@ mod tests {
         let mut app = app();
         app.update(Action::Command(Command::Reject));
         assert_eq!(press(&app, Key::N, NONE), None);
-        assert_eq!(press(&app, Key::Escape, NONE), Some(Action::Command(Command::Cancel)));
+        assert_eq!(
+            press(&app, Key::Escape, NONE),
+            Some(Action::Command(Command::Cancel))
+        );
     }
 
     #[test]
     fn held_commands_end_with_their_key_and_only_stepping_repeats() {
         let mut app = app();
-        assert_eq!(press(&app, Key::H, NONE), Some(Action::Hold(Command::HideOverlay, true)));
+        assert_eq!(
+            press(&app, Key::H, NONE),
+            Some(Action::Hold(Command::HideOverlay, true))
+        );
         app.update(Action::Hold(Command::HideOverlay, true));
-        let up = KeyStroke { pressed: false, ..stroke(Key::H, Modifiers::SHIFT) };
-        assert_eq!(meaning(&app, up, Focus::Text), Some(Action::Hold(Command::HideOverlay, false)));
-        let again = |key| meaning(&app, KeyStroke { repeat: true, ..stroke(key, NONE) }, Focus::Free);
+        let up = KeyStroke {
+            pressed: false,
+            ..stroke(Key::H, Modifiers::SHIFT)
+        };
+        assert_eq!(
+            meaning(&app, up, Focus::Text),
+            Some(Action::Hold(Command::HideOverlay, false))
+        );
+        let again = |key| {
+            meaning(
+                &app,
+                KeyStroke {
+                    repeat: true,
+                    ..stroke(key, NONE)
+                },
+                Focus::Free,
+            )
+        };
         assert_eq!(again(Key::H), None);
-        assert_eq!(again(Key::Period), Some(Action::Command(Command::NextFrame)));
+        assert_eq!(
+            again(Key::Period),
+            Some(Action::Command(Command::NextFrame))
+        );
         assert_eq!(again(Key::Enter), None);
         assert_eq!(again(Key::Delete), None);
     }
@@ -378,14 +521,23 @@ mod tests {
         let mut app = app();
         app.update(Action::Command(Command::Palette));
         assert_eq!(press(&app, Key::N, NONE), None);
-        assert_eq!(meaning(&app, stroke(Key::Escape, NONE), Focus::Text), Some(Action::View(ViewAction::CloseDialog)));
+        assert_eq!(
+            meaning(&app, stroke(Key::Escape, NONE), Focus::Text),
+            Some(Action::View(ViewAction::CloseDialog))
+        );
         assert_eq!(
             meaning(&app, stroke(Key::K, Modifiers::COMMAND), Focus::Text),
             Some(Action::View(ViewAction::CloseDialog))
         );
         app.update(Action::View(ViewAction::CloseDialog));
         app.update(Action::Command(Command::OverlayStyle));
-        assert_eq!(press(&app, Key::Period, NONE), Some(Action::Command(Command::NextFrame)));
-        assert_eq!(press(&app, Key::O, NONE), Some(Action::View(ViewAction::CloseDialog)));
+        assert_eq!(
+            press(&app, Key::Period, NONE),
+            Some(Action::Command(Command::NextFrame))
+        );
+        assert_eq!(
+            press(&app, Key::O, NONE),
+            Some(Action::View(ViewAction::CloseDialog))
+        );
     }
 }

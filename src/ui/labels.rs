@@ -9,7 +9,11 @@ use touchline_core::geometry::ImagePoint;
 const PADDING: egui::Vec2 = vec2(4.0, 1.5);
 
 /// Writes the labels of a drawing.
-pub fn paint<'a>(painter: &Painter, placement: &Placement, labels: impl Iterator<Item = &'a Label>) {
+pub fn paint<'a>(
+    painter: &Painter,
+    placement: &Placement,
+    labels: impl Iterator<Item = &'a Label>,
+) {
     for label in labels {
         let [x, y] = label.at.map(f64::from);
         let at = placement.screen_from_image(ImagePoint::new(x, y)) + label.offset_pt.into();
@@ -31,7 +35,11 @@ pub struct PlateStyle {
 impl PlateStyle {
     /// Letters of this font and colour on a plate of that colour.
     pub const fn new(font: FontId, letters: Color32, behind: Color32) -> Self {
-        Self { font, letters, behind }
+        Self {
+            font,
+            letters,
+            behind,
+        }
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::resizing::{Edge, Resized};
 use super::{
-    Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, notices, quality, reclick, rejecting,
-    review, status, theme::Themed as _, timeline, tour, trainer, typing, viewport,
+    Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, notices, quality,
+    reclick, rejecting, review, status, theme::Themed as _, timeline, tour, trainer, typing,
+    viewport,
 };
 use egui::{Frame, Margin, Ui};
 use touchline_application::app::session::SidePanel;
@@ -26,7 +27,12 @@ fn resized(panel: &mut Panel<'_>, edges: [Resized; 2], remembered: [Option<f32>;
     };
     let [side, filmstrip] = [of(0), of(1)];
     if [side, filmstrip] != remembered {
-        panel.actions.push(Action::Settings(SettingsAction::PanelSizes { side, filmstrip }));
+        panel
+            .actions
+            .push(Action::Settings(SettingsAction::PanelSizes {
+                side,
+                filmstrip,
+            }));
     }
 }
 
@@ -45,7 +51,11 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
 
 /// Shows every panel; what the user asks for is in the panel's actions afterwards.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let (filmstrip_height, side_width) = if ui.available_width() >= WIDE { (110.0, 380.0) } else { (92.0, 300.0) };
+    let (filmstrip_height, side_width) = if ui.available_width() >= WIDE {
+        (110.0, 380.0)
+    } else {
+        (92.0, 300.0)
+    };
     let edges = [
         Edge {
             id: "side panel",
@@ -64,17 +74,34 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let remembered = [settings.side_width, settings.filmstrip_height];
     let side_width = edges[0].size(ui.ctx(), remembered[0], side_width);
     let filmstrip_height = edges[1].size(ui.ctx(), remembered[1], filmstrip_height);
-    let row = Frame::new().fill(ui.palette().panel).inner_margin(Margin::symmetric(8, 0));
+    let row = Frame::new()
+        .fill(ui.palette().panel)
+        .inner_margin(Margin::symmetric(8, 0));
     let side = Frame::new().fill(ui.palette().panel);
-    egui::Panel::top("menu").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| menu::show(panel, ui));
+    egui::Panel::top("menu")
+        .exact_size(ROW)
+        .resizable(false)
+        .frame(row)
+        .show(ui, |ui| menu::show(panel, ui));
     tour::show(panel, ui);
-    egui::Panel::bottom("status").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| status::show(panel, ui));
-    egui::Panel::bottom("messages").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| notices::show(panel, ui));
+    egui::Panel::bottom("status")
+        .exact_size(ROW)
+        .resizable(false)
+        .frame(row)
+        .show(ui, |ui| status::show(panel, ui));
+    egui::Panel::bottom("messages")
+        .exact_size(ROW)
+        .resizable(false)
+        .frame(row)
+        .show(ui, |ui| notices::show(panel, ui));
     let is_open = panel.app.open().is_some();
     let page = panel.app.session.quality.open;
     if is_open && !page {
-        let side_panel =
-            egui::Panel::right("side").exact_size(side_width).resizable(false).frame(side).show(ui, |ui| {
+        let side_panel = egui::Panel::right("side")
+            .exact_size(side_width)
+            .resizable(false)
+            .frame(side)
+            .show(ui, |ui| {
                 if panel.app.round().is_some() {
                     reclick::show(panel, ui);
                     return;
@@ -92,7 +119,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             .frame(side)
             .show(ui, |ui| filmstrip::show(panel, ui));
         let areas = [side_panel.response.rect, strip.response.rect];
-        resized(panel, [edges[0].read(ui, areas[0]), edges[1].read(ui, areas[1])], remembered);
+        resized(
+            panel,
+            [edges[0].read(ui, areas[0]), edges[1].read(ui, areas[1])],
+            remembered,
+        );
         if timeline::is_wanted(panel.app) {
             egui::Panel::bottom("timeline")
                 .exact_size(timeline::HEIGHT)

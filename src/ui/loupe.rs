@@ -5,13 +5,15 @@ use super::labels::{PlateStyle, plate};
 use super::overlay::Overlay;
 use super::placement::Placement;
 use egui::{
-    Align2, Color32, FontId, Id, LayerId, Order, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Vec2, WidgetInfo,
+    Align2, Color32, FontId, Id, LayerId, Order, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Vec2,
+    WidgetInfo,
 };
 use touchline_application::app::settings::Loupe;
 use touchline_application::render::{Layer, View};
 use touchline_core::geometry::ImagePoint;
 
-/// No loupe is needed where the picture is enlarged by more than this share of what the loupe would.
+/// No loupe is needed where the picture is enlarged by more than this share of what the loupe
+/// would.
 const NOT_NEEDED_FROM: f64 = 0.625;
 /// From the point to the nearest border of the loupe, points.
 const GAP: f32 = 36.0;
@@ -32,7 +34,8 @@ const SIDES: [Vec2; 8] = [
     egui::vec2(-1.0, 0.0),
 ];
 
-/// Shows the loupe of a place, with what lies over the picture there at a zoom (physical px per px of the picture).
+/// Shows the loupe of a place, with what lies over the picture there at a zoom (physical px per px
+/// of the picture).
 pub fn show(
     ui: &egui::Ui,
     look: Loupe,
@@ -50,15 +53,34 @@ pub fn show(
     let point = placement.screen_from_image(at);
     let side_id = side_id();
     let before = ui.data(|data| data.get_temp::<usize>(side_id));
-    let side = free_side(point, look.side, placement.rect, &lines(&overlay, placement), before);
+    let side = free_side(
+        point,
+        look.side,
+        placement.rect,
+        &lines(&overlay, placement),
+        before,
+    );
     ui.data_mut(|data| data.insert_temp(side_id, side));
-    let rect = egui::emath::GuiRounding::round_to_pixels(on_side(point, look.side, side), pixels_per_point);
+    let rect = egui::emath::GuiRounding::round_to_pixels(
+        on_side(point, look.side, side),
+        pixels_per_point,
+    );
 
     let response = ui.interact(rect, side_id, Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Loupe"));
-    let painter = ui.ctx().layer_painter(LayerId::new(Order::Tooltip, side_id));
-    let layers = std::iter::once(picture.clone()).chain(overlay.layers()).collect();
-    canvas::paint(&painter, canvas::LOUPE, rect, view(at, rect, magnification, pixels_per_point), layers);
+    let painter = ui
+        .ctx()
+        .layer_painter(LayerId::new(Order::Tooltip, side_id));
+    let layers = std::iter::once(picture.clone())
+        .chain(overlay.layers())
+        .collect();
+    canvas::paint(
+        &painter,
+        canvas::LOUPE,
+        rect,
+        view(at, rect, magnification, pixels_per_point),
+        layers,
+    );
     crosshair(&painter, rect);
     let text = format!("{:.2}, {:.2}", at.x, at.y);
     let corner = rect.center_bottom() - egui::vec2(0.0, 12.0);
@@ -70,8 +92,18 @@ pub fn show(
         &text,
         PlateStyle::new(FontId::monospace(11.0), Color32::from_gray(230), behind),
     );
-    painter.rect_stroke(rect, 2.0, Stroke::new(3.0, Color32::from_black_alpha(160)), StrokeKind::Outside);
-    painter.rect_stroke(rect, 2.0, Stroke::new(1.5, Color32::from_gray(220)), StrokeKind::Outside);
+    painter.rect_stroke(
+        rect,
+        2.0,
+        Stroke::new(3.0, Color32::from_black_alpha(160)),
+        StrokeKind::Outside,
+    );
+    painter.rect_stroke(
+        rect,
+        2.0,
+        Stroke::new(1.5, Color32::from_gray(220)),
+        StrokeKind::Outside,
+    );
 }
 
 /// Forgets the side: no point is held.
@@ -88,8 +120,16 @@ fn view(at: ImagePoint, rect: Rect, magnification: f64, pixels_per_point: f32) -
     let scale = magnification * f64::from(pixels_per_point);
     let size_px = canvas::size_px(rect, pixels_per_point);
     let [width, height] = size_px.map(f64::from);
-    let offset_px = [(width / 2.0 - at.x * scale) as f32, (height / 2.0 - at.y * scale) as f32];
-    View { scale: scale as f32, offset_px, size_px, pixels_per_point }
+    let offset_px = [
+        (width / 2.0 - at.x * scale) as f32,
+        (height / 2.0 - at.y * scale) as f32,
+    ];
+    View {
+        scale: scale as f32,
+        offset_px,
+        size_px,
+        pixels_per_point,
+    }
 }
 
 /// A crosshair whose centre stays free.
@@ -98,7 +138,10 @@ fn crosshair(painter: &egui::Painter, rect: Rect) {
     let reach = rect.width() / 2.0 - 24.0;
     for (width, colour) in [(3.0, Color32::from_black_alpha(110)), (1.0, Color32::WHITE)] {
         for way in [Vec2::RIGHT, Vec2::LEFT, Vec2::UP, Vec2::DOWN] {
-            painter.line_segment([centre + way * OPEN, centre + way * reach], Stroke::new(width, colour));
+            painter.line_segment(
+                [centre + way * OPEN, centre + way * reach],
+                Stroke::new(width, colour),
+            );
         }
     }
     painter.circle_filled(centre, 1.75, Color32::from_black_alpha(140));
@@ -106,26 +149,50 @@ fn crosshair(painter: &egui::Painter, rect: Rect) {
 }
 
 fn on_side(point: Pos2, length: f32, side: usize) -> Rect {
-    Rect::from_center_size(point + SIDES[side % SIDES.len()] * (GAP + length / 2.0), Vec2::splat(length))
+    Rect::from_center_size(
+        point + SIDES[side % SIDES.len()] * (GAP + length / 2.0),
+        Vec2::splat(length),
+    )
 }
 
-/// The side on which the loupe hides least of the overlay's lines, with a preference for the current side.
-fn free_side(point: Pos2, length: f32, bounds: Rect, lines: &[[Pos2; 2]], before: Option<usize>) -> usize {
+/// The side on which the loupe hides least of the overlay's lines, with a preference for the
+/// current side.
+fn free_side(
+    point: Pos2,
+    length: f32,
+    bounds: Rect,
+    lines: &[[Pos2; 2]],
+    before: Option<usize>,
+) -> usize {
     let cost = |side: usize| {
         let rect = on_side(point, length, side);
         let outside = (rect.area() - rect.intersect(bounds).area().max(0.0)).max(0.0);
         let hidden: f32 = lines.iter().map(|line| length_within(*line, rect)).sum();
-        let change = if before.is_some_and(|before| before != side) { STAY } else { 0.0 };
+        let change = if before.is_some_and(|before| before != side) {
+            STAY
+        } else {
+            0.0
+        };
         outside + hidden + change
     };
-    (0..SIDES.len()).min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(0)
+    (0..SIDES.len())
+        .min_by(|a, b| cost(*a).total_cmp(&cost(*b)))
+        .unwrap_or(0)
 }
 
 /// The lines of the overlay on the screen.
 fn lines(overlay: &Overlay, placement: &Placement) -> Vec<[Pos2; 2]> {
-    let on_screen = |[x, y]: [f32; 2]| placement.screen_from_image(ImagePoint::new(f64::from(x), f64::from(y)));
-    let strokes = overlay.drawings.iter().flat_map(|drawing| &drawing.strokes).flat_map(|group| &group.strokes);
-    strokes.flat_map(|stroke| stroke.points.windows(2)).map(|ends| [on_screen(ends[0]), on_screen(ends[1])]).collect()
+    let on_screen =
+        |[x, y]: [f32; 2]| placement.screen_from_image(ImagePoint::new(f64::from(x), f64::from(y)));
+    let strokes = overlay
+        .drawings
+        .iter()
+        .flat_map(|drawing| &drawing.strokes)
+        .flat_map(|group| &group.strokes);
+    strokes
+        .flat_map(|stroke| stroke.points.windows(2))
+        .map(|ends| [on_screen(ends[0]), on_screen(ends[1])])
+        .collect()
 }
 
 /// How much of a piece of line lies within a box (Liang and Barsky 1984).
@@ -156,13 +223,25 @@ mod tests {
     use egui::pos2;
 
     const SIDE: f32 = 160.0;
-    const BOUNDS: Rect = Rect { min: pos2(0.0, 0.0), max: pos2(980.0, 580.0) };
+    const BOUNDS: Rect = Rect {
+        min: pos2(0.0, 0.0),
+        max: pos2(980.0, 580.0),
+    };
 
     #[test]
     fn the_loupe_keeps_off_the_point_the_lines_and_the_border() {
-        for point in [pos2(500.0, 300.0), pos2(2.0, 3.0), pos2(978.0, 4.0), pos2(976.0, 575.0), pos2(5.0, 570.0)] {
+        for point in [
+            pos2(500.0, 300.0),
+            pos2(2.0, 3.0),
+            pos2(978.0, 4.0),
+            pos2(976.0, 575.0),
+            pos2(5.0, 570.0),
+        ] {
             let rect = on_side(point, SIDE, free_side(point, SIDE, BOUNDS, &[], None));
-            assert!(BOUNDS.contains_rect(rect) && !rect.contains(point), "{point:?} {rect:?}");
+            assert!(
+                BOUNDS.contains_rect(rect) && !rect.contains(point),
+                "{point:?} {rect:?}"
+            );
         }
         let point = pos2(500.0, 300.0);
         let line = [pos2(400.0, 400.0), pos2(900.0, -100.0)];
@@ -181,9 +260,18 @@ mod tests {
     #[test]
     fn the_length_within_a_box_is_that_of_the_clipped_line() {
         let rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(10.0, 10.0));
-        assert_eq!(length_within([pos2(-5.0, 5.0), pos2(15.0, 5.0)], rect), 10.0);
+        assert_eq!(
+            length_within([pos2(-5.0, 5.0), pos2(15.0, 5.0)], rect),
+            10.0
+        );
         assert_eq!(length_within([pos2(2.0, 2.0), pos2(2.0, 6.0)], rect), 4.0);
-        assert_eq!(length_within([pos2(-5.0, 20.0), pos2(15.0, 20.0)], rect), 0.0);
-        assert_eq!(length_within([pos2(12.0, -5.0), pos2(12.0, 5.0)], rect), 0.0);
+        assert_eq!(
+            length_within([pos2(-5.0, 20.0), pos2(15.0, 20.0)], rect),
+            0.0
+        );
+        assert_eq!(
+            length_within([pos2(12.0, -5.0), pos2(12.0, 5.0)], rect),
+            0.0
+        );
     }
 }

@@ -1,9 +1,12 @@
-//! Masks on the picture: boxes that are excluded from feature detection, each with its scope and a delete button.
+//! Masks on the picture: boxes that are excluded from feature detection, each with its scope and a
+//! delete button.
 
 use super::Panel;
 use super::labels::{PlateStyle, plate};
 use super::placement::Placement;
-use egui::{Align2, Color32, FontId, Id, Painter, Rect, Role, Sense, Stroke, Vec2, WidgetInfo, vec2};
+use egui::{
+    Align2, Color32, FontId, Id, Painter, Rect, Role, Sense, Stroke, Vec2, WidgetInfo, vec2,
+};
 use touchline_application::app::{Action, App, EditAction, MaskList};
 use touchline_core::geometry::{ImagePoint, PixelBox};
 
@@ -23,17 +26,43 @@ pub struct ShownMask {
 
 /// The masks that cover the shown frame, the camera's first; none unless masks are shown.
 pub fn shown(app: &App) -> Vec<ShownMask> {
-    let Some(frame) = app.frame().filter(|_| app.session.picture.masks) else { return Vec::new() };
-    let camera = app.camera_id().and_then(|id| app.open()?.document.camera(id));
-    let of_camera = camera.map(|camera| camera.masks.as_slice()).unwrap_or_default();
-    let ranged = camera.map(|camera| camera.ranged_masks.as_slice()).unwrap_or_default();
+    let Some(frame) = app.frame().filter(|_| app.session.picture.masks) else {
+        return Vec::new();
+    };
+    let camera = app
+        .camera_id()
+        .and_then(|id| app.open()?.document.camera(id));
+    let of_camera = camera
+        .map(|camera| camera.masks.as_slice())
+        .unwrap_or_default();
+    let ranged = camera
+        .map(|camera| camera.ranged_masks.as_slice())
+        .unwrap_or_default();
     let listed = |masks: &[PixelBox], list| -> Vec<ShownMask> {
         let numbered = masks.iter().enumerate();
-        numbered.map(|(index, pixel_box)| ShownMask { list, index, pixel_box: *pixel_box }).collect()
+        numbered
+            .map(|(index, pixel_box)| ShownMask {
+                list,
+                index,
+                pixel_box: *pixel_box,
+            })
+            .collect()
     };
-    let covering = ranged.iter().enumerate().filter(|(_, mask)| mask.covers(frame));
-    let ranged = covering.map(|(index, mask)| ShownMask { list: MaskList::Ranged, index, pixel_box: mask.pixel_box });
-    [listed(of_camera, MaskList::Camera), ranged.collect(), listed(&frame.masks, MaskList::Frame)].concat()
+    let covering = ranged
+        .iter()
+        .enumerate()
+        .filter(|(_, mask)| mask.covers(frame));
+    let ranged = covering.map(|(index, mask)| ShownMask {
+        list: MaskList::Ranged,
+        index,
+        pixel_box: mask.pixel_box,
+    });
+    [
+        listed(of_camera, MaskList::Camera),
+        ranged.collect(),
+        listed(&frame.masks, MaskList::Frame),
+    ]
+    .concat()
 }
 
 impl ShownMask {
@@ -44,14 +73,22 @@ impl ShownMask {
 
     /// Where its cross lies on the screen.
     pub fn cross(&self, placement: &Placement) -> Rect {
-        let corner = self.on_screen(placement).intersect(placement.rect).right_top();
+        let corner = self
+            .on_screen(placement)
+            .intersect(placement.rect)
+            .right_top();
         Rect::from_center_size(corner + vec2(-CROSS, CROSS) / 2.0, Vec2::splat(CROSS))
     }
 }
 
 /// Where a box of the picture lies on the screen.
 fn on_screen(pixel_box: &PixelBox, placement: &Placement) -> Rect {
-    let &PixelBox { x, y, width, height } = pixel_box;
+    let &PixelBox {
+        x,
+        y,
+        width,
+        height,
+    } = pixel_box;
     let corner = |x, y| placement.screen_from_image(ImagePoint::new(x, y));
     Rect::from_min_max(corner(x, y), corner(x + width, y + height))
 }
@@ -60,10 +97,19 @@ fn on_screen(pixel_box: &PixelBox, placement: &Placement) -> Rect {
 fn label(painter: &Painter, mask: Rect, placement: &Placement, says: &str) {
     let shown = mask.intersect(placement.rect);
     let (font, letters) = (FontId::proportional(11.0), Color32::from_gray(225));
-    let width = painter.layout_no_wrap(says.to_owned(), font.clone(), letters).size().x;
+    let width = painter
+        .layout_no_wrap(says.to_owned(), font.clone(), letters)
+        .size()
+        .x;
     if width + 16.0 <= shown.width() {
         let style = PlateStyle::new(font, letters, Color32::from_black_alpha(150));
-        plate(painter, shown.left_bottom() + vec2(8.0, -10.0), Align2::LEFT_CENTER, says, style);
+        plate(
+            painter,
+            shown.left_bottom() + vec2(8.0, -10.0),
+            Align2::LEFT_CENTER,
+            says,
+            style,
+        );
     }
 }
 
@@ -89,10 +135,16 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
         label(&painter, whole, placement, what);
         let rect = mask.cross(placement);
         let id = Id::NULL.with(("mask", mask.list, mask.index));
-        let response = ui.interact(rect, id, Sense::click()).on_hover_text("Delete this mask.");
+        let response = ui
+            .interact(rect, id, Sense::click())
+            .on_hover_text("Delete this mask.");
         let label = format!("Delete {name} mask {}", mask.index + 1);
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
-        let fill = if response.hovered() { Color32::from_rgb(190, 60, 60) } else { Color32::from_black_alpha(170) };
+        let fill = if response.hovered() {
+            Color32::from_rgb(190, 60, 60)
+        } else {
+            Color32::from_black_alpha(170)
+        };
         painter.rect_filled(rect.shrink(1.0), 3.0, fill);
         let arm = rect.shrink(6.0);
         let stroke = Stroke::new(1.5, Color32::WHITE);
@@ -102,7 +154,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
             ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         }
         if response.clicked() {
-            panel.actions.push(Action::Edit(EditAction::RemoveMask { list: mask.list, index: mask.index }));
+            panel.actions.push(Action::Edit(EditAction::RemoveMask {
+                list: mask.list,
+                index: mask.index,
+            }));
         }
     }
 }

@@ -6,8 +6,8 @@ use super::{
     theme::{self, Themed as _},
 };
 use egui::{
-    Align, Button, Color32, Event, FocusDirection, Id, Key, Layout, Modifiers, Rect, Response, RichText, Role,
-    TextStyle, Ui, WidgetInfo, vec2,
+    Align, Button, Color32, Event, FocusDirection, Id, Key, Layout, Modifiers, Rect, Response,
+    RichText, Role, TextStyle, Ui, WidgetInfo, vec2,
 };
 use std::path::Path;
 use touchline_application::app::session::{Saving, SidePanel};
@@ -96,15 +96,21 @@ const SUBMENUS: [(&str, &[Command]); 5] = [
             Command::UseUsualNoise,
         ],
     ),
-    ("Training", &[Command::UseForTraining, Command::PauseTrainer]),
+    (
+        "Training",
+        &[Command::UseForTraining, Command::PauseTrainer],
+    ),
 ];
 
 /// Shows the row.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let opens = is_menu_key(ui);
     egui::MenuBar::new().ui(ui, |ui| {
-        let titles = MenuGroup::ALL
-            .map(|group| ui.menu_button(group.title(), |ui| menu(panel, ui, group)).response.on_hover_text(tip(group)));
+        let titles = MenuGroup::ALL.map(|group| {
+            ui.menu_button(group.title(), |ui| menu(panel, ui, group))
+                .response
+                .on_hover_text(tip(group))
+        });
         if let Some(title) = opened_by_key(ui, &titles, opens) {
             title.request_focus();
             egui::Popup::open_id(ui.ctx(), egui::Popup::default_response_id(title));
@@ -113,17 +119,22 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             saving(panel, ui);
             jobs(panel, ui);
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| place(panel.app, ui));
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                place(panel.app, ui)
+            });
         });
     });
 }
 
-/// The menu that a key opens: the first one, or with the focus on a title the neighbour of the open one, by the arrows.
+/// The menu that a key opens: the first one, or with the focus on a title the neighbour of the open
+/// one, by the arrows.
 fn opened_by_key<'a>(ui: &Ui, titles: &'a [Response], first: bool) -> Option<&'a Response> {
     if first {
         return titles.first();
     }
-    let is_open = |title: &Response| egui::Popup::is_id_open(ui.ctx(), egui::Popup::default_response_id(title));
+    let is_open = |title: &Response| {
+        egui::Popup::is_id_open(ui.ctx(), egui::Popup::default_response_id(title))
+    };
     // The focus may stay on the title of a menu that was open before.
     if !titles.iter().any(Response::has_focus) {
         return None;
@@ -147,9 +158,19 @@ fn is_menu_key(ui: &Ui) -> bool {
     let (f10, alt, busy) = ui.input_mut(|input| {
         let f10 = input.consume_key(Modifiers::NONE, Key::F10);
         let is_other = |event: &Event| {
-            matches!(event, Event::Key { .. } | Event::Text(_) | Event::PointerButton { .. } | Event::MouseWheel { .. })
+            matches!(
+                event,
+                Event::Key { .. }
+                    | Event::Text(_)
+                    | Event::PointerButton { .. }
+                    | Event::MouseWheel { .. }
+            )
         };
-        (f10, input.modifiers.alt, input.pointer.any_down() || !input.focused || input.events.iter().any(is_other))
+        (
+            f10,
+            input.modifiers.alt,
+            input.pointer.any_down() || !input.focused || input.events.iter().any(is_other),
+        )
     });
     // Alt is tapped alone if nothing else happens until it is let go.
     let memory = Id::unique("alt is held alone");
@@ -175,8 +196,15 @@ const fn tip(group: MenuGroup) -> &'static str {
 
 fn menu(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup) {
     ui.set_min_width(232.0);
-    let grouped = |command: &Command| SUBMENUS.iter().any(|(_, commands)| commands.contains(command));
-    for (title, commands) in SUBMENUS.iter().filter(|(_, commands)| commands[0].group() == group) {
+    let grouped = |command: &Command| {
+        SUBMENUS
+            .iter()
+            .any(|(_, commands)| commands.contains(command))
+    };
+    for (title, commands) in SUBMENUS
+        .iter()
+        .filter(|(_, commands)| commands[0].group() == group)
+    {
         ui.menu_button(*title, |ui| entries(panel, ui, commands));
     }
     for command in Command::all().filter(|command| command.group() == group && !grouped(command)) {
@@ -205,12 +233,18 @@ fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
     let response = ui.add_enabled(why_not.is_none(), button);
     if is_on(panel.app, command) {
         let font = TextStyle::Button.resolve(ui.style());
-        let name = ui.painter().layout_no_wrap(command.name().to_owned(), font, Color32::PLACEHOLDER);
+        let name =
+            ui.painter()
+                .layout_no_wrap(command.name().to_owned(), font, Color32::PLACEHOLDER);
         let after = ui.spacing().button_padding.x + name.size().x + theme::SPACE;
-        let within =
-            Rect::from_center_size(response.rect.left_center() + vec2(after, 0.0), vec2(theme::SPACE, theme::SPACE));
+        let within = Rect::from_center_size(
+            response.rect.left_center() + vec2(after, 0.0),
+            vec2(theme::SPACE, theme::SPACE),
+        );
         symbol::paint(ui.painter(), Symbol::Tick, within, ui.palette().accent);
-        response.widget_info(|| WidgetInfo::selected(Role::Button, why_not.is_none(), true, command.name()));
+        response.widget_info(|| {
+            WidgetInfo::selected(Role::Button, why_not.is_none(), true, command.name())
+        });
     }
     let response = response.on_hover_text(command.about());
     let response = match why_not {
@@ -239,7 +273,9 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::QualityPage => app.session.quality.open,
         Command::UseForTraining => app.frame().is_some_and(Frame::is_used_for_training),
         Command::PlaceOnLine => app.session.points.next_on_line,
-        Command::Uncertainty => app.session.picture.uncertainty != scene::uncertainty::UncertaintyView::Off,
+        Command::Uncertainty => {
+            app.session.picture.uncertainty != scene::uncertainty::UncertaintyView::Off
+        }
         Command::UseForBase => app.frame().is_some_and(|frame| !frame.use_for_base),
         _ => false,
     }
@@ -250,7 +286,11 @@ fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.add_enabled_ui(!none, |ui| {
         let opened = ui.menu_button("Open recent", |ui| {
             for path in panel.app.settings.recent.clone() {
-                if ui.button(document_name(&path)).on_hover_text(path.display().to_string()).clicked() {
+                if ui
+                    .button(document_name(&path))
+                    .on_hover_text(path.display().to_string())
+                    .clicked()
+                {
                     panel.actions.push(Action::Open(path));
                     ui.close();
                 }
@@ -266,10 +306,17 @@ fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// The name of a document: its folder if it is a project, else its file.
 pub fn document_name(file: &Path) -> String {
     let is_project = file.file_name().is_some_and(|name| name == PROJECT_FILE);
-    let named = if is_project { file.parent().unwrap_or(file) } else { file };
-    let name =
-        named.file_name().map_or_else(|| named.display().to_string(), |name| name.to_string_lossy().into_owned());
-    name.strip_suffix(PROJECT_SUFFIX).map_or_else(|| name.clone(), str::to_owned)
+    let named = if is_project {
+        file.parent().unwrap_or(file)
+    } else {
+        file
+    };
+    let name = named.file_name().map_or_else(
+        || named.display().to_string(),
+        |name| name.to_string_lossy().into_owned(),
+    );
+    name.strip_suffix(PROJECT_SUFFIX)
+        .map_or_else(|| name.clone(), str::to_owned)
 }
 
 /// Document, frame and shot.
@@ -282,16 +329,29 @@ fn place(app: &App, ui: &mut Ui) {
     if let Some(frame) = app.frame() {
         let number = frame.number_at(app.session.frame);
         ui.label(RichText::new(format!("frame {number}")).color(ui.palette().text))
-            .on_hover_text(format!("Frame {number} of {count}, counted from 0: {}", frame.name()));
+            .on_hover_text(format!(
+                "Frame {number} of {count}, counted from 0: {}",
+                frame.name()
+            ));
         if let Some(clip) = &frame.clip {
             let shot = format!("shot {}", shortened(&clip.to_string(), LONGEST_NAME / 2));
-            ui.label(RichText::new(shot).color(ui.palette().weak)).on_hover_text(format!("The frame's shot, {clip}"));
+            ui.label(RichText::new(shot).color(ui.palette().weak))
+                .on_hover_text(format!("The frame's shot, {clip}"));
         }
-        ui.add(egui::Label::new(RichText::new(file_name(&frame.name())).color(ui.palette().weak)).truncate())
-            .on_hover_text(frame.name());
+        ui.add(
+            egui::Label::new(RichText::new(file_name(&frame.name())).color(ui.palette().weak))
+                .truncate(),
+        )
+        .on_hover_text(frame.name());
     }
     if let Some(reason) = &open.read_only {
-        ui.label(RichText::new("READ ONLY").small().strong().color(ui.palette().caution)).on_hover_text(reason.clone());
+        ui.label(
+            RichText::new("READ ONLY")
+                .small()
+                .strong()
+                .color(ui.palette().caution),
+        )
+        .on_hover_text(reason.clone());
     }
 }
 
@@ -336,16 +396,26 @@ fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
                 .on_hover_text("Every edit is on disk. You do not have to save.");
         }
         Saving::Failed { message, since } => {
-            let since = since.as_ref().map(|at| format!("Edits since {at} are only in memory."));
+            let since = since
+                .as_ref()
+                .map(|at| format!("Edits since {at} are only in memory."));
             let edits = since.unwrap_or_else(|| "Edits are only in memory.".to_owned());
-            let elsewhere = Button::new(RichText::new("Save elsewhere").color(ui.palette().on_accent))
-                .fill(ui.palette().bad)
-                .small();
-            if ui.add(elsewhere).on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs)).clicked() {
+            let elsewhere =
+                Button::new(RichText::new("Save elsewhere").color(ui.palette().on_accent))
+                    .fill(ui.palette().bad)
+                    .small();
+            if ui
+                .add(elsewhere)
+                .on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs))
+                .clicked()
+            {
                 panel.actions.push(Action::Command(Command::SaveAs));
             }
-            let text = RichText::new(format!("NOT SAVED: {message}. {edits}")).color(ui.palette().bad).strong();
-            ui.add(egui::Label::new(text).truncate()).on_hover_text(format!("{message}. {edits}"));
+            let text = RichText::new(format!("NOT SAVED: {message}. {edits}"))
+                .color(ui.palette().bad)
+                .strong();
+            ui.add(egui::Label::new(text).truncate())
+                .on_hover_text(format!("{message}. {edits}"));
         }
     }
 }
@@ -359,7 +429,10 @@ fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
         let key = panel.app.settings.keys.shown(Command::Cancel);
         let palette = ui.palette();
         let give_up = symbol::button(ui, symbol::Symbol::Cross, "Stop opening", palette.weak);
-        if give_up.on_hover_text(format!("Stop opening. ({key})")).clicked() {
+        if give_up
+            .on_hover_text(format!("Stop opening. ({key})"))
+            .clicked()
+        {
             panel.actions.push(Action::Command(Command::Cancel));
         }
     }
@@ -377,11 +450,22 @@ fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// How far the search for cuts has come; a click stops it.
 fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
     let state = &panel.app.operations.shot_search;
-    let Some(search) = state.running() else { return };
+    let Some(search) = state.running() else {
+        return;
+    };
     let share = state.progress().percent();
-    let says =
-        ui.add(Button::new(RichText::new(format!("cuts {share} %")).small().color(ui.palette().weak)).frame(false));
-    let tip = format!("Looking for cuts in {}. Click to stop.", file_name(&search.video));
+    let says = ui.add(
+        Button::new(
+            RichText::new(format!("cuts {share} %"))
+                .small()
+                .color(ui.palette().weak),
+        )
+        .frame(false),
+    );
+    let tip = format!(
+        "Looking for cuts in {}. Click to stop.",
+        file_name(&search.video)
+    );
     if says.on_hover_text(tip).clicked() {
         panel.actions.push(Action::Command(Command::StopShotSearch));
     }
@@ -389,10 +473,25 @@ fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// How far an export has come; a click shows its dialog, which can stop it.
 fn writing(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(running) = panel.app.operations.transfer.writing() else { return };
-    let far = running.progress().map(|far| format!(" {:.0} %", (100.0 * far.fraction()).floor())).unwrap_or_default();
-    let says = ui.add(Button::new(RichText::new(format!("export{far}")).small().color(ui.palette().weak)).frame(false));
-    if says.on_hover_text("An export is being written. Click to show it.").clicked() {
+    let Some(running) = panel.app.operations.transfer.writing() else {
+        return;
+    };
+    let far = running
+        .progress()
+        .map(|far| format!(" {:.0} %", (100.0 * far.fraction()).floor()))
+        .unwrap_or_default();
+    let says = ui.add(
+        Button::new(
+            RichText::new(format!("export{far}"))
+                .small()
+                .color(ui.palette().weak),
+        )
+        .frame(false),
+    );
+    if says
+        .on_hover_text("An export is being written. Click to show it.")
+        .clicked()
+    {
         panel.actions.push(Action::Command(Command::Export));
     }
 }
@@ -405,10 +504,16 @@ fn trainer(panel: &mut Panel<'_>, ui: &mut Ui) {
         (None, Some(brief)) => (brief, ui.palette().weak),
         (None, None) => return,
     };
-    let tip = status.trouble.clone().unwrap_or_else(|| format!("{}.", status.doing.describe()));
+    let tip = status
+        .trouble
+        .clone()
+        .unwrap_or_else(|| format!("{}.", status.doing.describe()));
     let says = ui.add(Button::new(RichText::new(text).small().color(colour)).frame(false));
     let key = panel.app.settings.keys.shown(Command::TrainerPanel);
-    if says.on_hover_text(format!("{tip} Trainer panel: {key}.")).clicked() {
+    if says
+        .on_hover_text(format!("{tip} Trainer panel: {key}."))
+        .clicked()
+    {
         panel.actions.push(Action::Command(Command::TrainerPanel));
     }
 }

@@ -10,11 +10,24 @@ use touchline_documents::document::FrameStatus;
 /// How far a line may be from its curve, px of the picture: invisible at this size.
 const TOLERANCE_PX: f64 = 4.0;
 
-/// Paints a frame's thumbnail into a box, and the field's lines as its camera has them; dashed where it is proposed.
-pub fn paint(panel: &mut Panel<'_>, painter: &Painter, open: &OpenProject, index: usize, within: Rect) {
+/// Paints a frame's thumbnail into a box, and the field's lines as its camera has them; dashed
+/// where it is proposed.
+pub fn paint(
+    panel: &mut Panel<'_>,
+    painter: &Painter,
+    open: &OpenProject,
+    index: usize,
+    within: Rect,
+) {
     painter.rect_filled(within, CornerRadius::same(2), painter.palette().raised);
-    let Some(frame) = open.frame(index) else { return };
-    let size = egui::vec2(frame.image_size.width as f32, frame.image_size.height as f32).max(egui::Vec2::splat(1.0));
+    let Some(frame) = open.frame(index) else {
+        return;
+    };
+    let size = egui::vec2(
+        frame.image_size.width as f32,
+        frame.image_size.height as f32,
+    )
+    .max(egui::Vec2::splat(1.0));
     let scale = (within.width() / size.x).min(within.height() / size.y);
     let picture = Rect::from_center_size(within.center(), size * scale);
     if let Some(texture) = panel.pictures.thumbnail(open, index) {
@@ -22,15 +35,27 @@ pub fn paint(panel: &mut Panel<'_>, painter: &Painter, open: &OpenProject, index
         painter.image(texture.id(), picture, whole, Color32::WHITE);
     }
     // The shown frame's field is used for all frames that share it.
-    let Some(field) = panel.app.current().field() else { return };
+    let Some(field) = panel.app.current().field() else {
+        return;
+    };
     let shares = |shown| open.document.field_of(shown) == open.document.field_of(frame);
-    let Some(camera) = open.document.pointed(frame).filter(|_| panel.app.frame().is_some_and(shares)) else { return };
-    let options = MarkingOptions { tolerance_px: TOLERANCE_PX, margin_px: 0.0 };
+    let Some(camera) = open
+        .document
+        .pointed(frame)
+        .filter(|_| panel.app.frame().is_some_and(shares))
+    else {
+        return;
+    };
+    let options = MarkingOptions {
+        tolerance_px: TOLERANCE_PX,
+        margin_px: 0.0,
+    };
     let [red, green, blue] = panel.app.overlay_style().colour;
     let stroke = Stroke::new(1.0, Color32::from_rgb(red, green, blue));
     let clipped = painter.with_clip_rect(painter.clip_rect().intersect(picture));
     for line in project_lines(field, &camera, frame.image_size, &options) {
-        let at = |point: &ImagePoint| picture.min + egui::vec2(point.x as f32, point.y as f32) * scale;
+        let at =
+            |point: &ImagePoint| picture.min + egui::vec2(point.x as f32, point.y as f32) * scale;
         let points: Vec<Pos2> = line.points.iter().map(at).collect();
         if frame.status == FrameStatus::Suggested {
             clipped.extend(Shape::dashed_line(&points, stroke, 3.0, 1.5));

@@ -1,7 +1,7 @@
 //! The window: panels as functions of the state.
 //!
-//! A panel reads the [`App`] and pushes [`Action`]s; only the shell hands them to
-//! `App::update` and carries effects out. Everything that can be tested without widgets lives in `app`.
+//! A panel reads the [`App`] and pushes [`Action`]s; only the shell hands them to `App::update` and
+//! carries effects out. Everything that can be tested without widgets lives in `app`.
 
 mod bar;
 mod camera_panel;

@@ -2,7 +2,9 @@
 
 use super::placement::Placement;
 use super::{Panel, theme::Themed as _};
-use egui::{Align2, Area, FontId, Id, Order, Pos2, Rect, Role, Sense, Vec2, WidgetInfo, pos2, vec2};
+use egui::{
+    Align2, Area, FontId, Id, Order, Pos2, Rect, Role, Sense, Vec2, WidgetInfo, pos2, vec2,
+};
 use touchline_application::app::naming::NameCandidate;
 use touchline_application::app::session::{Mode, Naming, OFFERED};
 use touchline_application::app::{Action, EditAction, Navigation};
@@ -22,42 +24,62 @@ const MARGIN: f32 = 6.0;
 
 /// Shows the list beside its point.
 pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
-    let Mode::Naming(naming) = &panel.app.session.mode else { return };
-    let Some(click) = panel.app.frame().and_then(|frame| frame.clicks.get(naming.click)) else { return };
+    let Mode::Naming(naming) = &panel.app.session.mode else {
+        return;
+    };
+    let Some(click) = panel
+        .app
+        .frame()
+        .and_then(|frame| frame.clicks.get(naming.click))
+    else {
+        return;
+    };
     let point = placement.screen_from_image(click.image);
     let offered = naming.offered();
     let rows = offered.len().max(1) as f32;
     let columns = Columns::of(ui, naming);
-    let size = vec2(columns.width() + 2.0 * MARGIN, (rows + 2.0) * ROW + 2.0 * MARGIN);
+    let size = vec2(
+        columns.width() + 2.0 * MARGIN,
+        (rows + 2.0) * ROW + 2.0 * MARGIN,
+    );
     Area::new(Id::NULL.with("naming"))
         .order(Order::Foreground)
         .fixed_pos(beside(point, size, placement.rect))
         .constrain(false)
         .show(ui.ctx(), |ui| {
-            egui::Frame::popup(ui.style()).inner_margin(MARGIN).show(ui, |ui| {
-                ui.set_width(columns.width());
-                ui.spacing_mut().item_spacing = Vec2::ZERO;
-                title(ui, naming);
-                for (index, candidate) in offered.iter().enumerate() {
-                    if let Some(action) = row(ui, &columns, index, candidate, index == naming.highlighted) {
-                        panel.actions.push(action);
+            egui::Frame::popup(ui.style())
+                .inner_margin(MARGIN)
+                .show(ui, |ui| {
+                    ui.set_width(columns.width());
+                    ui.spacing_mut().item_spacing = Vec2::ZERO;
+                    title(ui, naming);
+                    for (index, candidate) in offered.iter().enumerate() {
+                        if let Some(action) =
+                            row(ui, &columns, index, candidate, index == naming.highlighted)
+                        {
+                            panel.actions.push(action);
+                        }
                     }
-                }
-                if offered.is_empty() {
-                    nothing(ui, naming);
-                }
-                hint(ui, naming);
-            });
+                    if offered.is_empty() {
+                        nothing(ui, naming);
+                    }
+                    hint(ui, naming);
+                });
         });
 }
 
-/// Where a list of a given size is placed: beside its point, never over it, within the bounds if they are wide enough.
+/// Where a list of a given size is placed: beside its point, never over it, within the bounds if
+/// they are wide enough.
 fn beside(point: Pos2, size: Vec2, bounds: Rect) -> Pos2 {
     // If the point is out of view the list stays at the border.
     let point = point.clamp(bounds.min, bounds.max);
     let right = point.x + GAP;
     let left = point.x - GAP - size.x;
-    let x = if right + size.x <= bounds.right() || left < bounds.left() { right } else { left };
+    let x = if right + size.x <= bounds.right() || left < bounds.left() {
+        right
+    } else {
+        left
+    };
     let lowest = (bounds.bottom() - size.y - MARGIN).max(bounds.top() + MARGIN);
     let y = (point.y - ROW).clamp(bounds.top() + MARGIN, lowest);
     pos2(x.round(), y.round())
@@ -65,7 +87,11 @@ fn beside(point: Pos2, size: Vec2, bounds: Rect) -> Pos2 {
 
 fn title(ui: &mut egui::Ui, naming: &Naming) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    let what = if naming.lines { "Which line?" } else { "Which landmark?" };
+    let what = if naming.lines {
+        "Which line?"
+    } else {
+        "Which landmark?"
+    };
     let (text, colour) = if naming.typed.is_empty() {
         (what.to_owned(), ui.palette().text)
     } else {
@@ -80,7 +106,8 @@ fn title(ui: &mut egui::Ui, naming: &Naming) {
     );
 }
 
-/// The widths of the columns, points: wide enough for every candidate, so that filtering moves nothing.
+/// The widths of the columns, points: wide enough for every candidate, so that filtering moves
+/// nothing.
 struct Columns {
     label: f32,
     code: f32,
@@ -89,22 +116,41 @@ struct Columns {
 
 impl Columns {
     fn of(ui: &egui::Ui, naming: &Naming) -> Self {
-        let measure = |text: &str, font| ui.painter().layout_no_wrap(text.to_owned(), font, ui.palette().text).size().x;
+        let measure = |text: &str, font| {
+            ui.painter()
+                .layout_no_wrap(text.to_owned(), font, ui.palette().text)
+                .size()
+                .x
+        };
         let widest = |widths: &mut dyn Iterator<Item = f32>| widths.fold(0.0, f32::max);
         let candidates = &naming.candidates;
-        let with_distance = candidates.iter().any(|candidate| candidate.distance_px.is_some());
+        let with_distance = candidates
+            .iter()
+            .any(|candidate| candidate.distance_px.is_some());
         let used = candidates.iter().find_map(|candidate| candidate.in_use);
-        let last = used.map(in_use).or_else(|| with_distance.then(|| "8888.8 px".to_owned()));
+        let last = used
+            .map(in_use)
+            .or_else(|| with_distance.then(|| "8888.8 px".to_owned()));
         Self {
-            label: widest(&mut candidates.iter().map(|candidate| measure(&candidate.label, label_font()))),
-            code: widest(&mut candidates.iter().map(|candidate| measure(&candidate.code, code_font()))),
+            label: widest(
+                &mut candidates
+                    .iter()
+                    .map(|candidate| measure(&candidate.label, label_font())),
+            ),
+            code: widest(
+                &mut candidates
+                    .iter()
+                    .map(|candidate| measure(&candidate.code, code_font())),
+            ),
             distance: last.map(|last| measure(&last, distance_font())),
         }
     }
 
     fn width(&self) -> f32 {
         let distance = self.distance.map_or(0.0, |width| SPACE + width);
-        (LABEL + self.label + SPACE + self.code + distance + SPACE).max(LEAST_WIDTH).ceil()
+        (LABEL + self.label + SPACE + self.code + distance + SPACE)
+            .max(LEAST_WIDTH)
+            .ceil()
     }
 }
 
@@ -134,18 +180,36 @@ fn row(
     highlighted: bool,
 ) -> Option<Action> {
     let (rect, response) = ui.allocate_exact_size(vec2(columns.width(), ROW), Sense::click());
-    let used = candidate.in_use.map(|other| format!(", {}", in_use(other))).unwrap_or_default();
+    let used = candidate
+        .in_use
+        .map(|other| format!(", {}", in_use(other)))
+        .unwrap_or_default();
     let name = format!("{} {}{used}", index + 1, candidate.label);
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, highlighted, &name));
     let painter = ui.painter();
     if highlighted {
         painter.rect_filled(rect, 4.0, ui.palette().accent_ground);
     }
-    let (weak, strong) =
-        if highlighted { (ui.palette().text, ui.palette().strong) } else { (ui.palette().weak, ui.palette().text) };
+    let (weak, strong) = if highlighted {
+        (ui.palette().text, ui.palette().strong)
+    } else {
+        (ui.palette().weak, ui.palette().text)
+    };
     let at = |x| pos2(x, rect.center().y);
-    painter.text(at(rect.left() + LABEL / 2.0), Align2::CENTER_CENTER, index + 1, distance_font(), weak);
-    painter.text(at(rect.left() + LABEL), Align2::LEFT_CENTER, &candidate.label, label_font(), strong);
+    painter.text(
+        at(rect.left() + LABEL / 2.0),
+        Align2::CENTER_CENTER,
+        index + 1,
+        distance_font(),
+        weak,
+    );
+    painter.text(
+        at(rect.left() + LABEL),
+        Align2::LEFT_CENTER,
+        &candidate.label,
+        label_font(),
+        strong,
+    );
     let mut right = rect.right() - SPACE;
     if let Some(width) = columns.distance {
         let says = match (candidate.in_use, candidate.distance_px) {
@@ -156,7 +220,13 @@ fn row(
         painter.text(at(right), Align2::RIGHT_CENTER, says, distance_font(), weak);
         right -= width + SPACE;
     }
-    painter.text(at(right - columns.code), Align2::LEFT_CENTER, &candidate.code, code_font(), weak);
+    painter.text(
+        at(right - columns.code),
+        Align2::LEFT_CENTER,
+        &candidate.code,
+        code_font(),
+        weak,
+    );
     if response.clicked() {
         return Some(Action::Edit(EditAction::TakeName(index)));
     }
@@ -170,7 +240,13 @@ fn nothing(ui: &mut egui::Ui, naming: &Naming) {
     let kind = if naming.lines { "line" } else { "landmark" };
     let text = format!("No {kind} matches “{}”.", naming.typed);
     let at = rect.left_center() + vec2(6.0, 0.0);
-    ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(13.0), ui.palette().caution);
+    ui.painter().text(
+        at,
+        Align2::LEFT_CENTER,
+        text,
+        FontId::proportional(13.0),
+        ui.palette().caution,
+    );
 }
 
 fn hint(ui: &mut egui::Ui, naming: &Naming) {
@@ -178,7 +254,13 @@ fn hint(ui: &mut egui::Ui, naming: &Naming) {
     let other = if naming.lines { "landmarks" } else { "lines" };
     let text = format!("Enter or 1–{OFFERED}: choose · type to filter · Tab: {other} · Esc");
     let at = rect.left_center() + vec2(6.0, 2.0);
-    ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(11.0), ui.palette().weak);
+    ui.painter().text(
+        at,
+        Align2::LEFT_CENTER,
+        text,
+        FontId::proportional(11.0),
+        ui.palette().weak,
+    );
 }
 
 #[cfg(test)]
@@ -192,8 +274,14 @@ mod tests {
         for x in [-50.0, 0.0, 200.0, 500.0, 700.0, 980.0, 2000.0] {
             for y in [24.0, 100.0, 590.0, 604.0] {
                 let list = Rect::from_min_size(beside(pos2(x, y), size, bounds), size);
-                assert!(!list.expand(GAP - 1.0).contains(pos2(x, y)), "{list:?} covers {x}, {y}");
-                assert!(bounds.contains_rect(list), "{list:?} leaves the picture for {x}, {y}");
+                assert!(
+                    !list.expand(GAP - 1.0).contains(pos2(x, y)),
+                    "{list:?} covers {x}, {y}"
+                );
+                assert!(
+                    bounds.contains_rect(list),
+                    "{list:?} leaves the picture for {x}, {y}"
+                );
             }
         }
     }

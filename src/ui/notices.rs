@@ -1,5 +1,5 @@
-//! The row of messages, between filmstrip and status row: they inform, may offer remedies, never lie over the picture and never take
-//! the focus. What goes by stays in the list of messages.
+//! The row of messages, between filmstrip and status row: they inform, may offer remedies, never
+//! lie over the picture and never take the focus. What goes by stays in the list of messages.
 
 use super::symbol::{self, Symbol};
 use super::{
@@ -18,7 +18,8 @@ const FADE_SECONDS: f64 = 0.6;
 /// The least time that a message stays after the pointer has left it, s.
 const HOVERED_SECONDS: f64 = 2.0;
 
-/// A message by its number and text (numbers begin anew with every document), and since when it is in the row.
+/// A message by its number and text (numbers begin anew with every document), and since when it is
+/// in the row.
 type Seen = ((u64, String), f64);
 
 /// Shows one message, the number of the others, and the way to all of them.
@@ -31,22 +32,35 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         if let Some(notice) = shown {
             let tip = format!("Dismiss: {}", notice.text);
             let palette = ui.palette();
-            if symbol::button(ui, Symbol::Cross, &tip, palette.weak).on_hover_text("Dismiss this message.").clicked() {
-                panel.actions.push(Action::View(ViewAction::DismissNotice(notice.id)));
+            if symbol::button(ui, Symbol::Cross, &tip, palette.weak)
+                .on_hover_text("Dismiss this message.")
+                .clicked()
+            {
+                panel
+                    .actions
+                    .push(Action::View(ViewAction::DismissNotice(notice.id)));
             }
         }
         others(app, panel.actions, ui);
         let Some(notice) = shown else { return };
         // They are laid out from the right.
         for &(says, command) in notice.offers.iter().rev() {
-            if ui.add(Button::new(says).small()).on_hover_text(app.settings.keys.tooltip(command)).clicked() {
-                panel.actions.extend([Action::Command(command), Action::View(ViewAction::DismissNotice(notice.id))]);
+            if ui
+                .add(Button::new(says).small())
+                .on_hover_text(app.settings.keys.tooltip(command))
+                .clicked()
+            {
+                panel.actions.extend([
+                    Action::Command(command),
+                    Action::View(ViewAction::DismissNotice(notice.id)),
+                ]);
             }
         }
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             let (sign, colour) = look(ui.palette(), notice.level);
             symbol::show(ui, sign, colour);
-            let said = ui.add(Label::new(RichText::new(&notice.text).color(ui.palette().strong)).truncate());
+            let said = ui
+                .add(Label::new(RichText::new(&notice.text).color(ui.palette().strong)).truncate());
             said.widget_info(|| WidgetInfo::labeled(Role::Label, true, &notice.text));
             said.on_hover_text(&notice.text);
         });
@@ -59,9 +73,17 @@ fn others(app: &App, actions: &mut Vec<Action>, ui: &mut Ui) {
         return;
     }
     let more = app.session.messages.notices.len().saturating_sub(1);
-    let says = if more > 0 { format!("{more} more") } else { "Messages".to_owned() };
+    let says = if more > 0 {
+        format!("{more} more")
+    } else {
+        "Messages".to_owned()
+    };
     let button = Button::new(RichText::new(says).small().color(ui.palette().weak)).frame(false);
-    if ui.add(button).on_hover_text(app.settings.keys.tooltip(Command::Messages)).clicked() {
+    if ui
+        .add(button)
+        .on_hover_text(app.settings.keys.tooltip(Command::Messages))
+        .clicked()
+    {
         actions.push(Action::Command(Command::Messages));
     }
 }
@@ -75,16 +97,22 @@ pub const fn look(palette: &Palette, level: Level) -> (Symbol, Color32) {
     }
 }
 
-/// How solid a message is: information without a button fades and leaves the row, everything else stays until it is answered or
-/// dismissed.
+/// How solid a message is: information without a button fades and leaves the row, everything else
+/// stays until it is answered or dismissed.
 fn opacity(actions: &mut Vec<Action>, ui: &Ui, notice: &Notice) -> f32 {
     if notice.level != Level::Info || !notice.offers.is_empty() {
         return 1.0;
     }
-    let (key, now) = ((notice.id, notice.text.clone()), ui.input(|input| input.time));
+    let (key, now) = (
+        (notice.id, notice.text.clone()),
+        ui.input(|input| input.time),
+    );
     let hovered = ui.rect_contains_pointer(ui.max_rect());
     let left = ui.data_mut(|data| {
-        let seen = data.get_temp_mut_or_insert_with::<Seen>(Id::unique("message in the row"), || (key.clone(), now));
+        let seen = data
+            .get_temp_mut_or_insert_with::<Seen>(Id::unique("message in the row"), || {
+                (key.clone(), now)
+            });
         if seen.0 != key {
             *seen = (key, now);
         }
@@ -97,7 +125,16 @@ fn opacity(actions: &mut Vec<Action>, ui: &Ui, notice: &Notice) -> f32 {
     if left <= 0.0 && !hovered {
         actions.push(Action::View(ViewAction::DismissNotice(notice.id)));
     }
-    let wait = if left > FADE_SECONDS { left - FADE_SECONDS } else { 0.03 };
-    ui.ctx().request_repaint_after(Duration::from_secs_f64(wait.max(0.03)));
-    if hovered { 1.0 } else { (left / FADE_SECONDS).clamp(0.0, 1.0) as f32 }
+    let wait = if left > FADE_SECONDS {
+        left - FADE_SECONDS
+    } else {
+        0.03
+    };
+    ui.ctx()
+        .request_repaint_after(Duration::from_secs_f64(wait.max(0.03)));
+    if hovered {
+        1.0
+    } else {
+        (left / FADE_SECONDS).clamp(0.0, 1.0) as f32
+    }
 }

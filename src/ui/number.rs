@@ -1,8 +1,11 @@
-//! Number fields: dragged or typed, one step of undo each. What is typed and cannot be used stays in the field with the reason
-//! below it; Enter in a field never means the frame.
+//! Number fields: dragged or typed, one step of undo each. What is typed and cannot be used stays
+//! in the field with the reason below it; Enter in a field never means the frame.
 
 use super::theme::Themed as _;
-use egui::{Area, CornerRadius, DragValue, Key, Label, Order, Response, RichText, Stroke, StrokeKind, Ui, vec2};
+use egui::{
+    Area, CornerRadius, DragValue, Key, Label, Order, Response, RichText, Stroke, StrokeKind, Ui,
+    vec2,
+};
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
 use touchline_application::app::session::Mode;
@@ -64,8 +67,15 @@ impl Number<'_> {
             .suffix(self.suffix)
             .update_while_editing(false)
             .min_size(vec2(self.width, ui.spacing().interact_size.y));
-        let tip = format!("{} Drag to change it (Shift: finer), click to type.", self.tip);
-        let response = ui.add(field).accessible_name(self.name).on_hover_text(tip).on_disabled_hover_text(self.tip);
+        let tip = format!(
+            "{} Drag to change it (Shift: finer), click to type.",
+            self.tip
+        );
+        let response = ui
+            .add(field)
+            .accessible_name(self.name)
+            .on_hover_text(tip)
+            .on_disabled_hover_text(self.tip);
         let given_up = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape));
         let left = response.lost_focus();
         let problem = problem.take().filter(|_| left && !given_up);
@@ -73,7 +83,12 @@ impl Number<'_> {
         if stays {
             response.request_focus();
         }
-        told(ui, &response, problem, given_up || response.changed() || response.drag_started());
+        told(
+            ui,
+            &response,
+            problem,
+            given_up || response.changed() || response.drag_started(),
+        );
         let forgets = was_given_up(ui, &response, given_up);
         let begins = response.drag_started() || response.gained_focus();
         if begins {
@@ -82,7 +97,8 @@ impl Number<'_> {
         // A drag that Escape cancelled does not start again by itself.
         let abandoned = response.dragged() && !begins && app.session.mode != Mode::Editing;
         // A field that was entered and left reports its rounded number, which is no change.
-        let same = !response.dragged() && (value - self.value).abs() <= 0.5 * 10_f64.powi(-(self.decimals as i32));
+        let same = !response.dragged()
+            && (value - self.value).abs() <= 0.5 * 10_f64.powi(-(self.decimals as i32));
         if response.changed() && !abandoned && !same && !forgets && value.is_finite() {
             actions.push(change(value));
         }
@@ -104,7 +120,11 @@ impl Number<'_> {
         let unit = self.suffix.trim();
         let digits = text.replace('−', "-");
         let digits = digits.trim().trim_end_matches(unit).trim();
-        let Some(number) = digits.parse::<f64>().ok().filter(|number| number.is_finite()) else {
+        let Some(number) = digits
+            .parse::<f64>()
+            .ok()
+            .filter(|number| number.is_finite())
+        else {
             return Err(format!("“{}” is not a number.", text.trim()));
         };
         if digits.parse() == format!("{:.*}", self.decimals, self.value).parse::<f64>() {
@@ -114,17 +134,27 @@ impl Number<'_> {
             return Ok(Some(number));
         }
         let (from, upto) = (shortest(*self.range.start()), shortest(*self.range.end()));
-        Err(format!("{}{unit} is out of range: {from} to {upto}{}; {}.", shortest(number), self.suffix, self.why))
+        Err(format!(
+            "{}{unit} is out of range: {from} to {upto}{}; {}.",
+            shortest(number),
+            self.suffix,
+            self.why
+        ))
     }
 }
 
 /// A number with as many of two digits after the point as it needs.
 fn shortest(number: f64) -> String {
     let rounded = (100.0 * number).round() / 100.0;
-    if rounded == 0.0 { "0".to_owned() } else { rounded.to_string() }
+    if rounded == 0.0 {
+        "0".to_owned()
+    } else {
+        rounded.to_string()
+    }
 }
 
-/// Shows below a field why what was typed was not taken, for [`TOLD_S`] seconds or until something else is entered.
+/// Shows below a field why what was typed was not taken, for [`TOLD_S`] seconds or until something
+/// else is entered.
 fn told(ui: &Ui, response: &Response, problem: Option<String>, over: bool) {
     let (memory, now) = (response.id.with("problem"), ui.input(|input| input.time));
     if let Some(problem) = problem {
@@ -132,7 +162,9 @@ fn told(ui: &Ui, response: &Response, problem: Option<String>, over: bool) {
     } else if over {
         ui.data_mut(|data| data.remove::<(String, f64)>(memory));
     }
-    let Some((text, since)) = ui.data(|data| data.get_temp::<(String, f64)>(memory)) else { return };
+    let Some((text, since)) = ui.data(|data| data.get_temp::<(String, f64)>(memory)) else {
+        return;
+    };
     let left = TOLD_S - (now - since);
     if left <= 0.0 {
         return;
@@ -156,15 +188,16 @@ fn told(ui: &Ui, response: &Response, problem: Option<String>, over: bool) {
         });
 }
 
-/// Whether Escape left this field in one of the last two frames of the window: a field says for two frames that it has
-/// lost the focus, and in the second one it would take what was typed after all.
+/// Whether Escape left this field in one of the last two frames of the window: a field says for two
+/// frames that it has lost the focus, and in the second one it would take what was typed after all.
 fn was_given_up(ui: &Ui, response: &Response, now: bool) -> bool {
     let (memory, frame) = (response.id.with("given up"), ui.ctx().cumulative_frame_nr());
     ui.data_mut(|data| {
         if now {
             data.insert_temp(memory, frame);
         }
-        data.get_temp::<u64>(memory).is_some_and(|left| frame <= left + 2)
+        data.get_temp::<u64>(memory)
+            .is_some_and(|left| frame <= left + 2)
     })
 }
 
@@ -191,7 +224,11 @@ mod tests {
     fn what_is_typed_is_taken_or_refused_with_the_range_and_its_reason() {
         assert_eq!(view().read("50"), Ok(Some(50.0)));
         assert_eq!(view().read(" 50.5 ° "), Ok(Some(50.5)));
-        assert_eq!(view().read("43.40"), Ok(None), "what the field shows already changes nothing");
+        assert_eq!(
+            view().read("43.40"),
+            Ok(None),
+            "what the field shows already changes nothing"
+        );
         assert_eq!(view().read("abc"), Err("“abc” is not a number.".to_owned()));
         assert_eq!(view().read("nan"), Err("“nan” is not a number.".to_owned()));
         for typed in ["-5", "−5"] {

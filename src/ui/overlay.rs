@@ -14,7 +14,9 @@ pub struct Overlay {
 impl Overlay {
     /// The drawings as layers.
     pub fn layers(&self) -> impl Iterator<Item = Layer> {
-        self.drawings.iter().map(|drawing| Layer::Drawing(Arc::clone(drawing)))
+        self.drawings
+            .iter()
+            .map(|drawing| Layer::Drawing(Arc::clone(drawing)))
     }
 
     /// Every text.

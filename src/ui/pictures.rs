@@ -83,14 +83,18 @@ impl Pictures {
         self.in_view
     }
 
-    /// Requests what the window is about to show and receives what has arrived. To be called before the panels.
+    /// Requests what the window is about to show and receives what has arrived. To be called before
+    /// the panels.
     pub fn update(&mut self, app: &App, ctx: &egui::Context) -> Vec<Action> {
         let news = self.decoded.update(app);
         if news.forget {
             self.textures.clear();
         }
         for (frame, picture) in news.thumbnails {
-            let size = [picture.size().width as usize, picture.size().height as usize];
+            let size = [
+                picture.size().width as usize,
+                picture.size().height as usize,
+            ];
             let image = egui::ColorImage::from_rgba_unmultiplied(size, picture.rgba());
             let texture = ctx.load_texture(frame.to_string(), image, egui::TextureOptions::LINEAR);
             self.textures.put(frame, texture);
@@ -102,9 +106,18 @@ impl Pictures {
     pub fn finish(&mut self) {
         let wanted = std::mem::take(&mut self.wanted);
         let asked = wanted.len();
-        let missing: Vec<_> = wanted.into_iter().filter(|frame| !self.textures.contains(frame)).collect();
-        let waiting = missing.iter().filter(|frame| !self.decoded.has_no_thumbnail(frame)).count();
-        self.in_view = ThumbnailProgress { done: asked - waiting, wanted: asked };
+        let missing: Vec<_> = wanted
+            .into_iter()
+            .filter(|frame| !self.textures.contains(frame))
+            .collect();
+        let waiting = missing
+            .iter()
+            .filter(|frame| !self.decoded.has_no_thumbnail(frame))
+            .count();
+        self.in_view = ThumbnailProgress {
+            done: asked - waiting,
+            wanted: asked,
+        };
         self.decoded.request_thumbnails(&missing);
     }
 }

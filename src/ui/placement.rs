@@ -21,22 +21,42 @@ pub struct Placement {
     pixels_per_point: f32,
     /// The point of the picture in the middle of the box, up to the rounding of `offset_px`.
     centre: ImagePoint,
-    /// The picture's corner from the box's corner in whole physical px, so that at 100 % pixels are aligned.
+    /// The picture's corner from the box's corner in whole physical px, so that at 100 % pixels are
+    /// aligned.
     offset_px: [f64; 2],
 }
 
 impl Placement {
     /// Places a picture in a box.
-    pub fn new(rect: Rect, pixels_per_point: f32, image_size: ImageSize, view: PictureView) -> Self {
+    pub fn new(
+        rect: Rect,
+        pixels_per_point: f32,
+        image_size: ImageSize,
+        view: PictureView,
+    ) -> Self {
         let size_px = canvas::size_px(rect, pixels_per_point).map(|side| f64::from(side.max(1)));
         let image_px = [image_size.width, image_size.height].map(|side| f64::from(side.max(1)));
         let fit_scale = (size_px[0] / image_px[0]).min(size_px[1] / image_px[1]);
         let (scale, centre) = match view {
-            PictureView::Zoomed { scale, centre } if scale > fit_scale => (scale, within(centre, image_size)),
+            PictureView::Zoomed { scale, centre } if scale > fit_scale => {
+                (scale, within(centre, image_size))
+            }
             _ => (fit_scale, image_size.centre()),
         };
-        let offset_px = [size_px[0] / 2.0 - centre.x * scale, size_px[1] / 2.0 - centre.y * scale].map(f64::round);
-        Self { rect, image_size, scale, fit_scale, pixels_per_point, centre, offset_px }
+        let offset_px = [
+            size_px[0] / 2.0 - centre.x * scale,
+            size_px[1] / 2.0 - centre.y * scale,
+        ]
+        .map(f64::round);
+        Self {
+            rect,
+            image_size,
+            scale,
+            fit_scale,
+            pixels_per_point,
+            centre,
+            offset_px,
+        }
     }
 
     /// The same box with another view of the picture.
@@ -64,8 +84,13 @@ impl Placement {
     /// A point of the picture on the screen.
     pub fn screen_from_image(&self, at: ImagePoint) -> Pos2 {
         let pixels_per_point = f64::from(self.pixels_per_point);
-        let along = |px: f64, corner: f32, offset: f64| corner + ((px * self.scale + offset) / pixels_per_point) as f32;
-        pos2(along(at.x, self.rect.left(), self.offset_px[0]), along(at.y, self.rect.top(), self.offset_px[1]))
+        let along = |px: f64, corner: f32, offset: f64| {
+            corner + ((px * self.scale + offset) / pixels_per_point) as f32
+        };
+        pos2(
+            along(at.x, self.rect.left(), self.offset_px[0]),
+            along(at.y, self.rect.top(), self.offset_px[1]),
+        )
     }
 
     /// A screen offset as an offset in the picture.
@@ -91,7 +116,10 @@ impl Placement {
         }
         let held = self.image_from_screen(at);
         let centre = held.moved(self.centre.offset_from(held) * (self.scale / scale));
-        PictureView::Zoomed { scale, centre: within(centre, self.image_size) }
+        PictureView::Zoomed {
+            scale,
+            centre: within(centre, self.image_size),
+        }
     }
 
     /// The view after the picture was moved by a screen offset.
@@ -100,13 +128,19 @@ impl Placement {
             return PictureView::Fit;
         }
         let centre = self.centre.moved(-self.image_from_screen_vector(along));
-        PictureView::Zoomed { scale: self.scale, centre: within(centre, self.image_size) }
+        PictureView::Zoomed {
+            scale: self.scale,
+            centre: within(centre, self.image_size),
+        }
     }
 }
 
 /// The middle of the box stays on the picture, so that it cannot be lost.
 fn within(centre: ImagePoint, image_size: ImageSize) -> ImagePoint {
-    ImagePoint::new(centre.x.clamp(0.0, f64::from(image_size.width)), centre.y.clamp(0.0, f64::from(image_size.height)))
+    ImagePoint::new(
+        centre.x.clamp(0.0, f64::from(image_size.width)),
+        centre.y.clamp(0.0, f64::from(image_size.height)),
+    )
 }
 
 #[cfg(test)]
@@ -117,18 +151,29 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     fn placement(pixels_per_point: f32, view: PictureView) -> Placement {
-        Placement::new(Rect::from_min_size(pos2(10.0, 24.0), vec2(980.0, 580.0)), pixels_per_point, SIZE, view)
+        Placement::new(
+            Rect::from_min_size(pos2(10.0, 24.0), vec2(980.0, 580.0)),
+            pixels_per_point,
+            SIZE,
+            view,
+        )
     }
 
     #[test]
     fn a_place_comes_back_at_any_zoom_and_density() {
-        let zoomed = PictureView::Zoomed { scale: 7.3, centre: ImagePoint::new(1200.25, 33.7) };
+        let zoomed = PictureView::Zoomed {
+            scale: 7.3,
+            centre: ImagePoint::new(1200.25, 33.7),
+        };
         for pixels_per_point in [1.0, 1.25, 2.0] {
             for view in [PictureView::Fit, zoomed] {
                 let placement = placement(pixels_per_point, view);
                 let at = pos2(431.5, 300.25);
                 let back = placement.screen_from_image(placement.image_from_screen(at));
-                assert!(back.distance(at) < 1e-3, "{pixels_per_point} {view:?}: {back:?}");
+                assert!(
+                    back.distance(at) < 1e-3,
+                    "{pixels_per_point} {view:?}: {back:?}"
+                );
             }
         }
     }
@@ -138,7 +183,10 @@ mod tests {
         for pixels_per_point in [1.0, 2.0] {
             let placement = placement(pixels_per_point, PictureView::Fit);
             assert!((placement.points_per_px() - 980.0 / 1920.0).abs() < 1e-9);
-            assert_eq!(placement.render_view().size_px, [980, 580].map(|side| side * pixels_per_point as u32));
+            assert_eq!(
+                placement.render_view().size_px,
+                [980, 580].map(|side| side * pixels_per_point as u32)
+            );
         }
     }
 
@@ -154,14 +202,27 @@ mod tests {
             assert!(off < 9.0, "{off} screen px at {}", placement.scale);
         }
         assert_eq!(placement.zoomed(1e-3, at), PictureView::Fit);
-        assert!(matches!(placement.zoomed(1e3, at), PictureView::Zoomed { scale, .. } if scale == MAX_SCALE));
+        assert!(
+            matches!(placement.zoomed(1e3, at), PictureView::Zoomed { scale, .. } if scale == MAX_SCALE)
+        );
     }
 
     #[test]
     fn the_picture_cannot_be_lost() {
-        let view = placement(1.0, PictureView::Zoomed { scale: 2.0, centre: SIZE.centre() });
-        let PictureView::Zoomed { centre, .. } = view.panned(vec2(1e6, -1e6)) else { panic!("still enlarged") };
+        let view = placement(
+            1.0,
+            PictureView::Zoomed {
+                scale: 2.0,
+                centre: SIZE.centre(),
+            },
+        );
+        let PictureView::Zoomed { centre, .. } = view.panned(vec2(1e6, -1e6)) else {
+            panic!("still enlarged")
+        };
         assert_eq!(centre, ImagePoint::new(0.0, 1080.0));
-        assert_eq!(placement(1.0, PictureView::Fit).panned(vec2(50.0, 0.0)), PictureView::Fit);
+        assert_eq!(
+            placement(1.0, PictureView::Fit).panned(vec2(50.0, 0.0)),
+            PictureView::Fit
+        );
     }
 }

@@ -44,9 +44,19 @@ impl Plot {
     pub fn levels(&self, painter: &Painter, ruler: &Ruler) {
         for (value, words) in &ruler.ticks {
             let y = self.y_of(*value);
-            painter.hline(self.area.x_range(), y, Stroke::new(1.0, painter.palette().line));
+            painter.hline(
+                self.area.x_range(),
+                y,
+                Stroke::new(1.0, painter.palette().line),
+            );
             let place = pos2(self.area.left() - 4.0, y);
-            painter.text(place, Align2::RIGHT_CENTER, words, small(), painter.palette().weak);
+            painter.text(
+                place,
+                Align2::RIGHT_CENTER,
+                words,
+                small(),
+                painter.palette().weak,
+            );
         }
     }
 
@@ -54,15 +64,31 @@ impl Plot {
     pub fn steps<'a>(&self, painter: &Painter, ticks: impl IntoIterator<Item = (f64, &'a str)>) {
         for (value, words) in ticks {
             let at = pos2(self.x_of(value), self.area.bottom());
-            painter.vline(at.x, at.y..=at.y + 3.0, Stroke::new(1.0, painter.palette().weak));
-            painter.text(at + egui::vec2(0.0, 4.0), Align2::CENTER_TOP, words, small(), painter.palette().weak);
+            painter.vline(
+                at.x,
+                at.y..=at.y + 3.0,
+                Stroke::new(1.0, painter.palette().weak),
+            );
+            painter.text(
+                at + egui::vec2(0.0, 4.0),
+                Align2::CENTER_TOP,
+                words,
+                small(),
+                painter.palette().weak,
+            );
         }
     }
 
     /// What the plot shows, in its upper left corner.
     pub fn caption(&self, painter: &Painter, words: &str) {
         let place = self.area.left_top() + egui::vec2(4.0, 1.0);
-        painter.text(place, Align2::LEFT_TOP, words, small(), painter.palette().text);
+        painter.text(
+            place,
+            Align2::LEFT_TOP,
+            words,
+            small(),
+            painter.palette().text,
+        );
     }
 }
 
@@ -73,7 +99,11 @@ pub fn small() -> FontId {
 
 fn share([from, upto]: [f64; 2], value: f64) -> f32 {
     let share = (value - from) / (upto - from);
-    if share.is_finite() { share.clamp(0.0, 1.0) as f32 } else { 0.5 }
+    if share.is_finite() {
+        share.clamp(0.0, 1.0) as f32
+    } else {
+        0.5
+    }
 }
 
 #[cfg(test)]
@@ -82,11 +112,25 @@ mod tests {
 
     #[test]
     fn values_lie_between_the_borders_and_come_back() {
-        let plot =
-            Plot { area: Rect::from_min_max(pos2(10.0, 20.0), pos2(110.0, 70.0)), x: [0.0, 50.0], y: [-1.0, 1.0] };
+        let plot = Plot {
+            area: Rect::from_min_max(pos2(10.0, 20.0), pos2(110.0, 70.0)),
+            x: [0.0, 50.0],
+            y: [-1.0, 1.0],
+        };
         assert_eq!(plot.at(25.0, 0.0), pos2(60.0, 45.0));
-        assert_eq!(plot.at(-5.0, 7.0), pos2(10.0, 20.0), "at the end of the scale");
+        assert_eq!(
+            plot.at(-5.0, 7.0),
+            pos2(10.0, 20.0),
+            "at the end of the scale"
+        );
         assert!((plot.x_at(60.0) - 25.0).abs() < 1e-6);
-        assert_eq!(Plot { y: [3.0, 3.0], ..plot }.y_of(3.0), 45.0);
+        assert_eq!(
+            Plot {
+                y: [3.0, 3.0],
+                ..plot
+            }
+            .y_of(3.0),
+            45.0
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! The right panel during a blind round: the landmark to click, its place on the field, and the progress.
+//! The right panel during a blind round: the landmark to click, its place on the field, and the
+//! progress.
 
 use super::{
     Panel, field_map,
@@ -10,7 +11,9 @@ use touchline_documents::document::Target;
 
 /// Shows the panel.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(round) = panel.app.round() else { return };
+    let Some(round) = panel.app.round() else {
+        return;
+    };
     let Some(asked) = round.asked() else { return };
     let label = panel.app.label(&Target::Landmark(asked.landmark.clone()));
     let (number, count, skipped) = (round.number(), round.len(), round.skipped());

@@ -1,4 +1,5 @@
-//! Why a frame cannot be calibrated: a short list at the top of the picture, keys 1 to 6; in two rows over a narrow one.
+//! Why a frame cannot be calibrated: a short list at the top of the picture, keys 1 to 6; in two
+//! rows over a narrow one.
 
 use super::Panel;
 use egui::{Align2, Area, Event, Id, Order, Rect, vec2};
@@ -13,10 +14,19 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     }
     ctx.input_mut(|input| {
         input.events.retain(|event| {
-            let Event::Text(text) = event else { return true };
-            let number = text.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
-            let Some(reason) = number.and_then(|index| RejectReason::ALL.get(index)) else { return true };
-            panel.actions.push(Action::Edit(EditAction::RejectAs(*reason)));
+            let Event::Text(text) = event else {
+                return true;
+            };
+            let number = text
+                .parse::<usize>()
+                .ok()
+                .and_then(|number| number.checked_sub(1));
+            let Some(reason) = number.and_then(|index| RejectReason::ALL.get(index)) else {
+                return true;
+            };
+            panel
+                .actions
+                .push(Action::Edit(EditAction::RejectAs(*reason)));
             false
         });
     });
@@ -30,18 +40,29 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, bounds: Rect, whole_shot: bool
         .fixed_pos(bounds.center_top() + vec2(0.0, 8.0))
         .constrain_to(bounds)
         .show(ui.ctx(), |ui| {
-            egui::Frame::popup(ui.style()).inner_margin(8).show(ui, |ui| {
-                ui.set_max_width(bounds.width() - 32.0);
-                let what = if whole_shot { "Whole shot not calibratable:" } else { "Not calibratable:" };
-                ui.horizontal_wrapped(|ui| {
-                    ui.label(what);
-                    for (index, reason) in RejectReason::ALL.into_iter().enumerate() {
-                        if ui.button(format!("{}  {}", index + 1, reason_label(reason))).clicked() {
-                            panel.actions.push(Action::Edit(EditAction::RejectAs(reason)));
+            egui::Frame::popup(ui.style())
+                .inner_margin(8)
+                .show(ui, |ui| {
+                    ui.set_max_width(bounds.width() - 32.0);
+                    let what = if whole_shot {
+                        "Whole shot not calibratable:"
+                    } else {
+                        "Not calibratable:"
+                    };
+                    ui.horizontal_wrapped(|ui| {
+                        ui.label(what);
+                        for (index, reason) in RejectReason::ALL.into_iter().enumerate() {
+                            if ui
+                                .button(format!("{}  {}", index + 1, reason_label(reason)))
+                                .clicked()
+                            {
+                                panel
+                                    .actions
+                                    .push(Action::Edit(EditAction::RejectAs(reason)));
+                            }
                         }
-                    }
-                    ui.weak("Esc cancels");
+                        ui.weak("Esc cancels");
+                    });
                 });
-            });
         });
 }

@@ -1,5 +1,5 @@
-//! Edges of panels that can be dragged. A size is remembered in the settings once the edge is let go; a double click gives the
-//! default back.
+//! Edges of panels that can be dragged. A size is remembered in the settings once the edge is let
+//! go; a double click gives the default back.
 
 use super::theme::Themed as _;
 use egui::{Context, CursorIcon, Id, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
@@ -31,11 +31,15 @@ pub enum Resized {
 }
 
 impl Edge {
-    /// The panel's size while its edge is dragged, else as it is remembered, else the default; within the range.
+    /// The panel's size while its edge is dragged, else as it is remembered, else the default;
+    /// within the range.
     pub fn size(&self, ctx: &Context, remembered: Option<f32>, default: f32) -> f32 {
         let live = ctx.data(|data| data.get_temp::<f32>(Id::unique(self.id)));
         let [least, most] = self.range;
-        live.or(remembered).unwrap_or(default).clamp(least, most.max(least)).round()
+        live.or(remembered)
+            .unwrap_or(default)
+            .clamp(least, most.max(least))
+            .round()
     }
 
     /// Reads the pointer on the edge of a panel that takes `panel`.
@@ -43,10 +47,16 @@ impl Edge {
         // Within the panel: beside it lies the picture, where a press places a point.
         let (edge, grip) = if self.panel_is_right {
             let edge = [panel.left_top(), panel.left_bottom()];
-            (edge, Rect::from_min_max(edge[0] + vec2(0.5, 0.0), edge[1] + vec2(REACH, 0.0)))
+            (
+                edge,
+                Rect::from_min_max(edge[0] + vec2(0.5, 0.0), edge[1] + vec2(REACH, 0.0)),
+            )
         } else {
             let edge = [panel.left_top(), panel.right_top()];
-            (edge, Rect::from_min_max(edge[0] + vec2(0.0, 0.5), edge[1] + vec2(0.0, REACH)))
+            (
+                edge,
+                Rect::from_min_max(edge[0] + vec2(0.0, 0.5), edge[1] + vec2(0.0, REACH)),
+            )
         };
         let memory = Id::unique(self.id);
         let response = ui.interact(grip, memory.with("edge"), Sense::click_and_drag());
@@ -57,17 +67,26 @@ impl Edge {
             } else {
                 CursorIcon::ResizeVertical
             });
-            ui.painter().line_segment(edge, Stroke::new(2.0, ui.palette().accent));
+            ui.painter()
+                .line_segment(edge, Stroke::new(2.0, ui.palette().accent));
         }
         if response.double_clicked() {
             ui.data_mut(|data| data.remove::<f32>(memory));
             return Resized::Default;
         }
-        let size = if self.panel_is_right { panel.width() } else { panel.height() };
+        let size = if self.panel_is_right {
+            panel.width()
+        } else {
+            panel.height()
+        };
         if response.dragged()
             && let Some(at) = response.interact_pointer_pos()
         {
-            let wanted = if self.panel_is_right { panel.right() - at.x } else { panel.bottom() - at.y };
+            let wanted = if self.panel_is_right {
+                panel.right() - at.x
+            } else {
+                panel.bottom() - at.y
+            };
             ui.data_mut(|data| data.insert_temp(memory, wanted));
             ui.ctx().request_repaint();
         } else if response.drag_stopped() {

@@ -24,7 +24,8 @@ pub struct Shell {
 }
 
 impl Shell {
-    /// A window on an application; `document` is opened at once. Settings are kept in `settings_path`, if given.
+    /// A window on an application; `document` is opened at once. Settings are kept in
+    /// `settings_path`, if given.
     ///
     /// # Errors
     /// The operating system gives no thread.
@@ -42,7 +43,10 @@ impl Shell {
             // The size of texts is a setting.
             options.zoom_with_keyboard = false;
         });
-        let (settings, trouble) = settings_path.as_deref().map(load_settings).unwrap_or_default();
+        let (settings, trouble) = settings_path
+            .as_deref()
+            .map(load_settings)
+            .unwrap_or_default();
         let ctx = creation.egui_ctx.clone();
         let wake: Wake = Arc::new(move || ctx.request_repaint());
         let pictures = Pictures::start(wake.clone())?;
@@ -51,7 +55,11 @@ impl Shell {
             runner: Runner::new(wake.clone(), pictures.shared()),
             pictures,
             files: Files::new(wake),
-            adapter: creation.wgpu_render_state.as_ref().map(adapter_of).unwrap_or_default(),
+            adapter: creation
+                .wgpu_render_state
+                .as_ref()
+                .map(adapter_of)
+                .unwrap_or_default(),
             settings_path,
             place: None,
             may_close: false,
@@ -68,14 +76,20 @@ impl Shell {
         &self.app
     }
 
-    /// Reads keys and pointer and carries out their actions, so that everything drawn afterwards is up to date.
+    /// Reads keys and pointer and carries out their actions, so that everything drawn afterwards is
+    /// up to date.
     fn read_input(&mut self, ctx: &egui::Context) {
         let mut actions = Vec::new();
-        let mut panel =
-            Panel { app: &self.app, pictures: &mut self.pictures, actions: &mut actions, adapter: &self.adapter };
+        let mut panel = Panel {
+            app: &self.app,
+            pictures: &mut self.pictures,
+            actions: &mut actions,
+            adapter: &self.adapter,
+        };
         layout::read(&mut panel, ctx);
         self.apply(actions);
-        // Only now is it known which frame is shown; its lines must never lie over another frame's picture.
+        // Only now is it known which frame is shown; its lines must never lie over another frame's
+        // picture.
         let actions = self.pictures.update(&self.app, ctx);
         self.apply(actions);
     }
@@ -101,10 +115,15 @@ impl Shell {
 
     /// Notifies once per adapter that drawing runs on the processor.
     fn tell_about_adapter(&mut self, creation: &eframe::CreationContext<'_>) {
-        let Some(state) = &creation.wgpu_render_state else { return };
+        let Some(state) = &creation.wgpu_render_state else {
+            return;
+        };
         let on_processor = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         if on_processor && self.app.settings.told_about_adapter != self.adapter {
-            self.app.settings.told_about_adapter.clone_from(&self.adapter);
+            self.app
+                .settings
+                .told_about_adapter
+                .clone_from(&self.adapter);
             let text = format!(
                 "No graphics card was found: {} draws on the processor. Everything works, but slower.",
                 self.adapter
@@ -150,8 +169,14 @@ impl Shell {
         self.apply(actions);
         let answer = self.files.poll();
         self.apply(answer);
-        let dropped: Vec<_> =
-            ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_path_buf()).collect());
+        let dropped: Vec<_> = ctx.input(|input| {
+            input
+                .raw
+                .dropped_files
+                .iter()
+                .map(|file| file.path().to_path_buf())
+                .collect()
+        });
         self.apply(dropped.into_iter().take(1).map(Action::Open));
     }
 }
@@ -176,8 +201,12 @@ impl eframe::App for Shell {
         theme::follow(ui.ctx(), self.app.settings.theme);
         self.read_input(&ui.ctx().clone());
         let mut actions = Vec::new();
-        let mut panel =
-            Panel { app: &self.app, pictures: &mut self.pictures, actions: &mut actions, adapter: &self.adapter };
+        let mut panel = Panel {
+            app: &self.app,
+            pictures: &mut self.pictures,
+            actions: &mut actions,
+            adapter: &self.adapter,
+        };
         layout::show(&mut panel, ui);
         self.pictures.finish();
         if !actions.is_empty() {
@@ -207,8 +236,14 @@ fn adapter_of(state: &eframe::egui_wgpu::RenderState) -> String {
 
 /// Where a window is; none while it is minimised.
 fn place_of(viewport: &egui::ViewportInfo) -> Option<WindowPlace> {
-    let inner = viewport.inner_rect.filter(|_| viewport.minimized != Some(true))?;
+    let inner = viewport
+        .inner_rect
+        .filter(|_| viewport.minimized != Some(true))?;
     let maximized = viewport.maximized == Some(true) || viewport.fullscreen == Some(true);
     let position = viewport.outer_rect.map(|outer| [outer.left(), outer.top()]);
-    Some(WindowPlace { position: position.filter(|_| !maximized), size: inner.size().into(), maximized })
+    Some(WindowPlace {
+        position: position.filter(|_| !maximized),
+        size: inner.size().into(),
+        maximized,
+    })
 }

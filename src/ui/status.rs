@@ -13,12 +13,16 @@ const POINTER: f32 = 112.0;
 const AROUND: f32 = 24.0;
 const MORE: f32 = 72.0;
 
-/// Shows the row. In a narrow window the next step comes first: buttons but the first go into a menu, then the name of the step
-/// that undo would revert leaves, then the pointer's position.
+/// Shows the row. In a narrow window the next step comes first: buttons but the first go into a
+/// menu, then the name of the step that undo would revert leaves, then the pointer's position.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let guidance = next_step(panel.app);
     let undo = undo_text(panel.app);
-    let needed = [width(ui, &guidance.text), ZOOM, least_offers(ui, &guidance.offers)];
+    let needed = [
+        width(ui, &guidance.text),
+        ZOOM,
+        least_offers(ui, &guidance.offers),
+    ];
     let mut room = ui.available_width() - needed.iter().sum::<f32>();
     let mut has_room = |width: f32| {
         let has = width <= room;
@@ -36,19 +40,30 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             if shows_pointer {
                 pointer(panel.app, ui);
             }
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| step(panel, ui, &guidance));
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                step(panel, ui, &guidance)
+            });
         });
     });
 }
 
 /// How wide a text is, points.
 fn width(ui: &Ui, text: &str) -> f32 {
-    ui.painter().layout_no_wrap(text.to_owned(), TextStyle::Body.resolve(ui.style()), ui.palette().text).size().x
+    ui.painter()
+        .layout_no_wrap(
+            text.to_owned(),
+            TextStyle::Body.resolve(ui.style()),
+            ui.palette().text,
+        )
+        .size()
+        .x
 }
 
 /// The least room for the buttons, points: the first, and a menu of the others.
 fn least_offers(ui: &Ui, offers: &[(&str, Command)]) -> f32 {
-    let first = offers.first().map_or(0.0, |(says, _)| width(ui, says) + AROUND);
+    let first = offers
+        .first()
+        .map_or(0.0, |(says, _)| width(ui, says) + AROUND);
     first + if offers.len() > 1 { MORE } else { 0.0 }
 }
 
@@ -56,7 +71,12 @@ fn step(panel: &mut Panel<'_>, ui: &mut Ui, guidance: &Guidance) {
     let offers = &guidance.offers;
     let room = ui.available_width();
     let text = width(ui, &guidance.text) + AROUND;
-    let buttons = |offers: &[(&str, Command)]| offers.iter().map(|(says, _)| width(ui, says) + AROUND).sum::<f32>();
+    let buttons = |offers: &[(&str, Command)]| {
+        offers
+            .iter()
+            .map(|(says, _)| width(ui, says) + AROUND)
+            .sum::<f32>()
+    };
     // As many buttons as there is room for beside the text; at least the first, or all in a menu.
     let shown = match offers.len() {
         count if text + buttons(offers) <= room => count,
@@ -85,7 +105,11 @@ fn step(panel: &mut Panel<'_>, ui: &mut Ui, guidance: &Guidance) {
 }
 
 fn offer(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
-    if ui.add(Button::new(says).small()).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+    if ui
+        .add(Button::new(says).small())
+        .on_hover_text(panel.app.settings.keys.tooltip(command))
+        .clicked()
+    {
         panel.actions.push(Action::Command(command));
         ui.close();
     }
@@ -95,15 +119,24 @@ fn offer(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
 fn undo_text(app: &App) -> Option<String> {
     let open = app.open()?;
     let step = open.history.next_undo()?;
-    let position = step.frame.as_ref().and_then(|id| open.document.frames.position_of(id));
+    let position = step
+        .frame
+        .as_ref()
+        .and_then(|id| open.document.frames.position_of(id));
     let elsewhere = position.filter(|position| *position != app.session.frame);
-    let place = elsewhere.map(|position| format!(" (frame {})", open.frame_number(position))).unwrap_or_default();
+    let place = elsewhere
+        .map(|position| format!(" (frame {})", open.frame_number(position)))
+        .unwrap_or_default();
     Some(format!("Undo: {}{place}", step.name))
 }
 
 fn undo_button(panel: &mut Panel<'_>, ui: &mut Ui, text: String) {
     let button = Button::new(RichText::new(text).color(ui.palette().weak)).frame(false);
-    if ui.add(button).on_hover_text(panel.app.settings.keys.tooltip(Command::Undo)).clicked() {
+    if ui
+        .add(button)
+        .on_hover_text(panel.app.settings.keys.tooltip(Command::Undo))
+        .clicked()
+    {
         panel.actions.push(Action::Command(Command::Undo));
     }
     ui.separator();
@@ -132,8 +165,14 @@ fn zoom(panel: &mut Panel<'_>, ui: &mut Ui) {
 }
 
 fn pointer(app: &App, ui: &mut Ui) {
-    let Some(at) = app.session.points.hover else { return };
-    ui.label(RichText::new(format!("{:.1}, {:.1}", at.x, at.y)).monospace().color(ui.palette().text))
-        .on_hover_text("The pointer, px of the picture from its top-left corner.");
+    let Some(at) = app.session.points.hover else {
+        return;
+    };
+    ui.label(
+        RichText::new(format!("{:.1}, {:.1}", at.x, at.y))
+            .monospace()
+            .color(ui.palette().text),
+    )
+    .on_hover_text("The pointer, px of the picture from its top-left corner.");
     ui.separator();
 }

@@ -1,7 +1,10 @@
-//! Symbols drawn as shapes, independent of fonts; each button that shows one has an accessible name.
+//! Symbols drawn as shapes, independent of fonts; each button that shows one has an accessible
+//! name.
 
 use super::theme::{self, Themed as _};
-use egui::{Color32, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{
+    Color32, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
+};
 
 /// A symbol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,7 +46,10 @@ pub fn paint(painter: &Painter, symbol: Symbol, within: Rect, colour: Color32) {
             painter.line_segment([at(-3.5, 3.5), at(3.5, -3.5)], stroke);
         }
         Symbol::Diamond => {
-            painter.add(Shape::closed_line(vec![at(0.0, -5.0), at(5.0, 0.0), at(0.0, 5.0), at(-5.0, 0.0)], stroke));
+            painter.add(Shape::closed_line(
+                vec![at(0.0, -5.0), at(5.0, 0.0), at(0.0, 5.0), at(-5.0, 0.0)],
+                stroke,
+            ));
         }
         Symbol::OnLine => {
             painter.line_segment([at(-6.0, 4.0), at(6.0, -4.0)], stroke);
@@ -62,7 +68,11 @@ pub fn paint(painter: &Painter, symbol: Symbol, within: Rect, colour: Color32) {
             painter.line(vec![at(-1.5, -1.5), at(-5.0, 2.0), at(-1.5, 5.5)], stroke);
         }
         Symbol::Warning => {
-            painter.add(Shape::convex_polygon(vec![at(0.0, -6.0), at(6.5, 5.5), at(-6.5, 5.5)], colour, Stroke::NONE));
+            painter.add(Shape::convex_polygon(
+                vec![at(0.0, -6.0), at(6.5, 5.5), at(-6.5, 5.5)],
+                colour,
+                Stroke::NONE,
+            ));
             let dark = Stroke::new(1.5, painter.palette().on_accent);
             painter.line_segment([at(0.0, -2.0), at(0.0, 1.8)], dark);
             painter.circle_filled(at(0.0, 3.8), 0.9, painter.palette().on_accent);
@@ -72,19 +82,39 @@ pub fn paint(painter: &Painter, symbol: Symbol, within: Rect, colour: Color32) {
             painter.line_segment([at(0.0, -0.5), at(0.0, 3.2)], stroke);
             painter.circle_filled(at(0.0, -3.0), 1.0, colour);
         }
-        Symbol::Folded => triangle(painter, [at(-2.5, -4.5), at(3.5, 0.0), at(-2.5, 4.5)], colour),
-        Symbol::Play => triangle(painter, [at(-3.5, -5.5), at(5.5, 0.0), at(-3.5, 5.5)], colour),
+        Symbol::Folded => triangle(
+            painter,
+            [at(-2.5, -4.5), at(3.5, 0.0), at(-2.5, 4.5)],
+            colour,
+        ),
+        Symbol::Play => triangle(
+            painter,
+            [at(-3.5, -5.5), at(5.5, 0.0), at(-3.5, 5.5)],
+            colour,
+        ),
         Symbol::Pause => {
             for x in [-3.0, 3.0] {
-                painter.rect_filled(Rect::from_center_size(at(x, 0.0), vec2(3.0, 11.0)), 0.0, colour);
+                painter.rect_filled(
+                    Rect::from_center_size(at(x, 0.0), vec2(3.0, 11.0)),
+                    0.0,
+                    colour,
+                );
             }
         }
-        Symbol::Unfolded => triangle(painter, [at(-4.5, -2.5), at(4.5, -2.5), at(0.0, 3.5)], colour),
+        Symbol::Unfolded => triangle(
+            painter,
+            [at(-4.5, -2.5), at(4.5, -2.5), at(0.0, 3.5)],
+            colour,
+        ),
     }
 }
 
 fn triangle(painter: &Painter, corners: [Pos2; 3], colour: Color32) {
-    painter.add(Shape::convex_polygon(corners.to_vec(), colour, Stroke::NONE));
+    painter.add(Shape::convex_polygon(
+        corners.to_vec(),
+        colour,
+        Stroke::NONE,
+    ));
 }
 
 /// Shows a symbol that does nothing.
@@ -106,7 +136,17 @@ pub fn button(ui: &mut Ui, symbol: Symbol, name: &str, colour: Color32) -> Respo
 pub fn toggle(ui: &mut Ui, symbol: Symbol, name: &str, on: bool, colour: Color32) -> Response {
     let (rect, response) = ui.allocate_exact_size(theme::SYMBOL, Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, ui.is_enabled(), on, name));
-    paint_button(ui, &response, rect, symbol, if on { colour } else { ui.palette().hovered_line });
+    paint_button(
+        ui,
+        &response,
+        rect,
+        symbol,
+        if on {
+            colour
+        } else {
+            ui.palette().hovered_line
+        },
+    );
     response
 }
 
@@ -117,6 +157,11 @@ fn paint_button(ui: &Ui, response: &Response, rect: Rect, symbol: Symbol, colour
         if lit {
             painter.rect_filled(rect, 4.0, ui.visuals().widgets.hovered.weak_bg_fill);
         }
-        paint(painter, symbol, rect, if lit { ui.palette().strong } else { colour });
+        paint(
+            painter,
+            symbol,
+            rect,
+            if lit { ui.palette().strong } else { colour },
+        );
     }
 }

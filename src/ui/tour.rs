@@ -1,38 +1,60 @@
-//! The bar of the tour, below the menus: the step, what is to be done, and the way out. It lies over nothing.
+//! The bar of the tour, below the menus: the step, what is to be done, and the way out. It lies
+//! over nothing.
 
 use super::{Panel, theme::Themed as _};
-use egui::{Align, Button, Color32, Frame, Label, Layout, Margin, RichText, Sense, Stroke, Ui, vec2};
+use egui::{
+    Align, Button, Color32, Frame, Label, Layout, Margin, RichText, Sense, Stroke, Ui, vec2,
+};
 use touchline_application::app::tour::TourStep;
 use touchline_application::app::{Action, Command};
 
 /// Shows the bar while there is a tour.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(step) = panel.app.session.tour.as_ref().map(touchline_application::app::tour::Tour::step) else { return };
-    let frame = Frame::new().fill(ui.palette().accent_ground).inner_margin(Margin::symmetric(12, 6));
-    egui::Panel::top("tour").resizable(false).frame(frame).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            let heading = match step.number() {
-                Some(number) => format!("Step {number} of {}: {}", TourStep::ALL.len(), step.title()),
-                None => step.title().to_owned(),
-            };
-            ui.label(RichText::new(heading).strong().color(ui.palette().strong));
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                for command in buttons(step) {
-                    let says = if *command == Command::LeaveTour && step == TourStep::Finished {
-                        "Close"
-                    } else {
-                        command.name()
-                    };
-                    if ui.add(Button::new(says).small()).on_hover_text(command.about()).clicked() {
-                        panel.actions.push(Action::Command(*command));
+    let Some(step) = panel
+        .app
+        .session
+        .tour
+        .as_ref()
+        .map(touchline_application::app::tour::Tour::step)
+    else {
+        return;
+    };
+    let frame = Frame::new()
+        .fill(ui.palette().accent_ground)
+        .inner_margin(Margin::symmetric(12, 6));
+    egui::Panel::top("tour")
+        .resizable(false)
+        .frame(frame)
+        .show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let heading = match step.number() {
+                    Some(number) => {
+                        format!("Step {number} of {}: {}", TourStep::ALL.len(), step.title())
                     }
-                }
-                dots(ui, step);
+                    None => step.title().to_owned(),
+                };
+                ui.label(RichText::new(heading).strong().color(ui.palette().strong));
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    for command in buttons(step) {
+                        let says = if *command == Command::LeaveTour && step == TourStep::Finished {
+                            "Close"
+                        } else {
+                            command.name()
+                        };
+                        if ui
+                            .add(Button::new(says).small())
+                            .on_hover_text(command.about())
+                            .clicked()
+                        {
+                            panel.actions.push(Action::Command(*command));
+                        }
+                    }
+                    dots(ui, step);
+                });
             });
+            let text = step.text(&panel.app.settings.keys);
+            ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap());
         });
-        let text = step.text(&panel.app.settings.keys);
-        ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap());
-    });
 }
 
 /// What else the bar offers, from the right.
@@ -45,8 +67,13 @@ const fn buttons(step: TourStep) -> &'static [Command] {
 
 /// One dot a step: those that are done are filled.
 fn dots(ui: &mut Ui, step: TourStep) {
-    let done = step.number().map_or(TourStep::ALL.len(), |number| number - 1);
-    let (rect, _) = ui.allocate_exact_size(vec2(14.0 * TourStep::ALL.len() as f32, 16.0), Sense::hover());
+    let done = step
+        .number()
+        .map_or(TourStep::ALL.len(), |number| number - 1);
+    let (rect, _) = ui.allocate_exact_size(
+        vec2(14.0 * TourStep::ALL.len() as f32, 16.0),
+        Sense::hover(),
+    );
     for place in 0..TourStep::ALL.len() {
         let at = rect.left_center() + vec2(14.0 * place as f32 + 7.0, 0.0);
         let (fill, line) = match place.cmp(&done) {

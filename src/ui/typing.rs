@@ -1,9 +1,10 @@
 //! What keys mean to a hand that names the point it has just placed.
 //!
-//! A hand that types a code does not stop because the program has named the point itself, and a letter that comes late is no command
-//! for that. So after a point has named itself letters are its name until the hand does something else: places another point, moves
-//! the pointer away, or confirms. Enter first confirms; only a second one, struck for itself, accepts the frame. Time is counted in what
-//! the window has drawn, so that a slow machine cuts no word in two.
+//! A hand that types a code does not stop because the program has named the point itself, and a
+//! letter that comes late is no command for that. So after a point has named itself letters are its
+//! name until the hand does something else: places another point, moves the pointer away, or
+//! confirms. Enter first confirms; only a second one, struck for itself, accepts the frame. Time is
+//! counted in what the window has drawn, so that a slow machine cuts no word in two.
 
 use egui::{Context, Event, FocusDirection, Id, Key, Modifiers, Pos2};
 use touchline_application::app::session::{Mode, Naming, OFFERED};
@@ -44,14 +45,26 @@ impl Hand {
     fn follow(mut self, app: &App, time_s: f64, pointer: Option<Pos2>) -> Self {
         self.clock_s += (time_s - self.seen_s).clamp(0.0, TICK_S);
         self.seen_s = time_s;
-        let named = app.session.points.named_unasked.filter(|_| app.session.mode == Mode::Idle);
+        let named = app
+            .session
+            .points
+            .named_unasked
+            .filter(|_| app.session.mode == Mode::Idle);
         let is_known = self.placed.map(|placed| placed.click) == named;
         if !is_known {
-            let new = |click| Placed { click, at_s: self.clock_s, pointer, has_left: false };
+            let new = |click| Placed {
+                click,
+                at_s: self.clock_s,
+                pointer,
+                has_left: false,
+            };
             self.placed = named.map(new);
         }
         if let Some(placed) = &mut self.placed {
-            let away = placed.pointer.zip(pointer).is_some_and(|(from, now)| from.distance(now) > LEFT_POINTS);
+            let away = placed
+                .pointer
+                .zip(pointer)
+                .is_some_and(|(from, now)| from.distance(now) > LEFT_POINTS);
             placed.has_left |= away;
         }
         self
@@ -59,22 +72,28 @@ impl Hand {
 
     /// Whether a stroke now is part of the word that was typed before it.
     fn is_in_word(&self) -> bool {
-        self.stroke_s.is_some_and(|stroke_s| self.clock_s - stroke_s < WORD_S)
+        self.stroke_s
+            .is_some_and(|stroke_s| self.clock_s - stroke_s < WORD_S)
     }
 
     /// Whether letters are the name of the point that has named itself.
     fn names(&self) -> bool {
-        self.placed.is_some_and(|placed| !placed.has_left || self.is_in_word())
+        self.placed
+            .is_some_and(|placed| !placed.has_left || self.is_in_word())
     }
 
     /// Whether Enter only confirms that name.
     fn confirms(&self) -> bool {
-        self.placed.is_some_and(|placed| self.clock_s - placed.at_s < CONFIRMING_S || self.names())
+        self.placed
+            .is_some_and(|placed| self.clock_s - placed.at_s < CONFIRMING_S || self.names())
     }
 
     /// Whether time has to go on while nothing else happens.
     fn waits(&self) -> bool {
-        self.is_in_word() || self.placed.is_some_and(|placed| self.clock_s - placed.at_s < CONFIRMING_S)
+        self.is_in_word()
+            || self
+                .placed
+                .is_some_and(|placed| self.clock_s - placed.at_s < CONFIRMING_S)
     }
 }
 
@@ -84,13 +103,16 @@ fn memory() -> Id {
 
 /// Whether letters are the name of the point that has just named itself.
 pub fn names_placed(ctx: &Context) -> bool {
-    ctx.data(|data| data.get_temp::<Hand>(memory())).is_some_and(|hand| hand.names())
+    ctx.data(|data| data.get_temp::<Hand>(memory()))
+        .is_some_and(|hand| hand.names())
 }
 
 /// Reads the keys that are about names, before anything else gets them.
 pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &Context) {
     let (time_s, pointer) = ctx.input(|input| (input.time, input.pointer.latest_pos()));
-    let before = ctx.data(|data| data.get_temp::<Hand>(memory())).unwrap_or_default();
+    let before = ctx
+        .data(|data| data.get_temp::<Hand>(memory()))
+        .unwrap_or_default();
     let mut hand = before.follow(app, time_s, pointer);
     if !keys_are_taken(app, ctx) {
         match &app.session.mode {
@@ -118,7 +140,13 @@ fn read_list(naming: &Naming, hand: &mut Hand, actions: &mut Vec<Action>, ctx: &
     ctx.input_mut(|input| {
         input.events.retain(|event| {
             let action = match event {
-                Event::Key { key, physical_key, pressed: true, modifiers, .. } if is_typing(*modifiers) => {
+                Event::Key {
+                    key,
+                    physical_key,
+                    pressed: true,
+                    modifiers,
+                    ..
+                } if is_typing(*modifiers) => {
                     let row = row_of(physical_key.unwrap_or(*key));
                     digit = row.is_some();
                     match row {
@@ -142,8 +170,8 @@ fn read_list(naming: &Naming, hand: &mut Hand, actions: &mut Vec<Action>, ctx: &
     ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
 }
 
-/// The keys while no name is asked for: letters refine the name that a point was given unasked, Enter confirms it, and what follows a
-/// name without a pause is a part of it.
+/// The keys while no name is asked for: letters refine the name that a point was given unasked,
+/// Enter confirms it, and what follows a name without a pause is a part of it.
 fn read_word(hand: &mut Hand, actions: &mut Vec<Action>, ctx: &Context) {
     let (names, confirms, in_word) = (hand.names(), hand.confirms(), hand.is_in_word());
     if !(names || confirms || in_word) {
@@ -151,7 +179,12 @@ fn read_word(hand: &mut Hand, actions: &mut Vec<Action>, ctx: &Context) {
     }
     ctx.input_mut(|input| {
         input.events.retain(|event| match event {
-            Event::Key { key: Key::Enter, pressed: true, modifiers, .. } if modifiers.is_none() => {
+            Event::Key {
+                key: Key::Enter,
+                pressed: true,
+                modifiers,
+                ..
+            } if modifiers.is_none() => {
                 if !(confirms || in_word) {
                     return true;
                 }
@@ -159,12 +192,18 @@ fn read_word(hand: &mut Hand, actions: &mut Vec<Action>, ctx: &Context) {
                 hand.stroke_s = Some(hand.clock_s);
                 false
             }
-            Event::Key { key, pressed: true, modifiers, .. } => {
+            Event::Key {
+                key,
+                pressed: true,
+                modifiers,
+                ..
+            } => {
                 let is_letter = (Key::A..=Key::Z).contains(key) && is_typing(*modifiers);
                 !(is_letter && (names || in_word))
             }
             Event::Text(text) if text.chars().all(char::is_alphabetic) && (names || in_word) => {
-                actions.extend(names.then(|| Action::Navigate(Navigation::RefineName(text.clone()))));
+                actions
+                    .extend(names.then(|| Action::Navigate(Navigation::RefineName(text.clone()))));
                 hand.stroke_s = Some(hand.clock_s);
                 false
             }
@@ -177,7 +216,8 @@ fn is_typing(modifiers: Modifiers) -> bool {
     !modifiers.command && !modifiers.alt
 }
 
-/// The row of the list that a digit's key takes, from 0: by its place on the keyboard, since on a French one digits need Shift.
+/// The row of the list that a digit's key takes, from 0: by its place on the keyboard, since on a
+/// French one digits need Shift.
 fn row_of(key: Key) -> Option<usize> {
     const DIGITS: [Key; OFFERED] = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5];
     DIGITS.iter().position(|digit| *digit == key)
@@ -190,7 +230,9 @@ fn take_row(row: usize, offered: usize) -> Option<Action> {
 fn on_key(key: Key, naming: &Naming, offered: usize, typed: &mut String) -> Option<Action> {
     match key {
         Key::Enter => Some(Action::Edit(EditAction::TakeName(naming.highlighted))),
-        Key::ArrowDown => Some(Action::Navigate(Navigation::HighlightName((naming.highlighted + 1) % offered.max(1)))),
+        Key::ArrowDown => Some(Action::Navigate(Navigation::HighlightName(
+            (naming.highlighted + 1) % offered.max(1),
+        ))),
         Key::ArrowUp => Some(Action::Navigate(Navigation::HighlightName(
             (naming.highlighted + offered.max(1) - 1) % offered.max(1),
         ))),
@@ -206,7 +248,11 @@ fn on_key(key: Key, naming: &Naming, offered: usize, typed: &mut String) -> Opti
 
 /// A digit takes a row, a capital L changes to lines and back, everything else filters.
 fn on_text(text: &str, naming: &Naming, offered: usize, typed: &mut String) -> Option<Action> {
-    if let Some(number) = text.parse::<usize>().ok().filter(|number| (1..=OFFERED).contains(number)) {
+    if let Some(number) = text
+        .parse::<usize>()
+        .ok()
+        .filter(|number| (1..=OFFERED).contains(number))
+    {
         return take_row(number - 1, offered);
     }
     if text == "L" {
@@ -233,13 +279,19 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     fn pointed() -> PtzCamera {
-        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        let base = CameraBase::new(
+            Vec3::new(0.0, -60.0, 18.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        );
         PtzCamera::new(base, Ptz::from_degrees(-14.0, -12.0, 1300.0))
     }
 
     fn image_of(landmark: &str) -> ImagePoint {
         let field = builtin("soccer").unwrap().default_model().unwrap();
-        pointed().image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap())).unwrap()
+        pointed()
+            .image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap()))
+            .unwrap()
     }
 
     /// A window without panels: what it reads, it does.
@@ -258,22 +310,40 @@ mod tests {
             camera.set_base(pointed().base());
             document.cameras.push(camera.into());
             for name in ["0.jpg", "1.jpg", "2.jpg"] {
-                document.frames.push(Frame::from_image(name, "main".into(), SIZE).into());
+                document
+                    .frames
+                    .push(Frame::from_image(name, "main".into(), SIZE).into());
             }
             let named = ["penalty_area_far_left_front", "centre_circle_halfway_near"];
-            document.frames[0].clicks = named.map(|id| Click::landmark(id.into(), image_of(id))).into_iter().collect();
+            document.frames[0].clicks = named
+                .map(|id| Click::landmark(id.into(), image_of(id)))
+                .into_iter()
+                .collect();
             document.frames[0].status = FrameStatus::Draft;
             let mut app = App::new(Settings::default());
-            app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+            app.update(Action::Opened(Box::new(Opened::new(
+                document,
+                "/match/project.json",
+            ))));
             app.update(Action::Edit(EditAction::SolveAgain));
-            Self { app, ctx: Context::default(), time_s: 1.0, pointer: pos2(400.0, 300.0) }
+            Self {
+                app,
+                ctx: Context::default(),
+                time_s: 1.0,
+                pointer: pos2(400.0, 300.0),
+            }
         }
 
         /// One frame of the window, so long after the one before.
         fn frame(&mut self, after_s: f64, mut events: Vec<Event>) {
             self.time_s += after_s;
             events.insert(0, Event::PointerMoved(self.pointer));
-            self.ctx.begin_pass(RawInput { time: Some(self.time_s), events, focused: true, ..RawInput::default() });
+            self.ctx.begin_pass(RawInput {
+                time: Some(self.time_s),
+                events,
+                focused: true,
+                ..RawInput::default()
+            });
             let mut actions = Vec::new();
             read(&self.app, &mut actions, &self.ctx);
             keys::read(&self.app, &mut actions, &self.ctx);
@@ -291,10 +361,17 @@ mod tests {
         }
 
         fn place(&mut self, landmark: &str) {
-            self.app.update(Action::Pointer(PointerAction::Press { at: image_of(landmark), on: None }));
+            self.app.update(Action::Pointer(PointerAction::Press {
+                at: image_of(landmark),
+                on: None,
+            }));
             self.app.update(Action::Pointer(PointerAction::Release));
             self.frame(0.02, Vec::new());
-            assert_eq!(self.app.frame().unwrap().clicks.len(), 3, "{landmark} lies in the picture");
+            assert_eq!(
+                self.app.frame().unwrap().clicks.len(),
+                3,
+                "{landmark} lies in the picture"
+            );
         }
 
         fn stroke(&mut self, after_s: f64, key: Key, text: &str) {
@@ -324,15 +401,25 @@ mod tests {
     fn letters_belong_to_the_point_until_the_pointer_leaves_it() {
         let mut hands = Hands::new();
         hands.place("penalty_mark_left");
-        assert!(hands.app.session.points.named_unasked.is_some(), "{:?}", hands.app.session.mode);
+        assert!(
+            hands.app.session.points.named_unasked.is_some(),
+            "{:?}",
+            hands.app.session.mode
+        );
         hands.wait(20.0);
         hands.type_letter(0.1, 'k');
-        assert!(matches!(hands.app.session.mode, Mode::Naming(_)), "however late it comes");
+        assert!(
+            matches!(hands.app.session.mode, Mode::Naming(_)),
+            "however late it comes"
+        );
         let mut hands = Hands::new();
         hands.place("penalty_mark_left");
         hands.pointer.x += 40.0;
         hands.type_letter(0.5, 'k');
-        assert!(hands.app.frame().unwrap().clicks[2].check, "K makes it a check point");
+        assert!(
+            hands.app.frame().unwrap().clicks[2].check,
+            "K makes it a check point"
+        );
     }
 
     #[test]
@@ -343,7 +430,10 @@ mod tests {
         hands.stroke(0.1, Key::Enter, "");
         // A key that bounces.
         hands.stroke(0.1, Key::Enter, "");
-        assert_eq!((hands.status(), hands.app.session.points.named_unasked), (FrameStatus::Draft, None));
+        assert_eq!(
+            (hands.status(), hands.app.session.points.named_unasked),
+            (FrameStatus::Draft, None)
+        );
         hands.wait(0.5);
         hands.stroke(0.1, Key::Enter, "");
         assert_eq!(hands.status(), FrameStatus::Reference);
@@ -359,7 +449,11 @@ mod tests {
         hands.type_letter(2.0, 'x');
         hands.type_letter(2.0, 'n');
         assert_eq!(
-            (hands.app.session.frame, hands.status(), &hands.app.session.mode),
+            (
+                hands.app.session.frame,
+                hands.status(),
+                &hands.app.session.mode
+            ),
             (0, FrameStatus::Draft, &Mode::Idle)
         );
     }
@@ -368,8 +462,12 @@ mod tests {
     fn a_digit_chooses_by_its_place_on_the_keyboard() {
         let mut hands = Hands::new();
         hands.place("penalty_mark_left");
-        hands.app.update(Action::Navigate(Navigation::RefineName("g".to_owned())));
-        let Mode::Naming(naming) = &hands.app.session.mode else { panic!("{:?}", hands.app.session.mode) };
+        hands
+            .app
+            .update(Action::Navigate(Navigation::RefineName("g".to_owned())));
+        let Mode::Naming(naming) = &hands.app.session.mode else {
+            panic!("{:?}", hands.app.session.mode)
+        };
         let second = naming.offered()[1].target.clone();
         // On a French keyboard the key of the 2 is an é.
         let press = |pressed| Event::Key {
@@ -386,8 +484,15 @@ mod tests {
     /// More with `TOUCHLINE_SEQUENCES=10000`.
     #[test]
     fn no_burst_of_letters_after_a_click_accepts_or_touches_another_frame() {
-        let bursts = std::env::var("TOUCHLINE_SEQUENCES").ok().and_then(|count| count.parse().ok()).unwrap_or(150);
-        let marks = ["penalty_mark_left", "goal_area_far_left_front", "centre_mark"];
+        let bursts = std::env::var("TOUCHLINE_SEQUENCES")
+            .ok()
+            .and_then(|count| count.parse().ok())
+            .unwrap_or(150);
+        let marks = [
+            "penalty_mark_left",
+            "goal_area_far_left_front",
+            "centre_mark",
+        ];
         for seed in 0..bursts {
             let mut random = Pcg64Mcg::seed_from_u64(seed);
             let mut hands = Hands::new();
@@ -406,8 +511,15 @@ mod tests {
             }
             hands.stroke(random.random_range(0.02..0.35), Key::Enter, "");
             let frames = &hands.app.open().unwrap().document.frames;
-            assert_eq!((hands.app.session.frame, hands.status()), (0, FrameStatus::Draft), "{seed}: {typed:?}");
-            assert!((1..3).all(|other| frames.get(other) == before.get(other)), "{seed}: {typed:?}");
+            assert_eq!(
+                (hands.app.session.frame, hands.status()),
+                (0, FrameStatus::Draft),
+                "{seed}: {typed:?}"
+            );
+            assert!(
+                (1..3).all(|other| frames.get(other) == before.get(other)),
+                "{seed}: {typed:?}"
+            );
         }
     }
 }

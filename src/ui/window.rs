@@ -12,7 +12,8 @@ pub enum WindowError {
     /// There is no display or no way to draw on it.
     #[error("{0}")]
     Closed(#[from] eframe::Error),
-    /// The window system's code or the program's own gave up while the window was open, as the former does when the display goes away.
+    /// The window system's code or the program's own gave up while the window was open, as the
+    /// former does when the display goes away.
     #[error("{0}")]
     BrokeDown(#[from] Panicked),
 }
@@ -23,7 +24,10 @@ pub enum WindowError {
 /// There is no display or no way to draw on it, or the window broke down.
 pub fn run(document: Option<PathBuf>) -> Result<(), WindowError> {
     // What is wrong with the settings is told by the window itself.
-    let known = settings_path().as_deref().map(load_settings).and_then(|(settings, _)| settings.window);
+    let known = settings_path()
+        .as_deref()
+        .map(load_settings)
+        .and_then(|(settings, _)| settings.window);
     let mut viewport = egui::ViewportBuilder::default()
         .with_title("touchline")
         .with_app_id("touchline")
@@ -34,7 +38,10 @@ pub fn run(document: Option<PathBuf>) -> Result<(), WindowError> {
     if let Some(position) = known.and_then(|place| place.position) {
         viewport = viewport.with_position(position);
     }
-    let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
+    let options = eframe::NativeOptions {
+        viewport,
+        ..eframe::NativeOptions::default()
+    };
     let open = || {
         eframe::run_native(
             "touchline",

@@ -3,8 +3,8 @@
 use nalgebra::SVector;
 use touchline_core::solve::Residual;
 
-/// Compares the derivatives of a residual with central differences, parameter by parameter. `stepped` gives the state after a step;
-/// `what` is named where it fails.
+/// Compares the derivatives of a residual with central differences, parameter by parameter.
+/// `stepped` gives the state after a step; `what` is named where it fails.
 pub fn assert_derivatives<const ROWS: usize, const OWN: usize, R>(
     residual: &R,
     stepped: impl Fn(&SVector<f64, OWN>) -> R::State,
@@ -22,6 +22,9 @@ pub fn assert_derivatives<const ROWS: usize, const OWN: usize, R>(
         let [before, after] = [-step, step].map(|step| residual.value(&stepped(&step)).unwrap());
         let numeric = (after - before) / (2.0 * H);
         let error = (linearised.by_own.column(parameter) - numeric).norm();
-        assert!(error < 2e-5 * (1.0 + numeric.norm()), "{what}, parameter {parameter}: not {numeric}");
+        assert!(
+            error < 2e-5 * (1.0 + numeric.norm()),
+            "{what}, parameter {parameter}: not {numeric}"
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! What a computer sees in the pictures of a pan-tilt-zoom camera. OpenCV, where it is compiled in, is called only here.
+//! What a computer sees in the pictures of a pan-tilt-zoom camera. OpenCV, where it is compiled in,
+//! is called only here.
 //!
 //! | floor | rooms |
 //! |---|---|

@@ -1,10 +1,16 @@
-//! Whether what is stated of a base holds: cameras are drawn, bases estimated from clicked frames, and the overlay of further frames is
-//! compared with the truth at places that nobody clicked.
+//! Whether what is stated of a base holds: cameras are drawn, bases estimated from clicked frames,
+//! and the overlay of further frames is compared with the truth at places that nobody clicked.
 //!
-//! `cargo bench --profile dev --bench base_coverage -- [--bases N]`. Lens, crown and principal point are drawn from their priors, clicks
-//! with each landmark's own noise. A row says how often the truth lies within the stated 68 % region (χ² of two degrees of freedom), and
-//! how often beyond two stated σ.
-#![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs, reason = "a bench prints, and fails by stopping")]
+//! `cargo bench --profile dev --bench base_coverage -- [--bases N]`. Lens, crown and principal
+//! point are drawn from their priors, clicks with each landmark's own noise. A row says how often
+//! the truth lies within the stated 68 % region (χ² of two degrees of freedom), and how often
+//! beyond two stated σ.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    missing_docs,
+    reason = "a bench prints, and fails by stopping"
+)]
 
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
@@ -86,30 +92,62 @@ impl Draw {
     fn camera(&mut self, place: &Place) -> (CameraBase, FieldModel) {
         let priors = BasePriors::default();
         let [x, y, z] = place.position_m;
-        let position_m = Vec3::new(x + self.normal(0.0, 3.0), y + self.normal(0.0, 3.0), z + self.normal(0.0, 1.5));
-        let upright = BaseAngles { heading: Angle::from_degrees(place.heading_deg), ..BaseAngles::default() };
+        let position_m = Vec3::new(
+            x + self.normal(0.0, 3.0),
+            y + self.normal(0.0, 3.0),
+            z + self.normal(0.0, 1.5),
+        );
+        let upright = BaseAngles {
+            heading: Angle::from_degrees(place.heading_deg),
+            ..BaseAngles::default()
+        };
         let lean = |draw: &mut Self| draw.normal(0.0, place.lean_deg).to_radians();
         let leaning = from_rotation_vector(Vec3::new(lean(self), lean(self), 0.0));
         let centre = SIZE.centre();
-        let off = Vec2::new(self.normal(0.0, priors.principal_point_px), self.normal(0.0, priors.principal_point_px));
+        let off = Vec2::new(
+            self.normal(0.0, priors.principal_point_px),
+            self.normal(0.0, priors.principal_point_px),
+        );
         let distortion = FocalCurve {
             at_focal_px: 2000.0,
             value: self.normal(priors.k1.0, priors.k1.1),
             per_1000_px: self.normal(priors.k1_slope.0, priors.k1_slope.1),
             k2_per_k1_squared: FocalCurve::WITHOUT_FOLD,
         };
-        let base = CameraBase::new(position_m, upright.base_from_world() * leaning, centre.moved(off));
+        let base = CameraBase::new(
+            position_m,
+            upright.base_from_world() * leaning,
+            centre.moved(off),
+        );
         let crown_m = self.normal(priors.crown_m.0, priors.crown_m.1).max(0.0);
-        let field = FieldModel { crown_m, ..builtin("soccer").unwrap().default_model().unwrap() };
+        let field = FieldModel {
+            crown_m,
+            ..builtin("soccer").unwrap().default_model().unwrap()
+        };
         (CameraBase { distortion, ..base }, field)
     }
 
     /// Clicks of a frame that shows enough landmarks: at most `most` of them.
-    fn frame(&mut self, base: &CameraBase, field: &FieldModel, place: &Place, most: usize) -> (Ptz, FrameClicks) {
+    fn frame(
+        &mut self,
+        base: &CameraBase,
+        field: &FieldModel,
+        place: &Place,
+        most: usize,
+    ) -> (Ptz, FrameClicks) {
         loop {
             let pan = self.between([-place.pan_deg, place.pan_deg]);
-            let pan = pan + if place.heading_deg == 0.0 { 0.0 } else { place.heading_deg };
-            let ptz = Ptz::from_degrees(pan, self.between(place.tilt_deg), self.between(place.focal_px));
+            let pan = pan
+                + if place.heading_deg == 0.0 {
+                    0.0
+                } else {
+                    place.heading_deg
+                };
+            let ptz = Ptz::from_degrees(
+                pan,
+                self.between(place.tilt_deg),
+                self.between(place.focal_px),
+            );
             let camera = PtzCamera::new(in_gauge(base), ptz);
             let mut clicks = self.clicks(&camera, field);
             if clicks.len() < 4 {
@@ -119,21 +157,45 @@ impl Draw {
                 let out = self.rng.random_range(0..clicks.len());
                 clicks.remove(out);
             }
-            return (ptz, FrameClicks { observations: clicks, start: None });
+            return (
+                ptz,
+                FrameClicks {
+                    observations: clicks,
+                    start: None,
+                },
+            );
         }
     }
 
     fn clicks(&mut self, camera: &PtzCamera, field: &FieldModel) -> Vec<Observation> {
         let mut clicks = Vec::new();
-        let flat = FieldModel { crown_m: 0.13, ..field.clone() };
-        for landmark in field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0) {
-            let Ok(seen) = camera.image_from_world(field.landmark_in_world(landmark)) else { continue };
+        let flat = FieldModel {
+            crown_m: 0.13,
+            ..field.clone()
+        };
+        for landmark in field
+            .landmarks
+            .iter()
+            .filter(|landmark| landmark.nominal_m.z == 0.0)
+        {
+            let Ok(seen) = camera.image_from_world(field.landmark_in_world(landmark)) else {
+                continue;
+            };
             if !SIZE.contains(seen) {
                 continue;
             }
-            let noise = Vec2::new(self.normal(0.0, landmark.click_sigma_px), self.normal(0.0, landmark.click_sigma_px));
+            let noise = Vec2::new(
+                self.normal(0.0, landmark.click_sigma_px),
+                self.normal(0.0, landmark.click_sigma_px),
+            );
             let name = landmark.id.as_str();
-            clicks.extend(Observation::of_landmark(&flat, name, seen.moved(noise), SIZE, clicks.len()));
+            clicks.extend(Observation::of_landmark(
+                &flat,
+                name,
+                seen.moved(noise),
+                SIZE,
+                clicks.len(),
+            ));
         }
         clicks
     }
@@ -168,10 +230,17 @@ impl Counts {
 
 /// One drawn camera: its base from some frames, and what is stated of further ones.
 fn measure(place: &Place, frames: usize, most: usize, seed: u64) -> Counts {
-    let mut draw = Draw { rng: Pcg64Mcg::seed_from_u64(seed) };
+    let mut draw = Draw {
+        rng: Pcg64Mcg::seed_from_u64(seed),
+    };
     let (truth, field) = draw.camera(place);
-    let clicked: Vec<FrameClicks> = (0..frames).map(|_| draw.frame(&truth, &field, place, 8).1).collect();
-    let nominal = FieldModel { crown_m: 0.13, ..field.clone() };
+    let clicked: Vec<FrameClicks> = (0..frames)
+        .map(|_| draw.frame(&truth, &field, place, 8).1)
+        .collect();
+    let nominal = FieldModel {
+        crown_m: 0.13,
+        ..field.clone()
+    };
     let mut counts = Counts::default();
     let Ok(found) = estimate_base(
         &CameraClicks::centred(&nominal, &clicked, SIZE),
@@ -182,30 +251,57 @@ fn measure(place: &Place, frames: usize, most: usize, seed: u64) -> Counts {
         counts.failed = 1;
         return counts;
     };
-    let crowned = FieldModel { crown_m: found.crown_m, ..field.clone() };
+    let crowned = FieldModel {
+        crown_m: found.crown_m,
+        ..field.clone()
+    };
     for _ in 0..FURTHER {
         let (ptz, clicks) = draw.frame(&truth, &field, place, most);
         let true_camera = PtzCamera::new(in_gauge(&truth), ptz);
         let on_found_field = |click: &Observation| {
-            let FieldElement::Landmark(landmark) = click.element? else { return None };
-            Observation::of_landmark(&crowned, nominal.landmarks[landmark].id.as_str(), click.image, SIZE, click.click)
-                .ok()
+            let FieldElement::Landmark(landmark) = click.element? else {
+                return None;
+            };
+            Observation::of_landmark(
+                &crowned,
+                nominal.landmarks[landmark].id.as_str(),
+                click.image,
+                SIZE,
+                click.click,
+            )
+            .ok()
         };
-        let moved: Vec<Observation> = clicks.observations.iter().filter_map(on_found_field).collect();
-        let Ok(solved) = solve_frame(&found.base, &moved, &SolveContext::new(SIZE)) else { continue };
+        let moved: Vec<Observation> = clicks
+            .observations
+            .iter()
+            .filter_map(on_found_field)
+            .collect();
+        let Ok(solved) = solve_frame(&found.base, &moved, &SolveContext::new(SIZE)) else {
+            continue;
+        };
         let camera = PtzCamera::new(found.base, solved.ptz);
         for (column, row) in (0..6).flat_map(|column| (0..4).map(move |row| (column, row))) {
-            let at = ImagePoint::new(160.0 + 320.0 * f64::from(column), 135.0 + 270.0 * f64::from(row));
-            let Some(ground) = true_camera.plane_from_image(at, 0.0).filter(|at| on_field(&field, at)) else {
-                continue;
-            };
-            let [drawn, shown] =
-                [&crowned, &field].map(|field| Vec3::new(ground.x, ground.y, height_m(field, ground.y)));
-            let (Ok(drawn_px), Ok(shown_px)) = (camera.image_from_world(drawn), true_camera.image_from_world(shown))
+            let at = ImagePoint::new(
+                160.0 + 320.0 * f64::from(column),
+                135.0 + 270.0 * f64::from(row),
+            );
+            let Some(ground) = true_camera
+                .plane_from_image(at, 0.0)
+                .filter(|at| on_field(&field, at))
             else {
                 continue;
             };
-            let Some(stated) = solved.uncertainty.overlay_at_world(&camera, drawn) else { continue };
+            let [drawn, shown] = [&crowned, &field]
+                .map(|field| Vec3::new(ground.x, ground.y, height_m(field, ground.y)));
+            let (Ok(drawn_px), Ok(shown_px)) = (
+                camera.image_from_world(drawn),
+                true_camera.image_from_world(shown),
+            ) else {
+                continue;
+            };
+            let Some(stated) = solved.uncertainty.overlay_at_world(&camera, drawn) else {
+                continue;
+            };
             let off = drawn_px.offset_from(shown_px);
             let squared = off.dot(&(stated.try_inverse().unwrap() * off));
             counts.places += 1;
@@ -234,15 +330,18 @@ fn median(values: &mut [f64]) -> f64 {
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let bases = arguments.iter().position(|argument| argument == "--bases");
-    let bases: u64 = bases.and_then(|at| arguments.get(at + 1)?.parse().ok()).unwrap_or(60);
+    let bases: u64 = bases
+        .and_then(|at| arguments.get(at + 1)?.parse().ok())
+        .unwrap_or(60);
     println!(
         "| camera | clicked frames | clicks of a further frame | within 68 % | beyond 2 σ | stated px | off px | no base |"
     );
     println!("|---|---|---|---|---|---|---|---|");
     for place in PLACES {
         for (frames, most) in [(3, 6), (8, 6), (20, 6), (20, 2)] {
-            let seeds =
-                (0..bases).into_par_iter().map(|seed| measure(&place, frames, most, 1000 * frames as u64 + seed));
+            let seeds = (0..bases)
+                .into_par_iter()
+                .map(|seed| measure(&place, frames, most, 1000 * frames as u64 + seed));
             let mut counts = seeds.reduce(Counts::default, Counts::add);
             let share = |count: usize| 100.0 * count as f64 / counts.places.max(1) as f64;
             let (within, beyond) = (share(counts.within_68), share(counts.beyond_2));

@@ -1,13 +1,18 @@
 //! Documents of a long match: opening, writing, journaling and undoing with 10,000 frames.
-#![allow(missing_docs, clippy::unwrap_used, clippy::panic, reason = "a bench says what failed by failing")]
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a bench says what failed by failing"
+)]
 
 use divan::Bencher;
 use std::path::PathBuf;
 use tempfile::TempDir;
 use touchline::camera::{Ptz, Radial};
 use touchline::document::{
-    Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, History, Solution, Step,
-    document_from_bytes, document_to_string,
+    Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, History, Solution,
+    Step, document_from_bytes, document_to_string,
 };
 use touchline::geometry::{ImagePoint, ImageSize, Mat3};
 use touchline::store::{Access, DocumentStore as _, Location, open, write_document};
@@ -41,18 +46,34 @@ fn document() -> Document {
 fn document_of(frames: usize) -> Document {
     let size = ImageSize::new(1920, 1080);
     let mut document = Document::new(FieldSpec::new("soccer"));
-    document.cameras.push(Camera::new("main".into(), size).into());
+    document
+        .cameras
+        .push(Camera::new("main".into(), size).into());
     for index in 0..frames {
         let mut frame = Frame::from_image(&format!("images/{index:06}.jpg"), "main".into(), size);
-        let at = |click: usize| ImagePoint::new((index * 7 + click * 311) as f64 % 1919.3, (index * 3) as f64 % 1079.1);
-        frame.clicks =
-            LANDMARKS.iter().enumerate().map(|(click, name)| Click::landmark((*name).into(), at(click))).collect();
+        let at = |click: usize| {
+            ImagePoint::new(
+                (index * 7 + click * 311) as f64 % 1919.3,
+                (index * 3) as f64 % 1079.1,
+            )
+        };
+        frame.clicks = LANDMARKS
+            .iter()
+            .enumerate()
+            .map(|(click, name)| Click::landmark((*name).into(), at(click)))
+            .collect();
         frame.sha256 = Some(format!("{index:064x}"));
         frame.status = FrameStatus::Reference;
-        let ptz = Ptz::from_degrees(index as f64 * 0.003_217, -11.233_71, 2400.0 + index as f64 / 7.0);
+        let ptz = Ptz::from_degrees(
+            index as f64 * 0.003_217,
+            -11.233_71,
+            2400.0 + index as f64 / 7.0,
+        );
         frame.ptz = Some(FramePtz::new(ptz, Some(Radial::k1(0.066_123))));
         frame.solution = Some(Solution {
-            covariance: Some(Mat3::from_fn(|row, column| ((row + column) as f64).sin() / 1e3)),
+            covariance: Some(Mat3::from_fn(|row, column| {
+                ((row + column) as f64).sin() / 1e3
+            })),
             rms_px: Some(1.234_567),
             ..Solution::default()
         });
@@ -64,7 +85,12 @@ fn document_of(frames: usize) -> Document {
 fn project() -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("match");
-    write_document(&Location::for_new_document(&path.join("")).unwrap(), &document(), false).unwrap();
+    write_document(
+        &Location::for_new_document(&path.join("")).unwrap(),
+        &document(),
+        false,
+    )
+    .unwrap();
     (folder, path)
 }
 
@@ -78,7 +104,9 @@ fn open_project(bencher: Bencher) {
 #[divan::bench]
 fn parse(bencher: Bencher) {
     let text = document_to_string(&document()).unwrap();
-    bencher.counter(divan::counter::BytesCount::of_str(&text)).bench(|| document_from_bytes(text.as_bytes()).unwrap());
+    bencher
+        .counter(divan::counter::BytesCount::of_str(&text))
+        .bench(|| document_from_bytes(text.as_bytes()).unwrap());
 }
 
 #[divan::bench]
@@ -94,7 +122,10 @@ fn edit_and_undo(bencher: Bencher) {
     let mut history = History::default();
     bencher.bench_local(|| {
         let before = document.clone();
-        history.begin(&document, Step::on_frame("Move", document.frames[5000].id.clone()));
+        history.begin(
+            &document,
+            Step::on_frame("Move", document.frames[5000].id.clone()),
+        );
         document.frames[5000].clicks[0].image.x += 1.0;
         history.commit(&document);
         let edit = Edit::between(&before, &document, "Move");
@@ -108,7 +139,9 @@ fn edit_and_undo(bencher: Bencher) {
 fn journal_edit(bencher: Bencher) {
     let (_folder, path) = project();
     let opened = open(&path).unwrap();
-    let Access::Writable(mut store) = opened.access else { panic!("read-only") };
+    let Access::Writable(mut store) = opened.access else {
+        panic!("read-only")
+    };
     let mut after = opened.document.clone();
     after.frames[5000].clicks[0].image.x += 1.0;
     let edit = Edit::between(&opened.document, &after, "Move");
@@ -119,12 +152,16 @@ fn journal_edit(bencher: Bencher) {
 #[divan::bench(args = [0, 500], sample_count = 3, sample_size = 1)]
 fn save_a_long_video_with_steps(bencher: Bencher, steps: usize) {
     let (_folder, path, mut document, mut history) = long_video(steps);
-    let Access::Writable(mut store) = open(&path).unwrap().access else { panic!("read-only") };
+    let Access::Writable(mut store) = open(&path).unwrap().access else {
+        panic!("read-only")
+    };
     let none = History::default();
     bencher.bench_local(|| {
         // What is on disk already is not written again.
         step(&mut document, &mut history, 0);
-        store.save(&document, if steps > 0 { &history } else { &none }).unwrap();
+        store
+            .save(&document, if steps > 0 { &history } else { &none })
+            .unwrap();
     });
 }
 
@@ -140,8 +177,15 @@ fn long_video(steps: usize) -> (TempDir, PathBuf, Document, History<Document>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("match");
     let (mut document, mut history) = (document_of(100_000), History::default());
-    write_document(&Location::for_new_document(&path.join("")).unwrap(), &document, false).unwrap();
-    let Access::Writable(mut store) = open(&path).unwrap().access else { panic!("read-only") };
+    write_document(
+        &Location::for_new_document(&path.join("")).unwrap(),
+        &document,
+        false,
+    )
+    .unwrap();
+    let Access::Writable(mut store) = open(&path).unwrap().access else {
+        panic!("read-only")
+    };
     (0..steps).for_each(|number| step(&mut document, &mut history, number * 199));
     store.save(&document, &history).unwrap();
     (folder, path, document, history)
@@ -149,7 +193,10 @@ fn long_video(steps: usize) -> (TempDir, PathBuf, Document, History<Document>) {
 
 /// A click moves.
 fn step(document: &mut Document, history: &mut History<Document>, position: usize) {
-    history.begin(document, Step::on_frame("Move", document.frames[position].id.clone()));
+    history.begin(
+        document,
+        Step::on_frame("Move", document.frames[position].id.clone()),
+    );
     document.frames[position].clicks[0].image.x += 1.0;
     document.frames[position].revision += 1;
     history.commit(document);
@@ -166,17 +213,22 @@ fn clone_of_a_match(bencher: Bencher) {
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn five_hundred_edits_of_a_match(bencher: Bencher) {
     let document = document_of(MATCH);
-    bencher.with_inputs(|| document.clone()).bench_local_values(|mut document| {
-        let mut history = History::default();
-        for edit in 0..500 {
-            let position = edit * 599;
-            let before = document.clone();
-            history.begin(&document, Step::on_frame("Move", document.frames[position].id.clone()));
-            document.frames[position].clicks[0].image.x += 1.0;
-            history.commit(&document);
-            document.count_edits_since(&before);
-            divan::black_box(Edit::between(&before, &document, "Move"));
-        }
-        (document, history)
-    });
+    bencher
+        .with_inputs(|| document.clone())
+        .bench_local_values(|mut document| {
+            let mut history = History::default();
+            for edit in 0..500 {
+                let position = edit * 599;
+                let before = document.clone();
+                history.begin(
+                    &document,
+                    Step::on_frame("Move", document.frames[position].id.clone()),
+                );
+                document.frames[position].clicks[0].image.x += 1.0;
+                history.commit(&document);
+                document.count_edits_since(&before);
+                divan::black_box(Edit::between(&before, &document, "Move"));
+            }
+            (document, history)
+        });
 }

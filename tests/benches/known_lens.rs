@@ -1,12 +1,19 @@
-//! Carrying from one known camera where the lens of every frame is known: how far the rotation of each frame is off, degrees.
+//! Carrying from one known camera where the lens of every frame is known: how far the rotation of
+//! each frame is off, degrees.
 //!
-//! Clips of 50 frames a second are drawn that follow the focal lengths, principal points and distortions of measured broadcast
-//! lenses, with players as occlusion. The lenses, and the position and rotation of each first frame, are read from
-//! `lenses-worldcup/*.npz` in the folder that `TOUCHLINE_DATA` names. The files state no rotation after the first frame, so a drawn
+//! Clips of 50 frames a second are drawn that follow the focal lengths, principal points and
+//! distortions of measured broadcast lenses, with players as occlusion. The lenses, and the
+//! position and rotation of each first frame, are read from `lenses-worldcup/*.npz` in the folder
+//! that `TOUCHLINE_DATA` names. The files state no rotation after the first frame, so a drawn
 //! operator turns the camera, about the pan axis that the import takes.
 //!
 //! `cargo bench --bench known_lens -- [--shots N] [--from N] [--frames N] [--keep FOLDER] [--preset NAME]`
-#![allow(missing_docs, clippy::unwrap_used, clippy::panic, reason = "a bench says what failed by failing")]
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a bench says what failed by failing"
+)]
 
 use image::codecs::jpeg::JpegEncoder;
 use rayon::prelude::*;
@@ -29,36 +36,68 @@ const STEP_S: f64 = 0.02;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
-    let value = |name: &str| arguments.iter().skip_while(|argument| *argument != name).nth(1).cloned();
+    let value = |name: &str| {
+        arguments
+            .iter()
+            .skip_while(|argument| *argument != name)
+            .nth(1)
+            .cloned()
+    };
     let number = |name: &str, usual: usize| value(name).map_or(usual, |text| text.parse().unwrap());
     let Some(data) = std::env::var_os("TOUCHLINE_DATA").map(PathBuf::from) else {
         println!("skipped: TOUCHLINE_DATA names no folder with lenses-worldcup");
         return;
     };
-    let mut files: Vec<PathBuf> =
-        std::fs::read_dir(data.join("lenses-worldcup")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let mut files: Vec<PathBuf> = std::fs::read_dir(data.join("lenses-worldcup"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
     files.retain(|file| file.extension().is_some_and(|ending| ending == "npz"));
     files.sort();
     let preset: Preset = value("--preset").map_or(Preset::Paper, |name| name.parse().unwrap());
-    let shoot = ShootOptions { step_s: STEP_S, ..preset.shoot() };
+    let shoot = ShootOptions {
+        step_s: STEP_S,
+        ..preset.shoot()
+    };
     let temporary = tempfile::tempdir().unwrap();
     let folder = value("--keep").map_or_else(|| temporary.path().to_path_buf(), PathBuf::from);
 
-    println!("rotation off by, degrees          mean   median      95 %      max     last   focal, px  seconds");
+    println!(
+        "rotation off by, degrees          mean   median      95 %      max     last   focal, px  seconds"
+    );
     let mut all: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-    for (seed, file) in files.iter().enumerate().skip(number("--from", 0)).take(number("--shots", files.len())) {
+    for (seed, file) in files
+        .iter()
+        .enumerate()
+        .skip(number("--from", 0))
+        .take(number("--shots", files.len()))
+    {
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();
-        let clip = Clip::drawn(file, &folder.join(&name), seed as u64, number("--frames", 200), &shoot);
+        let clip = Clip::drawn(
+            file,
+            &folder.join(&name),
+            seed as u64,
+            number("--frames", 200),
+            &shoot,
+        );
         for (way, options) in ways() {
             let begun = Instant::now();
             let errors = clip.tracked(&options);
             let mean = errors.mean_deg();
-            println!("{name} {way:14} {} {:8.1}", errors.row(), begun.elapsed().as_secs_f64());
+            println!(
+                "{name} {way:14} {} {:8.1}",
+                errors.row(),
+                begun.elapsed().as_secs_f64()
+            );
             all.entry(way).or_default().push(mean);
         }
     }
     for (way, means) in all {
-        println!("mean over {} shots, {way:14} {:.4}", means.len(), means.iter().sum::<f64>() / means.len() as f64);
+        println!(
+            "mean over {} shots, {way:14} {:.4}",
+            means.len(),
+            means.iter().sum::<f64>() / means.len() as f64
+        );
     }
 }
 
@@ -67,8 +106,20 @@ fn ways() -> [(&'static str, TrackClipOptions); 3] {
     let usual = TrackClipOptions::default();
     [
         ("focal known", usual),
-        ("without paint", TrackClipOptions { paint_every: 0, ..usual }),
-        ("focal sought", TrackClipOptions { seek_focal: true, ..usual }),
+        (
+            "without paint",
+            TrackClipOptions {
+                paint_every: 0,
+                ..usual
+            },
+        ),
+        (
+            "focal sought",
+            TrackClipOptions {
+                seek_focal: true,
+                ..usual
+            },
+        ),
     ]
 }
 
@@ -83,16 +134,25 @@ impl Clip {
     /// Draws the pictures that the folder lacks.
     fn drawn(lenses: &Path, folder: &Path, seed: u64, count: usize, shoot: &ShootOptions) -> Self {
         let mut field = FieldSpec::new("soccer");
-        field.params = BTreeMap::from([("length_m".to_owned(), 105.0), ("width_m".to_owned(), 68.0)]);
+        field.params =
+            BTreeMap::from([("length_m".to_owned(), 105.0), ("width_m".to_owned(), 68.0)]);
         field.size = Some(FieldSize::Confirmed);
-        let options = ImportOptions { field: field.clone(), ..ImportOptions::default() };
+        let options = ImportOptions {
+            field: field.clone(),
+            ..ImportOptions::default()
+        };
         let mut document = import(lenses, Format::Fifa, &options).unwrap().document;
         let frames = document.frames.iter().take(count).enumerate();
-        document.frames = frames.map(|(index, frame)| in_pictures(frame, index).into()).collect();
+        document.frames = frames
+            .map(|(index, frame)| in_pictures(frame, index).into())
+            .collect();
 
         let known = document.cameras[0].base().unwrap();
         let first = document.frames[0].ptz.as_ref().unwrap().ptz();
-        let scene = stadium(&StadiumOptions::new(field.model(Path::new("")).unwrap(), seed));
+        let scene = stadium(&StadiumOptions::new(
+            field.model(Path::new("")).unwrap(),
+            seed,
+        ));
         let path = camera_path(&scene, &known, SIZE, shoot, count);
         let pointed = |(frame, step): (&Frame, &PathStep)| {
             let ptz = Ptz {
@@ -112,11 +172,21 @@ impl Clip {
                 return;
             }
             let mut bytes = Vec::new();
-            let drawn = scene.render(&truth[index], SIZE, &shoot.frame(index, &path[index], SIZE, seed));
-            JpegEncoder::new_with_quality(&mut bytes, shoot.jpeg_quality).encode_image(&drawn.image).unwrap();
+            let drawn = scene.render(
+                &truth[index],
+                SIZE,
+                &shoot.frame(index, &path[index], SIZE, seed),
+            );
+            JpegEncoder::new_with_quality(&mut bytes, shoot.jpeg_quality)
+                .encode_image(&drawn.image)
+                .unwrap();
             std::fs::write(picture, bytes).unwrap();
         });
-        Self { document, truth, folder: folder.to_path_buf() }
+        Self {
+            document,
+            truth,
+            folder: folder.to_path_buf(),
+        }
     }
 
     /// How far the frames are off after tracking.
@@ -127,13 +197,29 @@ impl Clip {
         let mut reader = FrameReader::new();
         let mut evidence = ClipEvidence::default();
         let progress = Progress::default();
-        let tracked = track_clip(at, clip, &field, &mut reader, options, &mut evidence, &progress).unwrap();
-        let mut errors = Errors { missed: tracked.missed.len(), ..Errors::default() };
+        let tracked = track_clip(
+            at,
+            clip,
+            &field,
+            &mut reader,
+            options,
+            &mut evidence,
+            &progress,
+        )
+        .unwrap();
+        let mut errors = Errors {
+            missed: tracked.missed.len(),
+            ..Errors::default()
+        };
         for frame in &tracked.frames {
             let base = self.document.frames[frame.place].base_from(&tracked.base);
             let (found, truth) = (PtzCamera::new(base, frame.ptz), &self.truth[frame.place]);
-            errors.rotation_deg.push(angle_deg(&found.cam_from_world(), &truth.cam_from_world()));
-            errors.focal_px.push((found.ptz().focal_px - truth.ptz().focal_px).abs());
+            errors
+                .rotation_deg
+                .push(angle_deg(&found.cam_from_world(), &truth.cam_from_world()));
+            errors
+                .focal_px
+                .push((found.ptz().focal_px - truth.ptz().focal_px).abs());
         }
         errors
     }
@@ -146,8 +232,18 @@ fn picture_name(index: usize) -> String {
 /// A frame whose picture is a file.
 fn in_pictures(frame: &Frame, index: usize) -> Frame {
     let made = Frame::from_image(&picture_name(index), frame.camera.clone(), frame.image_size);
-    let (lens, ptz, solution) = (frame.lens.clone(), frame.ptz.clone(), frame.solution.clone());
-    Frame { lens, ptz, solution, status: frame.status, ..made }
+    let (lens, ptz, solution) = (
+        frame.lens.clone(),
+        frame.ptz.clone(),
+        frame.solution.clone(),
+    );
+    Frame {
+        lens,
+        ptz,
+        solution,
+        status: frame.status,
+        ..made
+    }
 }
 
 /// The angle of the turn from one rotation to another, degrees.
@@ -177,8 +273,17 @@ impl Errors {
         let at = |share: f64| sorted[(share * (sorted.len() - 1) as f64) as usize];
         let focal_px = self.focal_px.iter().sum::<f64>() / self.focal_px.len() as f64;
         let last = self.rotation_deg.last().copied().unwrap_or(f64::NAN);
-        let row =
-            format!("{:9.4}{:9.4}{:9.4}{:9.4}{last:9.4} {focal_px:10.2}", self.mean_deg(), at(0.5), at(0.95), at(1.0));
-        if self.missed > 0 { format!("{row} ({} frames missed)", self.missed) } else { row }
+        let row = format!(
+            "{:9.4}{:9.4}{:9.4}{:9.4}{last:9.4} {focal_px:10.2}",
+            self.mean_deg(),
+            at(0.5),
+            at(0.95),
+            at(1.0)
+        );
+        if self.missed > 0 {
+            format!("{row} ({} frames missed)", self.missed)
+        } else {
+            row
+        }
     }
 }

@@ -1,5 +1,9 @@
 //! The overlay's polylines: every marking of a field, projected and clipped.
-#![allow(missing_docs, clippy::unwrap_used, reason = "a bench says what failed by failing")]
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    reason = "a bench says what failed by failing"
+)]
 
 use divan::Bencher;
 use std::collections::BTreeMap;
@@ -30,22 +34,45 @@ fn view(name: &str) -> (PtzCamera, f64) {
         distortion: FocalCurve::constant(k1),
         ..CameraBase::new(Vec3::new(0.0, -60.0, 18.0), level, SIZE.centre())
     };
-    (PtzCamera::new(base, Ptz::from_degrees(pan, tilt, focal)), crown_m)
+    (
+        PtzCamera::new(base, Ptz::from_degrees(pan, tilt, focal)),
+        crown_m,
+    )
 }
 
 #[divan::bench(args = VIEWS.map(|view| view.0))]
 fn soccer_lines(bencher: Bencher, name: &str) {
     let (camera, crown_m) = view(name);
-    let field = builtin("soccer").unwrap().model(&BTreeMap::new(), crown_m).unwrap();
+    let field = builtin("soccer")
+        .unwrap()
+        .model(&BTreeMap::new(), crown_m)
+        .unwrap();
     let options = MarkingOptions::default();
-    bencher.bench(|| project_lines(divan::black_box(&field), divan::black_box(&camera), SIZE, &options));
+    bencher.bench(|| {
+        project_lines(
+            divan::black_box(&field),
+            divan::black_box(&camera),
+            SIZE,
+            &options,
+        )
+    });
 }
 
 #[divan::bench]
 fn soccer_landmarks(bencher: Bencher) {
     let (camera, crown_m) = view("whole_field");
-    let field = builtin("soccer").unwrap().model(&BTreeMap::new(), crown_m).unwrap();
-    bencher.bench(|| project_landmarks(divan::black_box(&field), divan::black_box(&camera), SIZE, 16.0));
+    let field = builtin("soccer")
+        .unwrap()
+        .model(&BTreeMap::new(), crown_m)
+        .unwrap();
+    bencher.bench(|| {
+        project_landmarks(
+            divan::black_box(&field),
+            divan::black_box(&camera),
+            SIZE,
+            16.0,
+        )
+    });
 }
 
 #[divan::bench]

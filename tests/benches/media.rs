@@ -1,5 +1,10 @@
 //! Frames of a 1080p video and of image files: what a step costs, prefetched or not.
-#![allow(missing_docs, clippy::unwrap_used, clippy::panic, reason = "a bench says what failed by failing")]
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a bench says what failed by failing"
+)]
 
 use divan::Bencher;
 use std::path::{Path, PathBuf};
@@ -9,35 +14,57 @@ use std::sync::{Arc, OnceLock};
 use tempfile::TempDir;
 use touchline::jobs::{Decoder, DecoderOptions, FrameState};
 use touchline::media::{
-    FrameRef, Picture, PrefetchOptions, StepDirection, THUMBNAIL_SIZE, Video, letterboxed, load_image, prefetch_plan,
+    FrameRef, Picture, PrefetchOptions, StepDirection, THUMBNAIL_SIZE, Video, letterboxed,
+    load_image, prefetch_plan,
 };
 
 fn main() {
     divan::main();
 }
 
-/// The video that `TOUCHLINE_VIDEO` names; else a 1080p H.264 video with a key frame every 125 frames: a broadcast match scaled up
-/// where there is one (`TOUCHLINE_DATA` or `../shared/data`), else a test card.
+/// The video that `TOUCHLINE_VIDEO` names; else a 1080p H.264 video with a key frame every 125
+/// frames: a broadcast match scaled up where there is one (`TOUCHLINE_DATA` or `../shared/data`),
+/// else a test card.
 fn video() -> &'static Path {
     static VIDEO: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
     let (_, path) = VIDEO.get_or_init(|| {
         if let Some(given) = std::env::var_os("TOUCHLINE_VIDEO") {
-            return (tempfile::tempdir().unwrap(), std::path::absolute(given).unwrap());
+            return (
+                tempfile::tempdir().unwrap(),
+                std::path::absolute(given).unwrap(),
+            );
         }
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("1080p.mp4");
-        let data = std::env::var_os("TOUCHLINE_DATA")
-            .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+        let data = std::env::var_os("TOUCHLINE_DATA").map_or_else(
+            || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"),
+            PathBuf::from,
+        );
         let game = data.join("video-soccer/match.mp4");
         let mut command = Command::new("ffmpeg");
         command.args(["-v", "error", "-y"]);
         if game.is_file() {
-            command.arg("-i").arg(game).args(["-frames:v", "400", "-vf", "scale=1920:1080", "-an"]);
+            command
+                .arg("-i")
+                .arg(game)
+                .args(["-frames:v", "400", "-vf", "scale=1920:1080", "-an"]);
         } else {
-            command.args(["-f", "lavfi", "-i", "testsrc2=size=1920x1080:rate=25:duration=16"]);
+            command.args([
+                "-f",
+                "lavfi",
+                "-i",
+                "testsrc2=size=1920x1080:rate=25:duration=16",
+            ]);
         }
-        command.args(["-c:v", "libx264", "-preset", "veryfast", "-g", "125", "-b:v", "6M"]).arg(&path);
-        assert!(command.status().is_ok_and(|status| status.success()), "this bench needs ffmpeg to make its video");
+        command
+            .args([
+                "-c:v", "libx264", "-preset", "veryfast", "-g", "125", "-b:v", "6M",
+            ])
+            .arg(&path);
+        assert!(
+            command.status().is_ok_and(|status| status.success()),
+            "this bench needs ffmpeg to make its video"
+        );
         (folder, path)
     });
     path
@@ -57,17 +84,27 @@ impl Stepper {
         let (wake, woken) = channel();
         let wake = Arc::new(move || wake.send(()).unwrap_or_default());
         let decoder = Decoder::spawn(DecoderOptions::default(), wake).unwrap();
-        let mut stepper = Self { decoder, woken, frames, at };
+        let mut stepper = Self {
+            decoder,
+            woken,
+            frames,
+            at,
+        };
         stepper.request(StepDirection::Unknown);
         stepper.wait_for(at);
         stepper
     }
 
     fn request(&mut self, direction: StepDirection) {
-        let options = PrefetchOptions { in_blocks: true, ..PrefetchOptions::default() }
-            .within(self.decoder.cache_bytes(), 4 * 1920 * 1080);
-        let neighbours: Vec<_> =
-            prefetch_plan(self.at, self.frames, direction, options).into_iter().map(frame).collect();
+        let options = PrefetchOptions {
+            in_blocks: true,
+            ..PrefetchOptions::default()
+        }
+        .within(self.decoder.cache_bytes(), 4 * 1920 * 1080);
+        let neighbours: Vec<_> = prefetch_plan(self.at, self.frames, direction, options)
+            .into_iter()
+            .map(frame)
+            .collect();
         self.decoder.request(&frame(self.at), &neighbours);
     }
 
@@ -157,7 +194,9 @@ fn open_a_video_for_the_first_time(bencher: Bencher) {
         std::os::unix::fs::symlink(video(), &path).unwrap();
         path
     };
-    bencher.with_inputs(anew).bench_local_values(|path| Video::open(&path).unwrap());
+    bencher
+        .with_inputs(anew)
+        .bench_local_values(|path| Video::open(&path).unwrap());
 }
 
 #[divan::bench(sample_count = 10, sample_size = 1)]
@@ -171,8 +210,15 @@ fn load_a_1080p_jpeg(bencher: Bencher) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frame.jpg");
     let picture = Video::open(video()).unwrap().frame(30).unwrap();
-    let rgb: Vec<u8> = picture.rgba().chunks_exact(4).flat_map(|pixel| pixel[..3].to_vec()).collect();
-    image::RgbImage::from_raw(1920, 1080, rgb).unwrap().save(&path).unwrap();
+    let rgb: Vec<u8> = picture
+        .rgba()
+        .chunks_exact(4)
+        .flat_map(|pixel| pixel[..3].to_vec())
+        .collect();
+    image::RgbImage::from_raw(1920, 1080, rgb)
+        .unwrap()
+        .save(&path)
+        .unwrap();
     bencher.bench_local(|| load_image(&path).unwrap());
 }
 

@@ -1,5 +1,9 @@
 //! Painted lines of a drawn 1080p picture: made ready, checked, snapped, on one thread.
-#![allow(clippy::unwrap_used, missing_docs, reason = "a bench fails by stopping")]
+#![allow(
+    clippy::unwrap_used,
+    missing_docs,
+    reason = "a bench fails by stopping"
+)]
 
 use divan::{Bencher, black_box};
 use std::sync::LazyLock;
@@ -27,8 +31,13 @@ static FRAME: LazyLock<(Picture, PtzCamera)> = LazyLock::new(|| {
     let base = shoot.main_camera(SIZE);
     let step = &camera_path(&scene, &base, SIZE, &shoot, 1)[0];
     let camera = PtzCamera::new(base, step.ptz);
-    let drawn = scene.render(&camera, SIZE, &shoot.frame(0, step, SIZE, 5)).image;
-    let rgba = drawn.pixels().flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
+    let drawn = scene
+        .render(&camera, SIZE, &shoot.frame(0, step, SIZE, 5))
+        .image;
+    let rgba = drawn
+        .pixels()
+        .flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255])
+        .collect();
     (Picture::new(SIZE, rgba).unwrap(), camera)
 });
 
@@ -51,9 +60,20 @@ fn snap_a_frame(bencher: Bencher) {
     let (picture, camera) = &*FRAME;
     let field = field();
     let ptz = camera.ptz();
-    let start = Ptz { pan: ptz.pan + Angle::from_radians(30.0 / ptz.focal_px), ..ptz };
+    let start = Ptz {
+        pan: ptz.pan + Angle::from_radians(30.0 / ptz.focal_px),
+        ..ptz
+    };
     bencher.bench(|| {
         let ground = GroundPicture::new(picture, &[]);
-        snap(&ground, &field, camera.base(), black_box(start), &[], &SnapOptions::default()).unwrap()
+        snap(
+            &ground,
+            &field,
+            camera.base(),
+            black_box(start),
+            &[],
+            &SnapOptions::default(),
+        )
+        .unwrap()
     });
 }

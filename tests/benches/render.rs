@@ -1,5 +1,9 @@
 //! A 1080p picture with the overlay of a soccer field, off-screen.
-#![allow(missing_docs, clippy::unwrap_used, reason = "a bench says what failed by failing")]
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    reason = "a bench says what failed by failing"
+)]
 
 use divan::Bencher;
 use std::collections::BTreeMap;
@@ -26,10 +30,20 @@ fn main() {
 }
 
 fn drawing() -> Drawing {
-    let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.15).unwrap();
-    let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
+    let field = builtin("soccer")
+        .unwrap()
+        .model(&BTreeMap::new(), 0.15)
+        .unwrap();
+    let base = CameraBase::new(
+        Vec3::new(0.0, -60.0, 18.0),
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    );
     let camera = PtzCamera::new(base, Ptz::from_degrees(0.0, -14.0, 1600.0));
-    overlay(&OverlayScene { camera: Some(&camera), ..OverlayScene::new(&field, SIZE, &OverlayStyle::default()) })
+    overlay(&OverlayScene {
+        camera: Some(&camera),
+        ..OverlayScene::new(&field, SIZE, &OverlayStyle::default())
+    })
 }
 
 fn picture(key: u64) -> Layer {
@@ -48,18 +62,27 @@ fn scene(bencher: Bencher) {
 
 /// A frame solved from two clicks with a base that is not exactly known.
 fn solved() -> (FieldModel, PtzCamera, Uncertainty) {
-    let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.15).unwrap();
+    let field = builtin("soccer")
+        .unwrap()
+        .model(&BTreeMap::new(), 0.15)
+        .unwrap();
     let base = CameraBase {
         sigma: BaseSigma {
             position_m: Vec3::repeat(0.2),
             rotation: Vec3::new(1e-3, 1e-3, 0.0),
             ..BaseSigma::default()
         },
-        ..CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+        ..CameraBase::new(
+            Vec3::new(0.0, -60.0, 18.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        )
     };
     let camera = PtzCamera::new(base, Ptz::from_degrees(0.0, -14.0, 1600.0));
     let click = |name: &str| {
-        let at = camera.image_from_world(field.landmark_in_world(field.landmark(name).unwrap())).unwrap();
+        let at = camera
+            .image_from_world(field.landmark_in_world(field.landmark(name).unwrap()))
+            .unwrap();
         Observation::of_landmark(&field, name, at, SIZE, 0).unwrap()
     };
     let clicks = [click("centre_mark"), click("centre_circle_right")];
@@ -78,7 +101,15 @@ fn heat_map(bencher: Bencher) {
 #[divan::bench]
 fn uncertainty_band(bencher: Bencher) {
     let (field, camera, uncertainty) = solved();
-    bencher.bench(|| band(&uncertainty, &field, &camera, SIZE, &OverlayStyle::default()));
+    bencher.bench(|| {
+        band(
+            &uncertainty,
+            &field,
+            &camera,
+            SIZE,
+            &OverlayStyle::default(),
+        )
+    });
 }
 
 /// Drawing and reading back; the picture is on the GPU already.
@@ -93,7 +124,8 @@ fn frame_1080p(bencher: Bencher, what: &str) {
     bencher.bench_local(|| offscreen.render(&view, BLACK, &layers).unwrap());
 }
 
-/// The same at the size of the app's viewport, with a new picture every time: upload, mipmaps, drawing, reading back.
+/// The same at the size of the app's viewport, with a new picture every time: upload, mipmaps,
+/// drawing, reading back.
 #[divan::bench]
 fn step_to_a_new_picture(bencher: Bencher) {
     let mut offscreen = Offscreen::new().unwrap();

@@ -1,5 +1,9 @@
 //! The drawn match: building a stadium and drawing a frame of it.
-#![allow(clippy::unwrap_used, missing_docs, reason = "a bench fails by stopping")]
+#![allow(
+    clippy::unwrap_used,
+    missing_docs,
+    reason = "a bench fails by stopping"
+)]
 
 use touchline::camera::PtzCamera;
 use touchline::field::builtin;
@@ -31,6 +35,10 @@ fn draw_a_frame_1280x720(bencher: divan::Bencher, preset: &str) {
     bencher.bench_local(|| {
         frame = (frame + 1) % path.len();
         let step = &path[frame];
-        scene.render(&PtzCamera::new(base, step.ptz), size, &shoot.frame(frame, step, size, 5))
+        scene.render(
+            &PtzCamera::new(base, step.ptz),
+            size,
+            &shoot.frame(frame, step, size, 5),
+        )
     });
 }

@@ -1,6 +1,11 @@
-//! The interface's own time for one frame of the window, without drawing it: every panel laid out and turned into
-//! shapes, with 5,000 frames in the list or as many as `TOUCHLINE_FRAMES` says.
-#![allow(missing_docs, clippy::unwrap_used, clippy::panic, reason = "a bench says what failed by failing")]
+//! The interface's own time for one frame of the window, without drawing it: every panel laid out
+//! and turned into shapes, with 5,000 frames in the list or as many as `TOUCHLINE_FRAMES` says.
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a bench says what failed by failing"
+)]
 
 use divan::{Bencher, black_box};
 use egui::{Context, Event, Key, Modifiers, Pos2, RawInput, Rect, vec2};
@@ -11,7 +16,9 @@ use std::time::Duration;
 use touchline::app::TrainerOrder;
 use touchline::app::{Action, App, Command, Navigation, Opened, Settings, TrainerReport};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline::document::{Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, VideoFrame};
+use touchline::document::{
+    Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, VideoFrame,
+};
 use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Mat3, Vec3};
 #[cfg(feature = "opencv")]
@@ -37,7 +44,11 @@ fn frame_count() -> usize {
 /// A match of shots; every frame has six points and a camera.
 fn document(frames: usize) -> Document {
     let field = builtin("soccer").unwrap().default_model().unwrap();
-    let base = CameraBase::new(Vec3::new(1.5, -66.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
+    let base = CameraBase::new(
+        Vec3::new(1.5, -66.0, 18.0),
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    );
     let mut document = Document::new(FieldSpec::new("soccer"));
     let mut camera = Camera::new("main".into(), SIZE);
     camera.set_base(&base);
@@ -47,13 +58,20 @@ fn document(frames: usize) -> Document {
         let pointed = PtzCamera::new(base, ptz);
         let mut frame = Frame::from_image(&format!("images/{index:06}.jpg"), "main".into(), SIZE);
         frame.clip = Some(Clip::Number((index / SHOT) as i64));
-        frame.status = if index % 3 == 0 { FrameStatus::Reference } else { FrameStatus::Draft };
+        frame.status = if index % 3 == 0 {
+            FrameStatus::Reference
+        } else {
+            FrameStatus::Draft
+        };
         frame.clicks = field
             .landmarks
             .iter()
             .filter_map(|landmark| {
-                let image = pointed.image_from_world(field.landmark_in_world(landmark)).ok()?;
-                SIZE.contains(image).then(|| Click::landmark(landmark.id.clone(), image))
+                let image = pointed
+                    .image_from_world(field.landmark_in_world(landmark))
+                    .ok()?;
+                SIZE.contains(image)
+                    .then(|| Click::landmark(landmark.id.clone(), image))
             })
             .take(6)
             .collect();
@@ -67,7 +85,11 @@ fn document(frames: usize) -> Document {
 fn of_video(mut document: Document) -> Document {
     for (index, frame) in (0_u64..).zip(&mut document.frames) {
         frame.image = None;
-        frame.video = Some(VideoFrame::new("match.mp4", index, Some(index as f64 / 50.0)));
+        frame.video = Some(VideoFrame::new(
+            "match.mp4",
+            index,
+            Some(index as f64 / 50.0),
+        ));
     }
     document
 }
@@ -97,7 +119,9 @@ impl Window {
         let mut window = Self::on(document);
         let all: Vec<usize> = (0..2 * frame_count()).collect();
         let proposals = window.proposals(&all, 1);
-        window.app.update(Action::Trainer(TrainerReport::Proposals(proposals)));
+        window
+            .app
+            .update(Action::Trainer(TrainerReport::Proposals(proposals)));
         window.app.update(Action::Command(Command::ReviewPanel));
         window.frame(Vec::new());
         assert!(window.app.review().rows.len() > 2 * frame_count() * 9 / 10);
@@ -111,7 +135,10 @@ impl Window {
             // A number that jumps about, so that the list has to be sorted.
             let chance = (frame * 7919 + generation as usize * 104_729) % 1000;
             let answer = Answer {
-                ptz: FramePtz::new(Ptz::from_degrees(-20.0 + 0.004 * frame as f64, -13.0, 1900.0), None),
+                ptz: FramePtz::new(
+                    Ptz::from_degrees(-20.0 + 0.004 * frame as f64, -13.0, 1900.0),
+                    None,
+                ),
                 covariance: Mat3::identity(),
                 own_covariance: Mat3::identity(),
                 rms_px: 0.5,
@@ -129,22 +156,46 @@ impl Window {
                 line_check: None,
                 samples: None,
             };
-            let none = NotFound::FewMatches { matched: 3, needed: 12 };
-            let outcome = if chance.is_multiple_of(50) { Err(none.into()) } else { Ok(answer) };
+            let none = NotFound::FewMatches {
+                matched: 3,
+                needed: 12,
+            };
+            let outcome = if chance.is_multiple_of(50) {
+                Err(none.into())
+            } else {
+                Ok(answer)
+            };
             let frame = &document.frames[frame];
             let asked = Asked::of(document, frame);
-            Proposal { frame: frame.id.clone(), asked, generation, outcome, timings: Timings::default() }
+            Proposal {
+                frame: frame.id.clone(),
+                asked,
+                generation,
+                outcome,
+                timings: Timings::default(),
+            }
         };
         frames.iter().map(propose).collect()
     }
 
     fn on(document: Document) -> Self {
-        let mut app = App::new(Settings { details: true, ..Settings::default() });
-        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        let mut app = App::new(Settings {
+            details: true,
+            ..Settings::default()
+        });
+        app.update(Action::Opened(Box::new(Opened::new(
+            document,
+            "/match/project.json",
+        ))));
         app.update(Action::Navigate(Navigation::GoTo(frame_count() / 2)));
         let ctx = Context::default();
         apply_theme(&ctx);
-        let mut window = Self { app, pictures: Pictures::start(Arc::new(|| ())).unwrap(), ctx, time: 0.0 };
+        let mut window = Self {
+            app,
+            pictures: Pictures::start(Arc::new(|| ())).unwrap(),
+            ctx,
+            time: 0.0,
+        };
         for _ in 0..5 {
             window.frame(Vec::new());
         }
@@ -163,11 +214,27 @@ impl Window {
         let (app, pictures) = (&mut self.app, &mut self.pictures);
         let mut output = self.ctx.clone().run_ui(input, |ui| {
             let mut actions = Vec::new();
-            read(&mut Panel { app, pictures, actions: &mut actions, adapter: "" }, ui.ctx());
+            read(
+                &mut Panel {
+                    app,
+                    pictures,
+                    actions: &mut actions,
+                    adapter: "",
+                },
+                ui.ctx(),
+            );
             for action in actions.drain(..) {
                 app.update(action);
             }
-            show(&mut Panel { app, pictures, actions: &mut actions, adapter: "" }, ui);
+            show(
+                &mut Panel {
+                    app,
+                    pictures,
+                    actions: &mut actions,
+                    adapter: "",
+                },
+                ui,
+            );
         });
         // Nobody uploads them.
         output.textures_delta.clear();
@@ -202,13 +269,22 @@ fn still(bencher: Bencher<'_, '_>) {
 /// The timeline of a video is drawn as well, and the pointer moves along it.
 #[divan::bench]
 fn timeline(bencher: Bencher<'_, '_>) {
-    pointer_along(bencher, Window::on(of_video(document(frame_count()))), Pos2::new(300.0, 560.0), 400.0);
+    pointer_along(
+        bencher,
+        Window::on(of_video(document(frame_count()))),
+        Pos2::new(300.0, 560.0),
+        400.0,
+    );
 }
 
 /// Every time a frame of a video is accepted.
 #[divan::bench]
 fn timeline_accept(bencher: Bencher<'_, '_>) {
-    command_each_time(bencher, Window::on(of_video(document(frame_count()))), Command::Accept);
+    command_each_time(
+        bencher,
+        Window::on(of_video(document(frame_count()))),
+        Command::Accept,
+    );
 }
 
 /// The quality page is drawn again, all of the time shown.
@@ -240,7 +316,11 @@ fn pointer_moves(bencher: Bencher<'_, '_>) {
 fn step(bencher: Bencher<'_, '_>) {
     let mut window = Window::open();
     bencher.bench_local(|| {
-        let key = if window.app.session.frame + 1 < frame_count() { Key::Period } else { Key::R };
+        let key = if window.app.session.frame + 1 < frame_count() {
+            Key::Period
+        } else {
+            Key::R
+        };
         window.frame(vec![Event::Key {
             key,
             physical_key: None,
@@ -251,7 +331,8 @@ fn step(bencher: Bencher<'_, '_>) {
     });
 }
 
-/// The same while the trainer learns without a pause: every 20 frames of the window a reference is changed.
+/// The same while the trainer learns without a pause: every 20 frames of the window a reference is
+/// changed.
 #[cfg(feature = "opencv")]
 #[divan::bench]
 fn step_while_the_trainer_works(bencher: Bencher<'_, '_>) {
@@ -264,9 +345,19 @@ fn step_while_the_trainer_works(bencher: Bencher<'_, '_>) {
         }
         frames += 1;
         black_box(school.trainer.poll());
-        let key = if window.app.session.frame + 1 < frame_count() { Key::Period } else { Key::R };
+        let key = if window.app.session.frame + 1 < frame_count() {
+            Key::Period
+        } else {
+            Key::R
+        };
         let (physical_key, pressed, repeat) = (None, true, false);
-        window.frame(vec![Event::Key { key, physical_key, pressed, repeat, modifiers: Modifiers::NONE }])
+        window.frame(vec![Event::Key {
+            key,
+            physical_key,
+            pressed,
+            repeat,
+            modifiers: Modifiers::NONE,
+        }])
     });
 }
 
@@ -288,32 +379,57 @@ impl School {
         let mut document = Document::new(FieldSpec::new("soccer"));
         let mut camera = Camera::new("main".into(), size);
         let level = BaseAngles::default().base_from_world();
-        camera.set_base(&CameraBase::new(Vec3::new(0.0, -66.0, 18.0), level, size.centre()));
+        camera.set_base(&CameraBase::new(
+            Vec3::new(0.0, -66.0, 18.0),
+            level,
+            size.centre(),
+        ));
         document.cameras.push(camera.into());
         for index in 0..REFERENCES {
             let grain = |x: u32, y: u32| {
-                ((x / 5).wrapping_mul(2_654_435_761) ^ (y / 5 + index as u32).wrapping_mul(40_503)) >> 7
+                ((x / 5).wrapping_mul(2_654_435_761) ^ (y / 5 + index as u32).wrapping_mul(40_503))
+                    >> 7
             };
-            let picture = image::RgbImage::from_fn(size.width, size.height, |x, y| image::Rgb([grain(x, y) as u8; 3]));
+            let picture = image::RgbImage::from_fn(size.width, size.height, |x, y| {
+                image::Rgb([grain(x, y) as u8; 3])
+            });
             let name = format!("{index}.png");
             picture.save(folder.path().join(&name)).unwrap();
             let mut frame = Frame::from_image(&name, "main".into(), size);
             frame.status = FrameStatus::Reference;
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(index as f64, -12.0, 800.0), None));
+            frame.ptz = Some(FramePtz::new(
+                Ptz::from_degrees(index as f64, -12.0, 800.0),
+                None,
+            ));
             document.frames.push(frame.into());
         }
-        let options = TrainerOptions { settle: Duration::ZERO, ..TrainerOptions::default() };
-        let trainer =
-            Trainer::start(folder.path().join("project.json"), options, SharedPictures::none(), Arc::new(|| ()))
-                .unwrap();
-        Self { trainer, document, _folder: folder }
+        let options = TrainerOptions {
+            settle: Duration::ZERO,
+            ..TrainerOptions::default()
+        };
+        let trainer = Trainer::start(
+            folder.path().join("project.json"),
+            options,
+            SharedPictures::none(),
+            Arc::new(|| ()),
+        )
+        .unwrap();
+        Self {
+            trainer,
+            document,
+            _folder: folder,
+        }
     }
 
     /// A reference is another one now.
     fn change(&self, number: usize) {
         let mut document = self.document.clone();
-        document.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(0.001 * number as f64, -12.0, 800.0), None));
-        self.trainer.tell(TrainerOrder::Document(Box::new(document)));
+        document.frames[0].ptz = Some(FramePtz::new(
+            Ptz::from_degrees(0.001 * number as f64, -12.0, 800.0),
+            None,
+        ));
+        self.trainer
+            .tell(TrainerOrder::Document(Box::new(document)));
     }
 }
 
@@ -336,8 +452,8 @@ fn review_accept(bencher: Bencher<'_, '_>) {
     command_each_time(bencher, Window::review(), Command::Accept);
 }
 
-/// The frame in which a batch of proposals arrives, as they do twice a second while the forest is asked; the pointer is
-/// elsewhere, so that the list is put in order.
+/// The frame in which a batch of proposals arrives, as they do twice a second while the forest is
+/// asked; the pointer is elsewhere, so that the list is put in order.
 #[divan::bench]
 fn review_while_proposals_stream_in(bencher: Bencher<'_, '_>) {
     stream(bencher, Pos2::new(400.0, 300.0));
@@ -358,12 +474,16 @@ fn stream(bencher: Bencher<'_, '_>, pointer: Pos2) {
     bencher
         .with_inputs(|| {
             batches += 1;
-            let frames: Vec<usize> = (0..BATCH).map(|at| (batches * BATCH + at) % (2 * frame_count())).collect();
+            let frames: Vec<usize> = (0..BATCH)
+                .map(|at| (batches * BATCH + at) % (2 * frame_count()))
+                .collect();
             window.borrow().proposals(&frames, 2)
         })
         .bench_local_values(|proposals| {
             let mut window = window.borrow_mut();
-            window.app.update(Action::Trainer(TrainerReport::Proposals(proposals)));
+            window
+                .app
+                .update(Action::Trainer(TrainerReport::Proposals(proposals)));
             window.frame(Vec::new())
         });
 }

@@ -14,8 +14,12 @@ use touchline::field::FieldModel;
 use touchline::field::Symmetry;
 use touchline::geometry::ImageSize;
 use touchline::progress::Progress;
-use touchline::solve::base::{BaseOptions, CameraClicks, CrownModel, FrameClicks, LensModel, estimate_base};
-use touchline::solve::{ClickResidual, Evidence, IdentityKind, Observation, SolveContext, check_identity, solve_frame};
+use touchline::solve::base::{
+    BaseOptions, CameraClicks, CrownModel, FrameClicks, LensModel, estimate_base,
+};
+use touchline::solve::{
+    ClickResidual, Evidence, IdentityKind, Observation, SolveContext, check_identity, solve_frame,
+};
 
 pub const TESTS: &[Test] = tests![
     [Frames] the_base_comes_from_clicks_alone;
@@ -44,14 +48,19 @@ fn read(path: &Path) -> Match {
             start: None,
         })
         .collect();
-    Match { document, field, frames }
+    Match {
+        document,
+        field,
+        frames,
+    }
 }
 
-/// Median and 90 % over the three sets at clicks held out, each click once in five rounds, the model chosen anew in each.
+/// Median and 90 % over the three sets at clicks held out, each click once in five rounds, the
+/// model chosen anew in each.
 const TO_REACH: (f64, f64) = (2.4, 5.5);
 
-/// Median and 90 % of each set at held-out clicks with the model that the program chooses, as `tests/benches/base.md` has
-/// them.
+/// Median and 90 % of each set at held-out clicks with the model that the program chooses, as
+/// `tests/benches/base.md` has them.
 const CHOSEN_MODEL: [(f64, f64); 3] = [(3.00, 7.07), (2.34, 5.23), (1.87, 4.15)];
 
 /// Half of the last digit of these.
@@ -72,26 +81,64 @@ fn the_base_comes_from_clicks_alone() {
         )
         .unwrap();
         let base = &estimate.base;
-        println!("{set}: {}, crown {:.3} m, {:?}", estimate.model, estimate.crown_m, base.distortion);
-        println!("  position {:.2?} ± {:.2?} m", base.position_m.as_slice(), base.sigma.position_m.as_slice());
-        println!("  all clicks {:.2} / {:.2} px; cross-validated over frames:", estimate.median_px, estimate.p90_px);
+        println!(
+            "{set}: {}, crown {:.3} m, {:?}",
+            estimate.model, estimate.crown_m, base.distortion
+        );
+        println!(
+            "  position {:.2?} ± {:.2?} m",
+            base.position_m.as_slice(),
+            base.sigma.position_m.as_slice()
+        );
+        println!(
+            "  all clicks {:.2} / {:.2} px; cross-validated over frames:",
+            estimate.median_px, estimate.p90_px
+        );
         for score in &estimate.scores {
-            println!("    {:30} {:.2} / {:.2}", score.model, score.median_px, score.p90_px);
+            println!(
+                "    {:30} {:.2} / {:.2}",
+                score.model, score.median_px, score.p90_px
+            );
         }
         let fitted = yardstick.document.cameras[0].base().unwrap();
-        assert!((base.position_m - fitted.position_m).norm() < 1.0, "{set}: {:?}", base.position_m);
+        assert!(
+            (base.position_m - fitted.position_m).norm() < 1.0,
+            "{set}: {:?}",
+            base.position_m
+        );
         let name = |frame: usize| seen.document.frames[frame].name();
         for click in &estimate.disputed {
-            println!("  disputed: {} click {}, {:.0?} px off", name(click.frame), click.click, click.error_px);
+            println!(
+                "  disputed: {} click {}, {:.0?} px off",
+                name(click.frame),
+                click.click,
+                click.error_px
+            );
         }
-        let mirrored: Vec<String> = estimate.mirrored.iter().map(|frame| name(frame.frame)).collect();
+        let mirrored: Vec<String> = estimate
+            .mirrored
+            .iter()
+            .map(|frame| name(frame.frame))
+            .collect();
         assert_eq!(mirrored.len(), usize::from(set == "42ba34"), "{mirrored:?}");
         if set == "42ba34" {
-            assert!(mirrored[0].contains(MIRRORED[0]) && estimate.mirrored[0].symmetry == Symmetry::MirrorY);
-            assert!(estimate.disputed.iter().any(|click| name(click.frame).contains("42ba34_3_4")));
+            assert!(
+                mirrored[0].contains(MIRRORED[0])
+                    && estimate.mirrored[0].symmetry == Symmetry::MirrorY
+            );
+            assert!(
+                estimate
+                    .disputed
+                    .iter()
+                    .any(|click| name(click.frame).contains("42ba34_3_4"))
+            );
         }
         assert!(estimate.disputed.len() < 10, "{}", estimate.disputed.len());
-        let chosen = estimate.scores.iter().find(|score| score.model == estimate.model).unwrap();
+        let chosen = estimate
+            .scores
+            .iter()
+            .find(|score| score.model == estimate.model)
+            .unwrap();
         assert!(
             chosen.median_px < median_px + ROUNDING_PX && chosen.p90_px < high_px + ROUNDING_PX,
             "{set}: {:.3} / {:.3}",
@@ -101,9 +148,17 @@ fn the_base_comes_from_clicks_alone() {
         held_out.extend(errors_at_held_out_clicks(&seen));
     }
     held_out.sort_by(f64::total_cmp);
-    let (median, high) = (held_out[held_out.len() / 2], held_out[held_out.len() * 9 / 10]);
-    println!("cross-validated over clicks, model chosen by the program: {median:.2} / {high:.2} px");
-    assert!(median <= TO_REACH.0 && high <= TO_REACH.1, "{median:.2} / {high:.2} px");
+    let (median, high) = (
+        held_out[held_out.len() / 2],
+        held_out[held_out.len() * 9 / 10],
+    );
+    println!(
+        "cross-validated over clicks, model chosen by the program: {median:.2} / {high:.2} px"
+    );
+    assert!(
+        median <= TO_REACH.0 && high <= TO_REACH.1,
+        "{median:.2} / {high:.2} px"
+    );
 }
 
 /// Everything, the model's choice included, from four fifths of the clicks; errors at the others.
@@ -116,7 +171,13 @@ fn errors_at_held_out_clicks(seen: &Match) -> Vec<f64> {
             observations: frame
                 .observations
                 .iter()
-                .map(|click| if held(index, click.click) { click.held_out() } else { *click })
+                .map(|click| {
+                    if held(index, click.click) {
+                        click.held_out()
+                    } else {
+                        *click
+                    }
+                })
                 .collect(),
             start: None,
         };
@@ -128,13 +189,21 @@ fn errors_at_held_out_clicks(seen: &Match) -> Vec<f64> {
             &Progress::default(),
         )
         .unwrap();
-        let field = FieldModel { crown_m: found.crown_m, ..seen.field.clone() };
+        let field = FieldModel {
+            crown_m: found.crown_m,
+            ..seen.field.clone()
+        };
         for (index, (frame, fit)) in seen.document.frames.iter().zip(&found.frames).enumerate() {
             let Some(fit) = fit else { continue };
             let camera = PtzCamera::new(found.base, fit.ptz);
             for click in touchline::calibrate::observations(frame, &field).unwrap() {
                 if let (true, Some(at)) = (held(index, click.click), click.shape.point()) {
-                    errors.extend(camera.image_from_world(at).ok().map(|image| image.distance_px(click.image)));
+                    errors.extend(
+                        camera
+                            .image_from_world(at)
+                            .ok()
+                            .map(|image| image.distance_px(click.image)),
+                    );
                 }
             }
         }
@@ -142,36 +211,56 @@ fn errors_at_held_out_clicks(seen: &Match) -> Vec<f64> {
     errors
 }
 
-/// Four clicks of a frame, far from each other: the farthest pair, then twice the click farthest from those taken.
+/// Four clicks of a frame, far from each other: the farthest pair, then twice the click farthest
+/// from those taken.
 fn four_apart(frame: &FrameClicks) -> Vec<usize> {
     let clicks = &frame.observations;
     let mut taken = vec![0];
     let distance_to = |taken: &[usize], i: usize| {
-        taken.iter().map(|&t| clicks[t].image.distance_px(clicks[i].image)).fold(f64::INFINITY, f64::min)
+        taken
+            .iter()
+            .map(|&t| clicks[t].image.distance_px(clicks[i].image))
+            .fold(f64::INFINITY, f64::min)
     };
     while taken.len() < 5.min(clicks.len()) {
-        let next =
-            (0..clicks.len()).max_by(|&a, &b| distance_to(&taken, a).total_cmp(&distance_to(&taken, b))).unwrap();
+        let next = (0..clicks.len())
+            .max_by(|&a, &b| distance_to(&taken, a).total_cmp(&distance_to(&taken, b)))
+            .unwrap();
         taken.push(next);
     }
     // The first was arbitrary.
     taken.split_off(1)
 }
 
-/// The frames at evenly spaced places in the order of pan; `phase` within 0 to 1 chooses where the first lies.
+/// The frames at evenly spaced places in the order of pan; `phase` within 0 to 1 chooses where the
+/// first lies.
 fn spread_in_pan(fitted: &Document, count: usize, phase: f64) -> Vec<usize> {
-    let pan = |index: usize| Some((fitted.frames[index].ptz.as_ref()?.ptz().pan.degrees(), index));
+    let pan = |index: usize| {
+        Some((
+            fitted.frames[index].ptz.as_ref()?.ptz().pan.degrees(),
+            index,
+        ))
+    };
     let mut by_pan: Vec<(f64, usize)> = (0..fitted.frames.len()).filter_map(pan).collect();
     by_pan.sort_by(|a, b| a.0.total_cmp(&b.0));
-    (0..count).map(|i| by_pan[((i as f64 + phase) / count as f64 * by_pan.len() as f64) as usize].1).collect()
+    (0..count)
+        .map(|i| by_pan[((i as f64 + phase) / count as f64 * by_pan.len() as f64) as usize].1)
+        .collect()
 }
 
 fn only(frame: &FrameClicks, keep: &[usize]) -> FrameClicks {
-    FrameClicks { observations: keep.iter().map(|&click| frame.observations[click]).collect(), start: None }
+    FrameClicks {
+        observations: keep
+            .iter()
+            .map(|&click| frame.observations[click])
+            .collect(),
+        start: None,
+    }
 }
 
-/// The table of `tests/benches/base.md`: frames, whether only four clicks of each are used, median and 90 % of the errors
-/// of all other frames, each fitted to four of its clicks and measured at the rest, px.
+/// The table of `tests/benches/base.md`: frames, whether only four clicks of each are used, median
+/// and 90 % of the errors of all other frames, each fitted to four of its clicks and measured at
+/// the rest, px.
 const FEW_FRAMES: [(usize, bool, f64, f64); 10] = [
     (1, false, 4.0, 9.2),
     (1, true, 5.2, 14.9),
@@ -194,7 +283,10 @@ fn few_frames_give_a_usable_base() {
         .iter()
         .map(|set| {
             let fitted = data.join(format!("scouting-{set}/fit-k1.json"));
-            (read(&data.join(format!("scouting-{set}/clicks.json"))), read(&fitted).document)
+            (
+                read(&data.join(format!("scouting-{set}/clicks.json"))),
+                read(&fitted).document,
+            )
         })
         .collect();
     println!(
@@ -208,7 +300,11 @@ fn few_frames_give_a_usable_base() {
                 let chosen = spread_in_pan(fitted, count, phase);
                 let of = |&index: &usize| {
                     let frame = &seen.frames[index];
-                    if four_only { only(frame, &four_apart(frame)) } else { frame.clone() }
+                    if four_only {
+                        only(frame, &four_apart(frame))
+                    } else {
+                        frame.clone()
+                    }
                 };
                 let few: Vec<FrameClicks> = chosen.iter().map(of).collect();
                 let options = BaseOptions::default();
@@ -218,26 +314,46 @@ fn few_frames_give_a_usable_base() {
                     &options,
                     &Progress::default(),
                 )
-                .unwrap_or_else(|error| panic!("{count} frames {chosen:?}, four clicks {four_only}: {error}"));
-                let field = FieldModel { crown_m: found.crown_m, ..seen.field.clone() };
+                .unwrap_or_else(|error| {
+                    panic!("{count} frames {chosen:?}, four clicks {four_only}: {error}")
+                });
+                let field = FieldModel {
+                    crown_m: found.crown_m,
+                    ..seen.field.clone()
+                };
                 let context = SolveContext::new(SIZE);
                 for (index, frame) in seen.document.frames.iter().enumerate() {
-                    if chosen.contains(&index) || MIRRORED.iter().any(|name| frame.name().contains(name)) {
+                    if chosen.contains(&index)
+                        || MIRRORED.iter().any(|name| frame.name().contains(name))
+                    {
                         continue;
                     }
                     let clicks = touchline::calibrate::observations(frame, &field).unwrap();
                     let keep = four_apart(&seen.frames[index]);
                     let four: Vec<Observation> = clicks
                         .iter()
-                        .map(|click| if keep.contains(&click.click) { *click } else { click.held_out() })
+                        .map(|click| {
+                            if keep.contains(&click.click) {
+                                *click
+                            } else {
+                                click.held_out()
+                            }
+                        })
                         .collect();
                     asked += 2;
                     match solve_frame(&found.base, &four, &context) {
-                        Ok(solved) => rest.extend(solved.checks.iter().filter_map(|check| check.error_px)),
+                        Ok(solved) => {
+                            rest.extend(solved.checks.iter().filter_map(|check| check.error_px))
+                        }
                         Err(_) => unsolved += 1,
                     }
                     match solve_frame(&found.base, &clicks, &context) {
-                        Ok(solved) => all.extend(solved.residuals.iter().filter_map(ClickResidual::distance_px)),
+                        Ok(solved) => all.extend(
+                            solved
+                                .residuals
+                                .iter()
+                                .filter_map(ClickResidual::distance_px),
+                        ),
                         Err(_) => unsolved += 1,
                     }
                 }
@@ -247,7 +363,8 @@ fn few_frames_give_a_usable_base() {
         let (rest, all) = (Summary::of(rest), Summary::of(all));
         println!("{count:6} | {clicks:14} | {rest:20} | {all} ({unsolved} of {asked} not solved)");
         assert!(
-            rest.median < median_px + FEW_FRAMES_ROUNDING_PX && rest.high < high_px + FEW_FRAMES_ROUNDING_PX,
+            rest.median < median_px + FEW_FRAMES_ROUNDING_PX
+                && rest.high < high_px + FEW_FRAMES_ROUNDING_PX,
             "{count} frames, {clicks} clicks: {rest}"
         );
         let at_most = match count {
@@ -255,7 +372,10 @@ fn few_frames_give_a_usable_base() {
             2 => 3.3,
             _ => 3.0,
         };
-        assert!(all.median < at_most, "{count} frames, {clicks} clicks: {all}");
+        assert!(
+            all.median < at_most,
+            "{count} frames, {clicks} clicks: {all}"
+        );
     }
 }
 
@@ -275,18 +395,31 @@ fn two_names_exchanged_are_named_as_a_swap() {
         for set in SETS {
             let seen = read(&data.join(format!("scouting-{set}/clicks.json")));
             let (base, crown_m) = if let Some(fit) = published {
-                (read(&data.join(format!("scouting-{set}/{fit}.json"))).document.cameras[0].base().unwrap(), 0.0)
+                (
+                    read(&data.join(format!("scouting-{set}/{fit}.json")))
+                        .document
+                        .cameras[0]
+                        .base()
+                        .unwrap(),
+                    0.0,
+                )
             } else {
                 let options = BaseOptions::default();
                 let clicks = CameraClicks::centred(&seen.field, &seen.frames, SIZE);
                 let found = estimate_base(&clicks, None, &options, &Progress::default()).unwrap();
                 (found.base, found.crown_m)
             };
-            let field = FieldModel { crown_m, ..seen.field.clone() };
+            let field = FieldModel {
+                crown_m,
+                ..seen.field.clone()
+            };
             let mut rng = Pcg64::seed_from_u64(3);
             for frame in &seen.document.frames {
                 // Frames that are wrong already.
-                if [MIRRORED[0], "42ba34_3_4"].iter().any(|name| frame.name().contains(name)) {
+                if [MIRRORED[0], "42ba34_3_4"]
+                    .iter()
+                    .any(|name| frame.name().contains(name))
+                {
                     continue;
                 }
                 let clicks = touchline::calibrate::observations(frame, &field).unwrap();
@@ -303,14 +436,22 @@ fn two_names_exchanged_are_named_as_a_swap() {
                     .flat_map(|i| all.clone().skip(i + 1).map(move |j| (i, j)))
                     .filter(|&(i, j)| clicks[i].image.distance_px(clicks[j].image) > APART_PX)
                     .collect();
-                let Some(&(i, j)) = pairs.choose(&mut rng).filter(|_| clicks.len() >= 4) else { continue };
+                let Some(&(i, j)) = pairs.choose(&mut rng).filter(|_| clicks.len() >= 4) else {
+                    continue;
+                };
                 let mut wrong = clicks.clone();
-                wrong[i] = clicks[i].renamed(&field, clicks[j].element.unwrap()).unwrap();
-                wrong[j] = clicks[j].renamed(&field, clicks[i].element.unwrap()).unwrap();
+                wrong[i] = clicks[i]
+                    .renamed(&field, clicks[j].element.unwrap())
+                    .unwrap();
+                wrong[j] = clicks[j]
+                    .renamed(&field, clicks[i].element.unwrap())
+                    .unwrap();
                 asked += 1;
                 named += usize::from(found(&wrong).is_some_and(|found| {
-                    let told: Vec<usize> = found.renames.iter().map(|rename| rename.click).collect();
-                    found.kind == IdentityKind::Swapped && told == [clicks[i].click, clicks[j].click]
+                    let told: Vec<usize> =
+                        found.renames.iter().map(|rename| rename.click).collect();
+                    found.kind == IdentityKind::Swapped
+                        && told == [clicks[i].click, clicks[j].click]
                 }));
             }
         }
@@ -318,21 +459,36 @@ fn two_names_exchanged_are_named_as_a_swap() {
             "{}: {named} of {asked} swaps named, {accused} of {right} right frames accused",
             published.unwrap_or("own base")
         );
-        assert!(f64::from(named as u32) >= share * f64::from(asked), "{named} of {asked}");
-        assert!(accused as f64 <= ACCUSED * f64::from(right), "{accused} of {right}");
+        assert!(
+            f64::from(named as u32) >= share * f64::from(asked),
+            "{named} of {asked}"
+        );
+        assert!(
+            accused as f64 <= ACCUSED * f64::from(right),
+            "{accused} of {right}"
+        );
     }
 }
 
 /// Random frames of each set for which a base is estimated.
 const SUBSETS: usize = 20;
 
-/// Frames, the median error of the program's base at the rest of all other frames' clicks, px, and the share of subsets for
-/// which it is worse than a pinhole's by more than 3 %.
-const ANY_FEW_FRAMES: [(usize, f64, f64); 4] = [(2, 4.7, 0.12), (3, 4.0, 0.07), (4, 3.9, 0.03), (5, 3.7, 0.04)];
+/// Frames, the median error of the program's base at the rest of all other frames' clicks, px, and
+/// the share of subsets for which it is worse than a pinhole's by more than 3 %.
+const ANY_FEW_FRAMES: [(usize, f64, f64); 4] = [
+    (2, 4.7, 0.12),
+    (3, 4.0, 0.07),
+    (4, 3.9, 0.03),
+    (5, 3.7, 0.04),
+];
 
-/// Median error of a base at the clicks of the frames that it does not come from, each fitted to four, at the rest, px.
+/// Median error of a base at the clicks of the frames that it does not come from, each fitted to
+/// four, at the rest, px.
 fn median_at_others(seen: &Match, chosen: &[usize], base: &CameraBase, crown_m: f64) -> f64 {
-    let field = FieldModel { crown_m, ..seen.field.clone() };
+    let field = FieldModel {
+        crown_m,
+        ..seen.field.clone()
+    };
     let mut rest = Vec::new();
     for (index, frame) in seen.document.frames.iter().enumerate() {
         if chosen.contains(&index) || MIRRORED.iter().any(|name| frame.name().contains(name)) {
@@ -340,8 +496,16 @@ fn median_at_others(seen: &Match, chosen: &[usize], base: &CameraBase, crown_m: 
         }
         let keep = four_apart(&seen.frames[index]);
         let clicks = touchline::calibrate::observations(frame, &field).unwrap();
-        let four: Vec<Observation> =
-            clicks.iter().map(|click| if keep.contains(&click.click) { *click } else { click.held_out() }).collect();
+        let four: Vec<Observation> = clicks
+            .iter()
+            .map(|click| {
+                if keep.contains(&click.click) {
+                    *click
+                } else {
+                    click.held_out()
+                }
+            })
+            .collect();
         if let Ok(solved) = solve_frame(base, &four, &SolveContext::new(SIZE)) {
             rest.extend(solved.checks.iter().filter_map(|check| check.error_px));
         }
@@ -352,25 +516,38 @@ fn median_at_others(seen: &Match, chosen: &[usize], base: &CameraBase, crown_m: 
 fn any_few_frames_are_seldom_worse_than_a_pinhole() {
     let data = frames_folder();
     let sets = SETS.map(|set| read(&data.join(format!("scouting-{set}/clicks.json"))));
-    let pinhole =
-        BaseOptions { lens: Some(LensModel::Pinhole), crown: Some(CrownModel::Fixed(0.0)), ..BaseOptions::default() };
+    let pinhole = BaseOptions {
+        lens: Some(LensModel::Pinhole),
+        crown: Some(CrownModel::Fixed(0.0)),
+        ..BaseOptions::default()
+    };
     for (count, median_px, share_worse) in ANY_FEW_FRAMES {
         let (mut errors, mut ratios, mut failed) = (Vec::new(), Vec::new(), 0);
         for (number, seen) in sets.iter().enumerate() {
             let mut rng = Pcg64::seed_from_u64((1000 * count + number) as u64);
             let telling = |&index: &usize| {
-                let mirrored = MIRRORED.iter().any(|name| seen.document.frames[index].name().contains(name));
+                let mirrored = MIRRORED
+                    .iter()
+                    .any(|name| seen.document.frames[index].name().contains(name));
                 seen.frames[index].observations.len() >= 4 && !mirrored
             };
             let telling: Vec<usize> = (0..seen.frames.len()).filter(telling).collect();
             for _ in 0..SUBSETS {
                 let chosen: Vec<usize> = telling.sample(&mut rng, count).copied().collect();
-                let four = |&index: &usize| only(&seen.frames[index], &four_apart(&seen.frames[index]));
+                let four =
+                    |&index: &usize| only(&seen.frames[index], &four_apart(&seen.frames[index]));
                 let few: Vec<FrameClicks> = chosen.iter().map(four).collect();
                 let estimate = |options: &BaseOptions| {
-                    estimate_base(&CameraClicks::centred(&seen.field, &few, SIZE), None, options, &Progress::default())
+                    estimate_base(
+                        &CameraClicks::centred(&seen.field, &few, SIZE),
+                        None,
+                        options,
+                        &Progress::default(),
+                    )
                 };
-                let (Ok(found), Ok(plain)) = (estimate(&BaseOptions::default()), estimate(&pinhole)) else {
+                let (Ok(found), Ok(plain)) =
+                    (estimate(&BaseOptions::default()), estimate(&pinhole))
+                else {
                     failed += 1;
                     continue;
                 };
@@ -379,7 +556,8 @@ fn any_few_frames_are_seldom_worse_than_a_pinhole() {
                 ratios.push(error / median_at_others(seen, &chosen, &plain.base, plain.crown_m));
             }
         }
-        let worse = ratios.iter().filter(|ratio| **ratio > 1.03).count() as f64 / ratios.len() as f64;
+        let worse =
+            ratios.iter().filter(|ratio| **ratio > 1.03).count() as f64 / ratios.len() as f64;
         let (errors, ratios) = (Summary::of(errors), Summary::of(ratios));
         println!(
             "{count} frames: {errors}; of a pinhole's error {:.2} (90 % {:.2}), worse by 3 % in {:.1} % ({failed} without \
@@ -388,7 +566,10 @@ fn any_few_frames_are_seldom_worse_than_a_pinhole() {
             ratios.high,
             100.0 * worse
         );
-        assert!(errors.median < median_px && worse < share_worse, "{count} frames: {errors}, worse in {worse:.3}");
+        assert!(
+            errors.median < median_px && worse < share_worse,
+            "{count} frames: {errors}, worse in {worse:.3}"
+        );
         assert!(failed <= 1, "{count} frames: {failed} without a base");
     }
 }

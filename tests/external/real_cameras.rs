@@ -2,7 +2,9 @@
 
 use crate::parts::{Test, frames_folder, tests};
 use std::path::Path;
-use touchline::calibrate::{BaseProblem, FrameLookup, better_camera, calibrate, camera_change, solve_document};
+use touchline::calibrate::{
+    BaseProblem, FrameLookup, better_camera, calibrate, camera_change, solve_document,
+};
 use touchline::document::{CameraId, Document, FieldSpec, Fields};
 use touchline::progress::Progress;
 use touchline::solve::base::BaseOptions;
@@ -20,7 +22,9 @@ fn real(set: &str) -> Document {
     let mut document = touchline::store::read(&path).unwrap().1;
     let camera = document.cameras[0].id.clone();
     let problem = BaseProblem::of(document.at(Path::new(".")), &camera).unwrap();
-    let estimated = problem.estimate(&document, &BaseOptions::default(), &Progress::default()).unwrap();
+    let estimated = problem
+        .estimate(&document, &BaseOptions::default(), &Progress::default())
+        .unwrap();
     estimated.write_to(&mut document, Path::new(".")).unwrap();
     document
 }
@@ -61,8 +65,11 @@ fn real_matches_are_told_apart_and_give_no_false_alarm() {
             asked.frames[index].camera = camera.id.clone();
             let frame = &asked.frames[index];
             let (lookup, field) = (FrameLookup::of(&asked), fields.of_frame(&asked, frame));
-            let Ok(solved) = calibrate(&asked, &lookup, frame, field, index) else { continue };
-            let better = better_camera(&asked, frame, &solved, &of_cameras).map(|better| better.camera);
+            let Ok(solved) = calibrate(&asked, &lookup, frame, field, index) else {
+                continue;
+            };
+            let better =
+                better_camera(&asked, frame, &solved, &of_cameras).map(|better| better.camera);
             if camera.id == right {
                 tested += 1;
                 alarms += usize::from(better.is_some());
@@ -72,9 +79,17 @@ fn real_matches_are_told_apart_and_give_no_false_alarm() {
             }
         }
     }
-    println!("frames told to be another camera's: {alarms} of {tested}; wrongly given found: {found} of {given}");
-    assert!(10 * tested >= 9 * document.frames.len(), "only {tested} frames were asked");
-    assert!(given > tested, "only {given} frames were given to a wrong camera");
+    println!(
+        "frames told to be another camera's: {alarms} of {tested}; wrongly given found: {found} of {given}"
+    );
+    assert!(
+        10 * tested >= 9 * document.frames.len(),
+        "only {tested} frames were asked"
+    );
+    assert!(
+        given > tested,
+        "only {given} frames were given to a wrong camera"
+    );
     assert!(alarms <= tested / 100, "{alarms} of {tested}");
     assert!(10 * found >= 8 * given, "{found} of {given}");
 }
@@ -83,16 +98,31 @@ fn the_first_frame_of_another_match_is_where_the_camera_stops_fitting() {
     let mut document = three_matches();
     let first: CameraId = SETS[0].into();
     let (here, there) = (document.cameras[0].clone(), document.cameras[2].id.clone());
-    document.frames.retain(|frame| frame.camera == here.id || frame.camera == there);
-    let begins = document.frames.iter().position(|frame| frame.camera == there).unwrap();
+    document
+        .frames
+        .retain(|frame| frame.camera == here.id || frame.camera == there);
+    let begins = document
+        .frames
+        .iter()
+        .position(|frame| frame.camera == there)
+        .unwrap();
     document.cameras = vec![here];
     for frame in &mut document.frames {
         frame.camera = first.clone();
     }
     solve_document(&mut document, Path::new("."), &Progress::default()).unwrap();
     let fields = Fields::of(document.at(Path::new("."))).unwrap();
-    let change =
-        camera_change(&document, &FrameLookup::of(&document), &first, &fields.of_cameras(&document)[0]).unwrap();
+    let change = camera_change(
+        &document,
+        &FrameLookup::of(&document),
+        &first,
+        &fields.of_cameras(&document)[0],
+    )
+    .unwrap();
     println!("{} ({begins})", change.describe());
-    assert!(change.frame.abs_diff(begins) <= 2, "{} for {begins}", change.frame);
+    assert!(
+        change.frame.abs_diff(begins) <= 2,
+        "{} for {begins}",
+        change.frame
+    );
 }

@@ -27,25 +27,44 @@ fn real_documents_survive_the_round_trip() {
             let document = document_from_bytes(&bytes).unwrap();
             let text = document_to_string(&document).unwrap();
             let again = document_from_bytes(text.as_bytes()).unwrap();
-            assert_eq!((&again.frames, &again.cameras), (&document.frames, &document.cameras));
+            assert_eq!(
+                (&again.frames, &again.cameras),
+                (&document.frames, &document.cameras)
+            );
         }
     }
 }
 
-/// Residuals of the clicks on each landmark along one axis, in the template's sigmas; far-off clicks left out.
+/// Residuals of the clicks on each landmark along one axis, in the template's sigmas; far-off
+/// clicks left out.
 fn residuals_by_landmark(document: &Document, axis: usize) -> BTreeMap<String, Vec<f64>> {
     let field = field();
     let mut found: BTreeMap<String, Vec<f64>> = BTreeMap::new();
-    for frame in document.frames.iter().filter(|frame| !frame.name().contains("42ba34_9_2")) {
-        let Some(camera) = document.pointed(frame) else { continue };
+    for frame in document
+        .frames
+        .iter()
+        .filter(|frame| !frame.name().contains("42ba34_9_2"))
+    {
+        let Some(camera) = document.pointed(frame) else {
+            continue;
+        };
         for click in &frame.clicks {
-            let Some(landmark) = click.target.as_ref().and_then(|target| field.landmark(target.as_str())) else {
+            let Some(landmark) = click
+                .target
+                .as_ref()
+                .and_then(|target| field.landmark(target.as_str()))
+            else {
                 continue;
             };
-            let Ok(at) = camera.image_from_world(field.landmark_in_world(landmark)) else { continue };
+            let Ok(at) = camera.image_from_world(field.landmark_in_world(landmark)) else {
+                continue;
+            };
             let off = click.image.offset_from(at);
             if off.norm() < 10.0 {
-                found.entry(landmark.id.to_string()).or_default().push(off[axis] / landmark.click_sigma_px);
+                found
+                    .entry(landmark.id.to_string())
+                    .or_default()
+                    .push(off[axis] / landmark.click_sigma_px);
             }
         }
     }
@@ -59,15 +78,26 @@ fn on_real_frames_the_place_is_worth_half_of_what_templates_state() {
         let bytes = std::fs::read(data.join(format!("scouting-{name}/fit-k1.json"))).unwrap();
         let document = document_from_bytes(&bytes).unwrap();
         let (mut clicks, mut place) = (0.0, 0.0);
-        for residuals in [0, 1].into_iter().flat_map(|axis| residuals_by_landmark(&document, axis).into_values()) {
+        for residuals in [0, 1]
+            .into_iter()
+            .flat_map(|axis| residuals_by_landmark(&document, axis).into_values())
+        {
             let count = residuals.len() as f64;
             let mean = residuals.iter().sum::<f64>() / count;
-            let variance = residuals.iter().map(|off| (off - mean).powi(2)).sum::<f64>() / (count - 1.0);
+            let variance = residuals
+                .iter()
+                .map(|off| (off - mean).powi(2))
+                .sum::<f64>()
+                / (count - 1.0);
             clicks += count;
             // The variance of one-way random effects, by moments.
             place += count * (mean * mean - variance / count);
         }
-        assert!((place / clicks - expected).abs() < 0.02, "{name}: {:.3} of sigma squared", place / clicks);
+        assert!(
+            (place / clicks - expected).abs() < 0.02,
+            "{name}: {:.3} of sigma squared",
+            place / clicks
+        );
     }
 }
 
@@ -81,8 +111,14 @@ fn has_a_twin(click: &Click) -> bool {
 fn wrong_names_among_real_clicks_are_marked() {
     let data = frames_folder();
     let folder = tempfile::tempdir().unwrap();
-    let clicks = data.join("scouting-42ba34/clicks.json").canonicalize().unwrap();
-    let ran = touchline(folder.path(), &format!("refine-base {} -o out.json", clicks.display()));
+    let clicks = data
+        .join("scouting-42ba34/clicks.json")
+        .canonicalize()
+        .unwrap();
+    let ran = touchline(
+        folder.path(),
+        &format!("refine-base {} -o out.json", clicks.display()),
+    );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let (_, refined, _) = read(&folder.path().join("out.json")).unwrap();
     let published = read(&data.join("scouting-42ba34/fit-k1.json")).unwrap().1;
@@ -91,27 +127,60 @@ fn wrong_names_among_real_clicks_are_marked() {
         let solution = frame.solution.as_ref().unwrap();
         let about_names = |code: &str| ["swapped", "mirrored", "wrong_line"].contains(&code);
         if frame.name().contains("42ba34_9_2") {
-            let mirrored = solution.warnings.iter().find(|warning| warning.code == "mirrored").unwrap();
+            let mirrored = solution
+                .warnings
+                .iter()
+                .find(|warning| warning.code == "mirrored")
+                .unwrap();
             assert_eq!(
                 mirrored.renames.len(),
-                frame.clicks.iter().filter(|click| has_a_twin(click)).count(),
+                frame
+                    .clicks
+                    .iter()
+                    .filter(|click| has_a_twin(click))
+                    .count(),
                 "{mirrored:?}"
             );
             continue;
         }
-        warned += usize::from(solution.warnings.iter().any(|warning| about_names(&warning.code)));
-        for click in known.solution.iter().flat_map(|solution| &solution.disputed) {
-            assert!(solution.disputed.contains(click), "{}: {:?}", frame.name(), solution.disputed);
+        warned += usize::from(
+            solution
+                .warnings
+                .iter()
+                .any(|warning| about_names(&warning.code)),
+        );
+        for click in known
+            .solution
+            .iter()
+            .flat_map(|solution| &solution.disputed)
+        {
+            assert!(
+                solution.disputed.contains(click),
+                "{}: {:?}",
+                frame.name(),
+                solution.disputed
+            );
         }
     }
-    assert_eq!(warned, 0, "false alarms among {} other frames", refined.frames.len());
+    assert_eq!(
+        warned,
+        0,
+        "false alarms among {} other frames",
+        refined.frames.len()
+    );
 }
 
 fn real_clicks_give_a_real_camera() {
     let data = frames_folder();
     let folder = tempfile::tempdir().unwrap();
-    let clicks = data.join("scouting-d82e7a/clicks.json").canonicalize().unwrap();
-    let ran = touchline(folder.path(), &format!("refine-base {} -o out.json", clicks.display()));
+    let clicks = data
+        .join("scouting-d82e7a/clicks.json")
+        .canonicalize()
+        .unwrap();
+    let ran = touchline(
+        folder.path(),
+        &format!("refine-base {} -o out.json", clicks.display()),
+    );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let (_, refined, _) = read(&folder.path().join("out.json")).unwrap();
     assert!(refined.frames.iter().all(|frame| frame.ptz.is_some()));

@@ -33,14 +33,18 @@ fn model(document: &Document, folder: &Path) -> FieldModel {
     document.field.model(folder).unwrap()
 }
 
-/// The farthest that a landmark on the ground within a picture moves between the frames of two documents, px. Frames are matched by
-/// their order.
+/// The farthest that a landmark on the ground within a picture moves between the frames of two
+/// documents, px. Frames are matched by their order.
 fn apart_px(a: &Document, b: &Document, field: &FieldModel, size: ImageSize) -> f64 {
     assert_eq!(a.frames.len(), b.frames.len());
     let mut worst = 0.0_f64;
     for (one, two) in a.frames.iter().zip(&b.frames) {
         let (one, two) = (a.pointed(one).unwrap(), b.pointed(two).unwrap());
-        for landmark in field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0) {
+        for landmark in field
+            .landmarks
+            .iter()
+            .filter(|landmark| landmark.nominal_m.z == 0.0)
+        {
             let point = field.landmark_in_world(landmark);
             if let Ok(image) = one.image_from_world(point)
                 && size.contains(image)
@@ -92,7 +96,11 @@ fn a_real_camera_path_goes_through_every_format_of_cameras() {
     assert_eq!(document.frames.len(), 330);
     let size = ImageSize::new(1280, 720);
     let field = model(&document, folder.path());
-    let set = format!("--set length_m={} --set width_m={}", 118.0 * YARD_M, 70.0 * YARD_M);
+    let set = format!(
+        "--set length_m={} --set width_m={}",
+        118.0 * YARD_M,
+        70.0 * YARD_M
+    );
     for (format, name, options, allowed_px) in [
         ("soccernet", "sn", "", 1e-6),
         ("csv", "cameras.csv", "", 1e-6),
@@ -104,41 +112,78 @@ fn a_real_camera_path_goes_through_every_format_of_cameras() {
         ("homography", "h.jsonl", "--size 1280x720", 1e-5),
         ("wc14", "wc14", "--size 1280x720", 1e-5),
         ("tsworldcup", "ts", "--size 1280x720", 1e-5),
-        // Half a pixel of focal length as the zoom's step; in packets half a step of 1/32768 degree as well.
-        ("freed-csv", "freed.csv", "--size 1280x720 --zoom focal-px", 0.5),
-        ("freed", "camera.freed", "--size 1280x720 --zoom focal-px", 0.5),
+        // Half a pixel of focal length as the zoom's step; in packets half a step of 1/32768 degree
+        // as well.
+        (
+            "freed-csv",
+            "freed.csv",
+            "--size 1280x720 --zoom focal-px",
+            0.5,
+        ),
+        (
+            "freed",
+            "camera.freed",
+            "--size 1280x720 --zoom focal-px",
+            0.5,
+        ),
     ] {
-        run(folder.path(), &format!("export motion.json --format {format} -o {name}"));
-        run(folder.path(), &format!("import {name} --format {format} {set} {options} -o back-{format}.json"));
+        run(
+            folder.path(),
+            &format!("export motion.json --format {format} -o {name}"),
+        );
+        run(
+            folder.path(),
+            &format!("import {name} --format {format} {set} {options} -o back-{format}.json"),
+        );
         let (_, back, _) = read(&folder.path().join(format!("back-{format}.json"))).unwrap();
         let worst = apart_px(&document, &back, &field, size);
         println!("{format}: {} frames, {worst:.1e} px", back.frames.len());
         assert!(worst <= allowed_px, "{format}: {worst:.2e} px");
     }
     // PnLCalib's files are SoccerNet's; they are read only.
-    run(folder.path(), &format!("import sn --format pnlcalib {set} -o back-pnlcalib.json"));
+    run(
+        folder.path(),
+        &format!("import sn --format pnlcalib {set} -o back-pnlcalib.json"),
+    );
     let (_, back, _) = read(&folder.path().join("back-pnlcalib.json")).unwrap();
     let worst = apart_px(&document, &back, &field, size);
     println!("pnlcalib: {worst:.1e} px");
     assert!(worst <= 1e-6, "pnlcalib: {worst:.2e} px");
     // USD is written only; the export reads its own file again.
-    run(folder.path(), "export motion.json --format usda -o camera.usda");
+    run(
+        folder.path(),
+        "export motion.json --format usda -o camera.usda",
+    );
     let stage = fs::read_to_string(folder.path().join("camera.usda")).unwrap();
-    assert!(stage.contains("startTimeCode = 515") && stage.contains("endTimeCode = 844"), "one sample a frame");
+    assert!(
+        stage.contains("startTimeCode = 515") && stage.contains("endTimeCode = 844"),
+        "one sample a frame"
+    );
 }
 
 fn published_homographies_come_in_are_fitted_go_out_and_come_back() {
     let folder = tempfile::tempdir().unwrap();
-    let text = fs::read_to_string(frames_folder().join("homographies-2014/train_val.json")).unwrap();
+    let text =
+        fs::read_to_string(frames_folder().join("homographies-2014/train_val.json")).unwrap();
     let published: Value = serde_json::from_str(&text).unwrap();
-    // The published matrices take template yards from the far-left corner of 115 × 74 to pixels; ours state their own metres.
+    // The published matrices take template yards from the far-left corner of 115 × 74 to pixels;
+    // ours state their own metres.
     let mut lines = String::new();
     let frames = published["frames"].as_array().unwrap();
     let usable: Vec<&Value> = frames
         .iter()
-        .filter(|frame| frame["derived"]["rms_px_vs_homography"].as_f64().is_some_and(|rms| rms < 1.0))
+        .filter(|frame| {
+            frame["derived"]["rms_px_vs_homography"]
+                .as_f64()
+                .is_some_and(|rms| rms < 1.0)
+        })
         .collect();
-    assert!(usable.len() >= 20, "{} of {} are nearly a camera's", usable.len(), frames.len());
+    assert!(
+        usable.len() >= 20,
+        "{} of {} are nearly a camera's",
+        usable.len(),
+        frames.len()
+    );
     for frame in &usable {
         let line = json!({
             "image": frame["image"], "direction": "image_from_pitch", "unit": "yd", "pixels": "centre", "undistorted": true,
@@ -148,10 +193,14 @@ fn published_homographies_come_in_are_fitted_go_out_and_come_back() {
         lines.push('\n');
     }
     fs::write(folder.path().join("published.jsonl"), lines).unwrap();
-    run(folder.path(), "import published.jsonl --format homography --size 1280x720 -o fitted.json");
+    run(
+        folder.path(),
+        "import published.jsonl --format homography --size 1280x720 -o fitted.json",
+    );
     let (_, fitted, _) = read(&folder.path().join("fitted.json")).unwrap();
     assert_eq!(fitted.frames.len(), usable.len());
-    // A camera with square pixels has fewer parameters than a homography: as far apart as the published fit says.
+    // A camera with square pixels has fewer parameters than a homography: as far apart as the
+    // published fit says.
     let size = ImageSize::new(1280, 720);
     let field = model(&fitted, folder.path());
     let mut off: Vec<f64> = Vec::new();
@@ -159,14 +208,30 @@ fn published_homographies_come_in_are_fitted_go_out_and_come_back() {
         let camera = fitted.pointed(frame).unwrap();
         let h = centred(&published["homography_as_stored"]);
         let (mut sum, mut count) = (0.0, 0);
-        for landmark in field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0) {
-            let Ok(image) = camera.image_from_world(landmark.nominal_m) else { continue };
+        for landmark in field
+            .landmarks
+            .iter()
+            .filter(|landmark| landmark.nominal_m.z == 0.0)
+        {
+            let Ok(image) = camera.image_from_world(landmark.nominal_m) else {
+                continue;
+            };
             if !size.contains(image) {
                 continue;
             }
-            let ground = [landmark.nominal_m.x / YARD_M, landmark.nominal_m.y / YARD_M, 1.0];
-            let [x, y, w] = [0, 1, 2].map(|row| (0..3).map(|column| h[row][column] * ground[column]).sum::<f64>());
-            sum += ImagePoint::new(x / w + 0.5, y / w + 0.5).distance_px(image).powi(2);
+            let ground = [
+                landmark.nominal_m.x / YARD_M,
+                landmark.nominal_m.y / YARD_M,
+                1.0,
+            ];
+            let [x, y, w] = [0, 1, 2].map(|row| {
+                (0..3)
+                    .map(|column| h[row][column] * ground[column])
+                    .sum::<f64>()
+            });
+            sum += ImagePoint::new(x / w + 0.5, y / w + 0.5)
+                .distance_px(image)
+                .powi(2);
             count += 1;
         }
         if count > 0 {
@@ -175,11 +240,24 @@ fn published_homographies_come_in_are_fitted_go_out_and_come_back() {
     }
     off.sort_by(f64::total_cmp);
     let (median, worst) = (off[off.len() / 2], off[off.len() - 1]);
-    println!("{} homographies fitted: rms median {median:.2} px, worst {worst:.2} px", off.len());
+    println!(
+        "{} homographies fitted: rms median {median:.2} px, worst {worst:.2} px",
+        off.len()
+    );
     assert!(median < 1.5 && worst < 10.0, "{median} {worst}");
-    for (format, name) in [("wc14", "wc14"), ("homography", "again.jsonl"), ("soccernet", "sn")] {
-        run(folder.path(), &format!("export fitted.json --format {format} -o {name}"));
-        run(folder.path(), &format!("import {name} --format {format} --size 1280x720 -o back-{format}.json"));
+    for (format, name) in [
+        ("wc14", "wc14"),
+        ("homography", "again.jsonl"),
+        ("soccernet", "sn"),
+    ] {
+        run(
+            folder.path(),
+            &format!("export fitted.json --format {format} -o {name}"),
+        );
+        run(
+            folder.path(),
+            &format!("import {name} --format {format} --size 1280x720 -o back-{format}.json"),
+        );
         let (_, back, _) = read(&folder.path().join(format!("back-{format}.json"))).unwrap();
         let worst = apart_px(&fitted, &back, &field, size);
         println!("{format}: {worst:.1e} px");
@@ -209,19 +287,27 @@ fn real_clicks_go_out_to_other_tools_and_come_back_equal() {
         ] {
             let out = touchline(
                 folder.path(),
-                &format!("export {} --format {format} --outside keep -o {name}", source.display()),
+                &format!(
+                    "export {} --format {format} --outside keep -o {name}",
+                    source.display()
+                ),
             );
             assert!(out.code < 2, "{}", out.stderr);
             run(
                 folder.path(),
-                &format!("import {name} --format {format} --images {} -o back-{format}.json", images.display()),
+                &format!(
+                    "import {name} --format {format} --images {} -o back-{format}.json",
+                    images.display()
+                ),
             );
             let (_, back, _) = read(&folder.path().join(format!("back-{format}.json"))).unwrap();
             let found = clicks(&back);
             let mut worst = 0.0_f64;
             let mut count = 0;
             for (image, of) in wanted.iter().filter(|(_, of)| !of.is_empty()) {
-                let back = found.get(image).unwrap_or_else(|| panic!("{set} {format}: {image} is gone"));
+                let back = found
+                    .get(image)
+                    .unwrap_or_else(|| panic!("{set} {format}: {image} is gone"));
                 for (name, at) in of {
                     match back.get(name) {
                         Some(there) => {
@@ -234,43 +320,72 @@ fn real_clicks_go_out_to_other_tools_and_come_back_equal() {
                 assert_eq!(back.len(), of.len(), "{set} {format}: {image}");
             }
             println!("{set} {format}: {count} clicks, {worst:.1e} px");
-            assert!(count > 100 && worst <= allowed_px, "{set} {format}: {count} clicks, {worst:.2e} px");
+            assert!(
+                count > 100 && worst <= allowed_px,
+                "{set} {format}: {count} clicks, {worst:.2e} px"
+            );
         }
         // CVAT is read only: its own two decimals, as points and as a skeleton.
         fs::write(folder.path().join("annotations.xml"), cvat(&document)).unwrap();
         run(
             folder.path(),
-            &format!("import annotations.xml --format cvat --images {} -o back-cvat.json", images.display()),
+            &format!(
+                "import annotations.xml --format cvat --images {} -o back-cvat.json",
+                images.display()
+            ),
         );
         let (_, back, _) = read(&folder.path().join("back-cvat.json")).unwrap();
         let found = clicks(&back);
         let mut worst = 0.0_f64;
         for (image, of) in &wanted {
             assert!(found[image].keys().eq(of.keys()), "{set} cvat: {image}");
-            worst = of.iter().fold(worst, |worst, (name, at)| worst.max(found[image][name].distance_px(*at)));
+            worst = of.iter().fold(worst, |worst, (name, at)| {
+                worst.max(found[image][name].distance_px(*at))
+            });
         }
         println!("{set} cvat: {worst:.1e} px");
         assert!(worst < 0.0071, "{set} cvat: {worst:.2e} px");
     }
 }
 
-/// The clicks on landmarks as CVAT writes them: points of their own in one picture, a skeleton in the next.
+/// The clicks on landmarks as CVAT writes them: points of their own in one picture, a skeleton in
+/// the next.
 fn cvat(document: &Document) -> String {
     let mut xml = String::from("<annotations><version>1.1</version>");
     for (index, frame) in document.frames.iter().enumerate() {
-        let (name, size) = (frame.image.as_deref().unwrap().rsplit('/').next().unwrap(), frame.image_size);
+        let (name, size) = (
+            frame.image.as_deref().unwrap().rsplit('/').next().unwrap(),
+            frame.image_size,
+        );
         let (width, height) = (size.width, size.height);
-        write!(xml, "<image id=\"{index}\" name=\"{name}\" width=\"{width}\" height=\"{height}\">").unwrap();
+        write!(
+            xml,
+            "<image id=\"{index}\" name=\"{name}\" width=\"{width}\" height=\"{height}\">"
+        )
+        .unwrap();
         let mut points = String::new();
         for click in &frame.clicks {
-            if let Some(target) = click.target.as_ref().filter(|target| target.line().is_none()) {
+            if let Some(target) = click
+                .target
+                .as_ref()
+                .filter(|target| target.line().is_none())
+            {
                 let (label, at) = (target.as_str(), click.image);
-                write!(points, "<points label=\"{label}\" outside=\"0\" points=\"{:.2},{:.2}\"/>", at.x, at.y).unwrap();
+                write!(
+                    points,
+                    "<points label=\"{label}\" outside=\"0\" points=\"{:.2},{:.2}\"/>",
+                    at.x, at.y
+                )
+                .unwrap();
             }
         }
         match index % 2 {
             0 => xml.push_str(&points),
-            _ => write!(xml, "<skeleton label=\"pitch\" z_order=\"0\">{points}</skeleton>").unwrap(),
+            _ => write!(
+                xml,
+                "<skeleton label=\"pitch\" z_order=\"0\">{points}</skeleton>"
+            )
+            .unwrap(),
         }
         xml.push_str("</image>");
     }
@@ -280,9 +395,16 @@ fn cvat(document: &Document) -> String {
 /// Clicks on landmarks by image and name.
 fn clicks(document: &Document) -> BTreeMap<String, BTreeMap<String, ImagePoint>> {
     let frames = document.frames.iter().map(|frame| {
-        let image = Path::new(frame.image.as_deref().unwrap()).file_name().unwrap().to_string_lossy().into_owned();
+        let image = Path::new(frame.image.as_deref().unwrap())
+            .file_name()
+            .unwrap()
+            .to_string_lossy()
+            .into_owned();
         let on_landmarks = frame.clicks.iter().filter_map(|click| {
-            let target = click.target.as_ref().filter(|target| target.line().is_none())?;
+            let target = click
+                .target
+                .as_ref()
+                .filter(|target| target.line().is_none())?;
             Some((target.as_str().to_owned(), click.image))
         });
         (image, on_landmarks.collect())

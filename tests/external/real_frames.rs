@@ -1,6 +1,8 @@
-//! Two clicks on real frames: the best-separated pair of each frame's clicks solves it, the other clicks judge it.
+//! Two clicks on real frames: the best-separated pair of each frame's clicks solves it, the other
+//! clicks judge it.
 //!
-//! `cargo test --test external real_frames` prints the tables that stand in `tests/benches/two-clicks.md`.
+//! `cargo test --test external real_frames` prints the tables that stand in
+//! `tests/benches/two-clicks.md`.
 
 use crate::parts::{Test, frames_folder, tests};
 use std::path::Path;
@@ -81,17 +83,25 @@ impl Summary {
     pub fn of(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
         let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
-        Self { median: at(0.5), mean: values.iter().sum::<f64>() / values.len() as f64, high: at(0.9) }
+        Self {
+            median: at(0.5),
+            mean: values.iter().sum::<f64>() / values.len() as f64,
+            high: at(0.9),
+        }
     }
 }
 
 impl std::fmt::Display for Summary {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(&format!("{:.1} / {:.1} / {:.1}", self.median, self.mean, self.high))
+        f.pad(&format!(
+            "{:.1} / {:.1} / {:.1}",
+            self.median, self.mean, self.high
+        ))
     }
 }
 
-/// Per frame: the error of the pair at the clicks not used (their median), and that of all clicks at all clicks.
+/// Per frame: the error of the pair at the clicks not used (their median), and that of all clicks
+/// at all clicks.
 fn measure(frames: &[RealFrame]) -> (Summary, Summary, Summary) {
     let (mut by_frame, mut unused, mut all) = (Vec::new(), Vec::new(), Vec::new());
     for frame in frames {
@@ -100,18 +110,25 @@ fn measure(frames: &[RealFrame]) -> (Summary, Summary, Summary) {
             panic!("{}: {error}", frame.name);
         });
         let camera = PtzCamera::new(frame.base, solution.ptz);
-        let others = frame.clicks.iter().filter(|click| pair.iter().all(|used| used.click != click.click));
+        let others = frame
+            .clicks
+            .iter()
+            .filter(|click| pair.iter().all(|used| used.click != click.click));
         let errors_here = errors(&camera, others);
         by_frame.push(Summary::of(errors_here.clone()).median);
         unused.extend(errors_here);
         let fit = solve_frame(&frame.base, &frame.clicks, &frame.context).unwrap();
-        all.extend(errors(&PtzCamera::new(frame.base, fit.ptz), frame.clicks.iter()));
+        all.extend(errors(
+            &PtzCamera::new(frame.base, fit.ptz),
+            frame.clicks.iter(),
+        ));
     }
     (Summary::of(by_frame), Summary::of(unused), Summary::of(all))
 }
 
 fn two_clicks_far_apart_calibrate_real_frames() {
-    // Median, mean and 90 % at the unused clicks with a base of one k₁, as an independent implementation found them.
+    // Median, mean and 90 % at the unused clicks with a base of one k₁, as an independent
+    // implementation found them.
     const PUBLISHED: [[f64; 3]; 3] = [[6.1, 6.4, 10.5], [4.6, 5.2, 9.5], [3.5, 3.7, 5.9]];
     let data = frames_folder();
     println!(
@@ -124,8 +141,14 @@ fn two_clicks_far_apart_calibrate_real_frames() {
             let (by_frame, unused, all) = measure(&frames);
             println!("{set} | {base:7} | {unused:18} | {by_frame:20} | {all}");
             if base == "k1" {
-                for (got, published) in [unused.median, unused.mean, unused.high].into_iter().zip(published) {
-                    assert!((got - published).abs() < 0.4, "{set}: {unused}, published {published}");
+                for (got, published) in [unused.median, unused.mean, unused.high]
+                    .into_iter()
+                    .zip(published)
+                {
+                    assert!(
+                        (got - published).abs() < 0.4,
+                        "{set}: {unused}, published {published}"
+                    );
                 }
             }
         }
@@ -136,14 +159,29 @@ fn two_clicks_far_apart_calibrate_real_frames() {
 fn the_mirrored_frame_is_judged_wrong() {
     let data = frames_folder();
     let frames = frames(&data.join("scouting-42ba34/fit-k1.json"));
-    let mirrored = frames.iter().find(|frame| frame.name.contains(MIRRORED[0])).unwrap();
+    let mirrored = frames
+        .iter()
+        .find(|frame| frame.name.contains(MIRRORED[0]))
+        .unwrap();
     let solution = solve_frame(&mirrored.base, &mirrored.clicks, &mirrored.context).unwrap();
     let judgement = judge(&solution, mirrored.context.image_size);
     assert_eq!(judgement.verdict, Verdict::Wrong, "{judgement:?}");
     let wrong = frames
         .iter()
-        .filter_map(|frame| Some((frame, solve_frame(&frame.base, &frame.clicks, &frame.context).ok()?)))
-        .filter(|(frame, solution)| judge(solution, frame.context.image_size).verdict == Verdict::Wrong)
+        .filter_map(|frame| {
+            Some((
+                frame,
+                solve_frame(&frame.base, &frame.clicks, &frame.context).ok()?,
+            ))
+        })
+        .filter(|(frame, solution)| {
+            judge(solution, frame.context.image_size).verdict == Verdict::Wrong
+        })
         .count();
-    assert_eq!(wrong, 1, "of {} frames only the mirrored one is wrong", frames.len());
+    assert_eq!(
+        wrong,
+        1,
+        "of {} frames only the mirrored one is wrong",
+        frames.len()
+    );
 }

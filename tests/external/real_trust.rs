@@ -14,11 +14,16 @@ pub const TESTS: &[Test] = tests![
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
-/// Real cameras: the stated sigma against what a base from half of the landmarks, or of the frames, says otherwise.
+/// Real cameras: the stated sigma against what a base from half of the landmarks, or of the frames,
+/// says otherwise.
 fn real_bases_from_halves_agree_within_what_they_state() {
     let data = frames_folder();
     for set in ["08fd33", "42ba34", "d82e7a"] {
-        let read = |name: &str| touchline::store::read(&data.join(format!("scouting-{set}/{name}.json"))).unwrap().1;
+        let read = |name: &str| {
+            touchline::store::read(&data.join(format!("scouting-{set}/{name}.json")))
+                .unwrap()
+                .1
+        };
         let document = read("clicks");
         let field = document.field.model(Path::new(".")).unwrap();
         let all: Vec<FrameClicks> = document
@@ -41,18 +46,32 @@ fn real_bases_from_halves_agree_within_what_they_state() {
         let whole = estimate(&all);
         let fitted = read("fit-k1").cameras[0].base().unwrap().position_m;
         let independent = whole.position_covariance.diagonal().map(f64::sqrt);
-        let score = whole.scores.iter().find(|score| score.model == whole.model).unwrap();
+        let score = whole
+            .scores
+            .iter()
+            .find(|score| score.model == whole.model)
+            .unwrap();
         println!(
             "{set}: {:.3?} ± {:.3?} m; adjustment ± {:.3?}, jackknife over frames ± {:.3?}; off fit-k1 by {:.3?}",
             whole.base.position_m.as_slice(),
             whole.base.sigma.position_m.as_slice(),
             independent.as_slice(),
-            score.spread.diagonal().map(f64::sqrt).fixed_rows::<3>(0).as_slice(),
+            score
+                .spread
+                .diagonal()
+                .map(f64::sqrt)
+                .fixed_rows::<3>(0)
+                .as_slice(),
             (whole.base.position_m - fitted).as_slice()
         );
         let kept = |keep: &dyn Fn(usize, &Observation) -> bool| -> Vec<FrameClicks> {
             let part = |(index, frame): (usize, &FrameClicks)| FrameClicks {
-                observations: frame.observations.iter().filter(|click| keep(index, click)).copied().collect(),
+                observations: frame
+                    .observations
+                    .iter()
+                    .filter(|click| keep(index, click))
+                    .copied()
+                    .collect(),
                 start: None,
             };
             all.iter().enumerate().map(part).collect()
@@ -62,8 +81,16 @@ fn real_bases_from_halves_agree_within_what_they_state() {
             FieldElement::Line(_) | FieldElement::Paint(_) => 0,
         };
         for (what, one, two) in [
-            ("frames", kept(&|index, _| index % 2 == 0), kept(&|index, _| index % 2 == 1)),
-            ("landmarks", kept(&|_, click| number(click) % 2 == 0), kept(&|_, click| number(click) % 2 == 1)),
+            (
+                "frames",
+                kept(&|index, _| index % 2 == 0),
+                kept(&|index, _| index % 2 == 1),
+            ),
+            (
+                "landmarks",
+                kept(&|_, click| number(click) % 2 == 0),
+                kept(&|_, click| number(click) % 2 == 1),
+            ),
         ] {
             let (one, two) = (estimate(&one).base, estimate(&two).base);
             let apart = one.position_m - two.position_m;
@@ -77,7 +104,8 @@ fn real_bases_from_halves_agree_within_what_they_state() {
                 sigma.as_slice(),
                 z.as_slice()
             );
-            // 3.5 for the height from half of the landmarks of 42ba34, with the principal point free.
+            // 3.5 for the height from half of the landmarks of 42ba34, with the principal point
+            // free.
             assert!(z.amax() < 3.6, "{set}, {what}: {z:?}");
         }
     }

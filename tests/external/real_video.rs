@@ -1,4 +1,5 @@
-//! A real match as a video: its frames in a project, and what is said of numbers and times that are not right.
+//! A real match as a video: its frames in a project, and what is said of numbers and times that are
+//! not right.
 #![cfg(feature = "opencv")]
 
 use crate::parts::{Test, frames_folder, tests};
@@ -29,14 +30,25 @@ fn new_takes_the_frames_of_a_video_that_decode() {
     let data = frames_folder();
     let folder = tempfile::tempdir().unwrap();
     let video = data.join("video-soccer/match.mp4").canonicalize().unwrap();
-    let ran = touchline(folder.path(), &format!("new match --frames {} --field soccer", video.display()));
+    let ran = touchline(
+        folder.path(),
+        &format!("new match --frames {} --field soccer", video.display()),
+    );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
-    assert!(ran.stderr.contains("match.mp4 states 825 frames, 817 decode."), "{}", ran.stderr);
+    assert!(
+        ran.stderr
+            .contains("match.mp4 states 825 frames, 817 decode."),
+        "{}",
+        ran.stderr
+    );
     let (location, document, _) = read(&folder.path().join("match")).unwrap();
     assert_eq!(document.frames.len(), 817);
     let last = document.frames[816].video.as_ref().unwrap();
     assert_eq!((last.frame_index, last.pts_s), (816, Some(32.64)));
-    assert_eq!(last.file_path(location.folder()).canonicalize().unwrap(), video);
+    assert_eq!(
+        last.file_path(location.folder()).canonicalize().unwrap(),
+        video
+    );
     assert_eq!(touchline(folder.path(), "check match").code, 0);
 }
 
@@ -47,9 +59,18 @@ fn check_compares_frame_numbers_and_times_of_a_video() {
         let video = touchline::document::VideoFrame::new("match.mp4", index, pts_s);
         Frame::from_video(video, "main".into(), ImageSize::new(1280, 720)).into()
     };
-    let frames = [frame(10, Some(0.4)), frame(10, None), frame(816, None), frame(817, None), frame(10, Some(0.48))];
+    let frames = [
+        frame(10, Some(0.4)),
+        frame(10, None),
+        frame(816, None),
+        frame(817, None),
+        frame(10, Some(0.48)),
+    ];
     document.frames = frames.into_iter().collect();
-    let problems = check_pictures(document.at(&data.join("video-soccer")), &Progress::default());
+    let problems = check_pictures(
+        document.at(&data.join("video-soccer")),
+        &Progress::default(),
+    );
     let said: Vec<_> = problems.iter().map(Problem::to_string).collect();
     let expected = [
         "frames[3] (match.mp4#817): the video has 817 frames, numbered from 0; there is no frame 817",
@@ -58,14 +79,24 @@ fn check_compares_frame_numbers_and_times_of_a_video() {
     assert_eq!(said, expected);
 }
 
-/// The first frames of the match; their camera and two of its views as `touchline calibrate` finds them.
+/// The first frames of the match; their camera and two of its views as `touchline calibrate` finds
+/// them.
 fn two_references(frames: u64) -> Document {
     let size = ImageSize::new(1280, 720);
     let mut document = Document::new(FieldSpec::new("soccer"));
     let mut main = Camera::new("main".into(), size);
-    let rows = [[1.0, 0.0, 0.00142], [0.00142, -0.00281, -1.0], [0.0, 1.0, -0.00281]];
+    let rows = [
+        [1.0, 0.0, 0.00142],
+        [0.00142, -0.00281, -1.0],
+        [0.0, 1.0, -0.00281],
+    ];
     let base_from_world = nearest_rotation(&Mat3::from_fn(|row, column| rows[row][column]));
-    let distortion = FocalCurve { at_focal_px: 1333.3, value: 0.0633, per_1000_px: 0.3986, k2_per_k1_squared: 2.0 };
+    let distortion = FocalCurve {
+        at_focal_px: 1333.3,
+        value: 0.0633,
+        per_1000_px: 0.3986,
+        k2_per_k1_squared: 2.0,
+    };
     let centre = ImagePoint::new(644.65, 329.17);
     main.set_base(&CameraBase {
         distortion,
@@ -74,24 +105,37 @@ fn two_references(frames: u64) -> Document {
     document.cameras.push(main.into());
     for index in 0..frames {
         let video = touchline::document::VideoFrame::new("match.mp4", index, None);
-        document.frames.push(Frame::from_video(video, "main".into(), size).into());
+        document
+            .frames
+            .push(Frame::from_video(video, "main".into(), size).into());
     }
-    for (index, pan_deg, tilt_deg, focal_px) in [(0, 8.53823, -11.79129, 2539.516), (60, 7.79803, -11.35380, 2627.479)]
-    {
+    for (index, pan_deg, tilt_deg, focal_px) in [
+        (0, 8.53823, -11.79129, 2539.516),
+        (60, 7.79803, -11.35380, 2627.479),
+    ] {
         document.frames[index].status = FrameStatus::Reference;
-        document.frames[index].ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, tilt_deg, focal_px), None));
+        document.frames[index].ptz = Some(FramePtz::new(
+            Ptz::from_degrees(pan_deg, tilt_deg, focal_px),
+            None,
+        ));
     }
     document
 }
 
 fn the_trainer_carries_cameras_between_key_frames() {
     let folder = tempfile::tempdir().unwrap();
-    let video = frames_folder().join("video-soccer/match.mp4").canonicalize().unwrap();
+    let video = frames_folder()
+        .join("video-soccer/match.mp4")
+        .canonicalize()
+        .unwrap();
     std::os::unix::fs::symlink(video, folder.path().join("match.mp4")).unwrap();
     let mut document = two_references(61);
     let (wake, woken) = channel();
     let wake = Arc::new(move || wake.send(()).unwrap_or_default());
-    let options = TrainerOptions { settle: Duration::ZERO, ..TrainerOptions::default() };
+    let options = TrainerOptions {
+        settle: Duration::ZERO,
+        ..TrainerOptions::default()
+    };
     let file = folder.path().join("project.json");
     let trainer = Trainer::start(file, options, SharedPictures::none(), wake).unwrap();
     trainer.tell(TrainerOrder::Document(Box::new(document.clone())));
@@ -120,10 +164,20 @@ fn the_trainer_carries_cameras_between_key_frames() {
     }
     assert_eq!(status.trouble, None);
     // Eight beside the first frame, and two key frames.
-    assert!(asked <= 10 && carried == 59, "{asked} asked, {carried} carried");
-    let pans: Vec<f64> = document.frames.iter().map(|frame| frame.ptz.as_ref().unwrap().pan_deg).collect();
+    assert!(
+        asked <= 10 && carried == 59,
+        "{asked} asked, {carried} carried"
+    );
+    let pans: Vec<f64> = document
+        .frames
+        .iter()
+        .map(|frame| frame.ptz.as_ref().unwrap().pan_deg)
+        .collect();
     let of_carried = |at: &usize| {
-        let source = document.frames[*at].solution.as_ref().and_then(|solution| solution.source);
+        let source = document.frames[*at]
+            .solution
+            .as_ref()
+            .and_then(|solution| solution.source);
         source == Some(SolutionSource::Tracking)
     };
     let rests: Vec<usize> = (12..58).filter(of_carried).collect();
@@ -136,9 +190,16 @@ fn the_trainer_carries_cameras_between_key_frames() {
 
 fn key_frames_are_answered_and_the_frames_between_carried_from_the_command_line() {
     let folder = tempfile::tempdir().unwrap();
-    let video = frames_folder().join("video-soccer/match.mp4").canonicalize().unwrap();
+    let video = frames_folder()
+        .join("video-soccer/match.mp4")
+        .canonicalize()
+        .unwrap();
     std::os::unix::fs::symlink(video, folder.path().join("match.mp4")).unwrap();
-    std::fs::write(folder.path().join("match.json"), document_to_string(&two_references(61)).unwrap()).unwrap();
+    std::fs::write(
+        folder.path().join("match.json"),
+        document_to_string(&two_references(61)).unwrap(),
+    )
+    .unwrap();
     for command in [
         "train match.json -o match.tlf",
         "relocalize match.tlf match.json -o keys.json --key-frames",
@@ -146,8 +207,13 @@ fn key_frames_are_answered_and_the_frames_between_carried_from_the_command_line(
     ] {
         let ran = touchline(folder.path(), command);
         assert_eq!(ran.code, 0, "{command}: {}", ran.stderr);
-        let left = "2 frames answered, 0 not, 59 left unchanged (no key frames, with clicks, or accepted)";
-        assert!(!command.starts_with("relocalize") || ran.stderr.contains(left), "{}", ran.stderr);
+        let left =
+            "2 frames answered, 0 not, 59 left unchanged (no key frames, with clicks, or accepted)";
+        assert!(
+            !command.starts_with("relocalize") || ran.stderr.contains(left),
+            "{}",
+            ran.stderr
+        );
     }
     let (_, tracked, _) = read(&folder.path().join("tracked.json")).unwrap();
     assert!(tracked.frames.iter().all(|frame| frame.ptz.is_some()));

@@ -20,7 +20,11 @@ pub const TESTS: &[Test] = tests![
 fn clicked_court(place: &Path) -> Document {
     let text = include_str!("../benches/relocalize/clicks/basketball.json");
     let video = frames_folder().join("video-basketball/clip.mp4");
-    fs::write(place.join("clicks.json"), text.replace("video-basketball/clip.mp4", &video.to_string_lossy())).unwrap();
+    fs::write(
+        place.join("clicks.json"),
+        text.replace("video-basketball/clip.mp4", &video.to_string_lossy()),
+    )
+    .unwrap();
     let ran = touchline(place, "refine-base clicks.json --markings -o base.json");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     document_from_bytes(&fs::read(place.join("base.json")).unwrap()).unwrap()
@@ -37,18 +41,40 @@ fn right_cameras_are_told_from_wrong_ones_and_snapping_comes_back_on_wood() {
         assert!(!ground.surface().is_turf(), "{}", frame.name());
         let camera = document.pointed(frame).unwrap();
         let right = check_lines(&ground, &field, &camera);
-        assert_eq!(right.verdict(), LineVerdict::Supports, "{}: {right:?}", frame.name());
+        assert_eq!(
+            right.verdict(),
+            LineVerdict::Supports,
+            "{}: {right:?}",
+            frame.name()
+        );
         assert!(right.offset_px < 1.0, "{}: {right:?}", frame.name());
-        for (pan_px, tilt_px, zoom) in [(60.0, 10.0, 1.0), (-20.0, 25.0, 1.0), (0.0, 0.0, 1.08), (200.0, 0.0, 1.0)] {
+        for (pan_px, tilt_px, zoom) in [
+            (60.0, 10.0, 1.0),
+            (-20.0, 25.0, 1.0),
+            (0.0, 0.0, 1.08),
+            (200.0, 0.0, 1.0),
+        ] {
             let off = check_lines(&ground, &field, &turned(&camera, pan_px, tilt_px, zoom));
-            assert_ne!(off.verdict(), LineVerdict::Supports, "{}: {off:?}", frame.name());
+            assert_ne!(
+                off.verdict(),
+                LineVerdict::Supports,
+                "{}: {off:?}",
+                frame.name()
+            );
         }
         let start = turned(&camera, 18.0, -12.0, 1.01).ptz();
-        let found = snap(&ground, &field, camera.base(), start, &[], &SnapOptions::default());
-        let pointed = |ptz| PtzCamera::new(*camera.base(), ptz);
-        back += usize::from(
-            found.is_ok_and(|found| apart_px(&field, &camera, &pointed(found.ptz), frame.image_size) < 1.5),
+        let found = snap(
+            &ground,
+            &field,
+            camera.base(),
+            start,
+            &[],
+            &SnapOptions::default(),
         );
+        let pointed = |ptz| PtzCamera::new(*camera.base(), ptz);
+        back += usize::from(found.is_ok_and(|found| {
+            apart_px(&field, &camera, &pointed(found.ptz), frame.image_size) < 1.5
+        }));
     }
     assert!(back >= 4, "{back} of 5 come back");
 }

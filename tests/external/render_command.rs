@@ -28,7 +28,9 @@ fn said(output: &Output) -> String {
 /// A dataset of two grey frames, the first one solved.
 fn dataset(folder: &Path) {
     for name in ["1.png", "2.png"] {
-        RgbaImage::from_pixel(320, 180, Rgba([90, 90, 90, 255])).save(folder.join(name)).unwrap();
+        RgbaImage::from_pixel(320, 180, Rgba([90, 90, 90, 255]))
+            .save(folder.join(name))
+            .unwrap();
     }
     let frame = |image: &str| {
         serde_json::json!({
@@ -55,17 +57,28 @@ fn a_solved_frame_gets_its_overlay_and_its_view_from_above() {
     dataset(folder.path());
     let output = render(folder.path(), &["--frame", "1.png", "-o", "overlay.png"]);
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
-    assert!(said(&output).contains("touchline: overlay.png: rendered with "), "{}", said(&output));
-    let overlay = image::open(folder.path().join("overlay.png")).unwrap().into_rgba8();
+    assert!(
+        said(&output).contains("touchline: overlay.png: rendered with "),
+        "{}",
+        said(&output)
+    );
+    let overlay = image::open(folder.path().join("overlay.png"))
+        .unwrap()
+        .into_rgba8();
     assert_eq!(overlay.dimensions(), (320, 180));
     // The halfway line runs up the middle of the picture, in yellow.
     let Rgba([r, _, b, _]) = *overlay.get_pixel(160, 150);
     assert!(r > 180 && b < 120, "{:?}", overlay.get_pixel(160, 150));
     assert_eq!(overlay.get_pixel(20, 20).0, [90, 90, 90, 255]);
 
-    let output = render(folder.path(), &["--frame", "0", "-o", "above.png", "--top-view"]);
+    let output = render(
+        folder.path(),
+        &["--frame", "0", "-o", "above.png", "--top-view"],
+    );
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
-    let above = image::open(folder.path().join("above.png")).unwrap().into_rgba8();
+    let above = image::open(folder.path().join("above.png"))
+        .unwrap()
+        .into_rgba8();
     assert_eq!(above.dimensions(), (1380, 936));
 }
 
@@ -74,7 +87,11 @@ fn a_frame_without_a_camera_is_rendered_and_named() {
     dataset(folder.path());
     let output = render(folder.path(), &["--frame", "2.png", "-o", "2-overlay.png"]);
     assert_eq!(output.status.code(), Some(1), "{}", said(&output));
-    assert!(said(&output).contains("2.png: it has no camera yet"), "{}", said(&output));
+    assert!(
+        said(&output).contains("2.png: it has no camera yet"),
+        "{}",
+        said(&output)
+    );
     assert!(folder.path().join("2-overlay.png").exists());
 }
 
@@ -82,18 +99,43 @@ fn what_cannot_be_done_is_said_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     dataset(folder.path());
     fs::remove_file(folder.path().join("2.png")).unwrap();
-    RgbaImage::new(10, 10).save(folder.path().join("2.png")).unwrap();
+    RgbaImage::new(10, 10)
+        .save(folder.path().join("2.png"))
+        .unwrap();
     for (arguments, message) in [
-        (["--frame", "0", "-o", "1.png"], "1.png already exists; give --force to replace it, or another -o"),
-        (["--frame", "7", "-o", "x.png"], "--frame 7: there are 2 frames, counted from 0"),
-        (["--frame", "x", "-o", "x.png"], "no frame has this image; the document has 2 frames, by index 0 to 1"),
-        (["--frame", "0", "-o", "x.jpg"], "-o x.jpg: a PNG is written, so its name must end with .png"),
-        (["--frame", "1", "-o", "x.png"], "2.png is 10 × 10 px, but the document says 320 × 180 px"),
+        (
+            ["--frame", "0", "-o", "1.png"],
+            "1.png already exists; give --force to replace it, or another -o",
+        ),
+        (
+            ["--frame", "7", "-o", "x.png"],
+            "--frame 7: there are 2 frames, counted from 0",
+        ),
+        (
+            ["--frame", "x", "-o", "x.png"],
+            "no frame has this image; the document has 2 frames, by index 0 to 1",
+        ),
+        (
+            ["--frame", "0", "-o", "x.jpg"],
+            "-o x.jpg: a PNG is written, so its name must end with .png",
+        ),
+        (
+            ["--frame", "1", "-o", "x.png"],
+            "2.png is 10 × 10 px, but the document says 320 × 180 px",
+        ),
     ] {
         let output = render(folder.path(), &arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", said(&output));
+        assert_eq!(
+            output.status.code(),
+            Some(2),
+            "{arguments:?}: {}",
+            said(&output)
+        );
         let lines: Vec<String> = said(&output).lines().map(str::to_owned).collect();
-        assert!(lines.len() == 1 && lines[0].contains(message), "{arguments:?}: {lines:?}");
+        assert!(
+            lines.len() == 1 && lines[0].contains(message),
+            "{arguments:?}: {lines:?}"
+        );
     }
     assert!(!folder.path().join("x.png").exists());
 }

@@ -1,4 +1,5 @@
-//! Writes the files that corpora begin with and that are no text: `cargo run --bin seeds -- corpus`.
+//! Writes the files that corpora begin with and that are no text:
+//! `cargo run --bin seeds -- corpus`.
 
 use touchline::progress::Progress;
 use std::fs;

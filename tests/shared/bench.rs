@@ -9,16 +9,24 @@ use touchline_documents::document::Document;
 
 pub const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
-/// The document without the counts of its frames' edits: what undo brings back counts as another edit.
+/// The document without the counts of its frames' edits: what undo brings back counts as another
+/// edit.
 pub fn uncounted(document: &Document) -> Document {
     let mut document = document.clone();
-    document.frames.iter_mut().for_each(|frame| frame.revision = 0);
+    document
+        .frames
+        .iter_mut()
+        .for_each(|frame| frame.revision = 0);
     document
 }
 
 /// The base of the drawn truth.
 pub fn base() -> CameraBase {
-    CameraBase::new(Vec3::new(1.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre())
+    CameraBase::new(
+        Vec3::new(1.0, -62.0, 17.0),
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    )
 }
 
 /// Where a camera sees a landmark of the soccer field.
@@ -36,8 +44,14 @@ pub struct Bench {
 
 impl Bench {
     pub fn new(document: Document) -> Self {
-        let mut bench = Self { app: App::new(Settings::default()), effects: Vec::new() };
-        bench.act(Action::Opened(Box::new(Opened::new(document, "/nowhere/project.json"))));
+        let mut bench = Self {
+            app: App::new(Settings::default()),
+            effects: Vec::new(),
+        };
+        bench.act(Action::Opened(Box::new(Opened::new(
+            document,
+            "/nowhere/project.json",
+        ))));
         bench.effects.clear();
         bench
     }
@@ -61,7 +75,9 @@ impl Bench {
             Effect::Start(job) if job.name() == O::NAME => Some(job),
             _ => None,
         });
-        jobs.next_back().unwrap_or_else(|| panic!("{} was not started", O::NAME)).clone()
+        jobs.next_back()
+            .unwrap_or_else(|| panic!("{} was not started", O::NAME))
+            .clone()
     }
 
     /// The operation that was started last has come this far.
@@ -78,6 +94,11 @@ impl Bench {
     }
 
     pub fn last_notice(&self) -> &str {
-        self.app.session.messages.notices.last().map_or("", |notice| notice.text.as_str())
+        self.app
+            .session
+            .messages
+            .notices
+            .last()
+            .map_or("", |notice| notice.text.as_str())
     }
 }

@@ -4,8 +4,12 @@
 use std::io::{BufRead, BufReader, Lines};
 use std::process::{Child, ChildStdout, Command, Stdio};
 
-/// Starts the test `name`, which does nothing unless variables are set; what it prints comes line by line.
-pub fn spawned<const N: usize>(name: &str, variables: [(&str, &str); N]) -> (Child, Lines<BufReader<ChildStdout>>) {
+/// Starts the test `name`, which does nothing unless variables are set; what it prints comes line
+/// by line.
+pub fn spawned<const N: usize>(
+    name: &str,
+    variables: [(&str, &str); N],
+) -> (Child, Lines<BufReader<ChildStdout>>) {
     let mut child = Command::new(std::env::current_exe().unwrap())
         .args([name, "--exact", "--nocapture", "--test-threads=1"])
         .envs(variables)

@@ -18,6 +18,8 @@ pub fn cut(bytes: &[u8], length: usize) -> Vec<u8> {
 pub fn behind_path(folder: &Path, name: &str, error: &dyn std::error::Error) -> String {
     let line = error.to_string();
     assert!(!line.contains('\n'));
-    let behind = line.strip_prefix(&format!("{}: ", folder.join(name).display())).map(ToOwned::to_owned);
+    let behind = line
+        .strip_prefix(&format!("{}: ", folder.join(name).display()))
+        .map(ToOwned::to_owned);
     behind.unwrap_or_else(|| panic!("no path in front: {line}"))
 }

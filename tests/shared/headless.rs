@@ -26,7 +26,13 @@ impl Headless {
         });
         let pictures = Pictures::start(wake.clone()).unwrap();
         let runner = Runner::new(wake, pictures.shared());
-        Self { app: App::new(Settings::default()), runner, pictures, requests: Vec::new(), woken }
+        Self {
+            app: App::new(Settings::default()),
+            runner,
+            pictures,
+            requests: Vec::new(),
+            woken,
+        }
     }
 
     /// With a project, folder or video open.
@@ -63,9 +69,14 @@ impl Headless {
     /// Takes reports in until something holds.
     pub fn wait_until(&mut self, what: &str, holds: impl Fn(&App) -> bool) {
         while !holds(&self.app) {
-            self.woken.recv_timeout(Duration::from_mins(1)).unwrap_or_else(|_| {
-                panic!("{what} did not happen; notices: {:?}", self.app.session.messages.notices);
-            });
+            self.woken
+                .recv_timeout(Duration::from_mins(1))
+                .unwrap_or_else(|_| {
+                    panic!(
+                        "{what} did not happen; notices: {:?}",
+                        self.app.session.messages.notices
+                    );
+                });
             for action in self.runner.poll() {
                 self.act(action);
             }

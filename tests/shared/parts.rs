@@ -1,8 +1,10 @@
-//! Tests that need a part which not every machine has. Where it is missing they are ignored and say why, never passed;
-//! with `TOUCHLINE_REQUIRE_ALL=1` they fail instead, and with `TOUCHLINE_REQUIRE=adapter,ffmpeg` those do that need these.
+//! Tests that need a part which not every machine has. Where it is missing they are ignored and say
+//! why, never passed; with `TOUCHLINE_REQUIRE_ALL=1` they fail instead, and with
+//! `TOUCHLINE_REQUIRE=adapter,ffmpeg` those do that need these.
 //!
-//! The standard harness decides what is ignored when it is compiled. These tests are run by `libtest-mimic`, which takes
-//! the same arguments, so that `cargo test` and `cargo nextest` list them as ignored on the machine they run on.
+//! The standard harness decides what is ignored when it is compiled. These tests are run by
+//! `libtest-mimic`, which takes the same arguments, so that `cargo test` and `cargo nextest` list
+//! them as ignored on the machine they run on.
 
 use libtest_mimic::{Arguments, Completion, Failed, FormatSetting, Trial};
 use std::collections::BTreeMap;
@@ -13,11 +15,15 @@ use touchline::render::Offscreen;
 
 /// What a test may need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(dead_code, reason = "each of the binaries that share this file needs some of them")]
+#[allow(
+    dead_code,
+    reason = "each of the binaries that share this file needs some of them"
+)]
 pub enum Part {
     /// A graphics adapter, be it a software renderer.
     Adapter,
-    /// Real frames: the folder that `TOUCHLINE_DATA` names, else `../shared/data` beside the package.
+    /// Real frames: the folder that `TOUCHLINE_DATA` names, else `../shared/data` beside the
+    /// package.
     Frames,
     /// The program ffmpeg.
     Ffmpeg,
@@ -31,8 +37,9 @@ pub struct Test {
     pub run: fn(),
 }
 
-/// The tests of a module, each behind what it needs: `tests![[Adapter] lines_are_drawn; [] nothing_is_needed;]`. The
-/// compiler tells of a test that is left out: nobody calls it.
+/// The tests of a module, each behind what it needs:
+/// `tests![[Adapter] lines_are_drawn; [] nothing_is_needed;]`. The compiler tells of a test that is
+/// left out: nobody calls it.
 macro_rules! tests {
     ($([$($part:ident),*] $name:ident;)+) => {
         &[$($crate::parts::Test {
@@ -51,7 +58,8 @@ impl Part {
             LazyLock::new(|| Offscreen::new().err().map(|error| error.to_string()));
         static FRAMES: LazyLock<Option<String>> = LazyLock::new(|| {
             let folder = frames_folder();
-            (!folder.is_dir()).then(|| format!("no real frames at {} (TOUCHLINE_DATA)", folder.display()))
+            (!folder.is_dir())
+                .then(|| format!("no real frames at {} (TOUCHLINE_DATA)", folder.display()))
         });
         static FFMPEG: LazyLock<Option<String>> = LazyLock::new(|| {
             let ran = Command::new("ffmpeg").arg("-version").output();
@@ -72,14 +80,19 @@ impl Part {
             Self::Ffmpeg => "ffmpeg",
         };
         let named = |variable| std::env::var(variable).unwrap_or_default();
-        named("TOUCHLINE_REQUIRE_ALL") == "1" || named("TOUCHLINE_REQUIRE").split(',').any(|part| part.trim() == name)
+        named("TOUCHLINE_REQUIRE_ALL") == "1"
+            || named("TOUCHLINE_REQUIRE")
+                .split(',')
+                .any(|part| part.trim() == name)
     }
 }
 
 /// The folder of real frames, for tests that need [`Part::Frames`].
 pub fn frames_folder() -> PathBuf {
-    std::env::var_os("TOUCHLINE_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from)
+    std::env::var_os("TOUCHLINE_DATA").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"),
+        PathBuf::from,
+    )
 }
 
 /// Runs the tests of some modules as the command line asks.
@@ -87,8 +100,18 @@ pub fn run(modules: &[&[Test]]) -> ExitCode {
     let arguments = Arguments::from_args();
     let mut ignored: BTreeMap<String, usize> = BTreeMap::new();
     let mut trials = Vec::new();
-    for test in modules.iter().copied().flatten().filter(|test| is_chosen(test, &arguments)) {
-        let missing: Vec<Part> = test.needs.iter().copied().filter(|part| part.missing().is_some()).collect();
+    for test in modules
+        .iter()
+        .copied()
+        .flatten()
+        .filter(|test| is_chosen(test, &arguments))
+    {
+        let missing: Vec<Part> = test
+            .needs
+            .iter()
+            .copied()
+            .filter(|part| part.missing().is_some())
+            .collect();
         let reason: Vec<&str> = missing.iter().filter_map(|part| part.missing()).collect();
         let reason = reason.join("; ");
         let required = missing.iter().any(|part| part.is_required());
@@ -126,11 +149,16 @@ fn trial(test: &Test, reason: String, required: bool, arguments: &Arguments) -> 
 
 /// Whether the command line names a test: only what it needs is looked for.
 fn is_chosen(test: &Test, arguments: &Arguments) -> bool {
-    let by_name = Arguments { ignored: false, ..arguments.clone() };
+    let by_name = Arguments {
+        ignored: false,
+        ..arguments.clone()
+    };
     !by_name.is_filtered_out(&Trial::test(name_of(test), || Ok(())))
 }
 
 /// The name of a test without that of its binary.
 fn name_of(test: &Test) -> &'static str {
-    test.name.split_once("::").map_or(test.name, |(_, name)| name)
+    test.name
+        .split_once("::")
+        .map_or(test.name, |(_, name)| name)
 }

@@ -5,7 +5,8 @@ use touchline_calibration::proposals::{Answer, Asked, Proposal, Timings};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::Mat3;
 use touchline_documents::document::{
-    Camera, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
+    Camera, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
+    SolutionWarning,
 };
 use touchline_vision::relocalize::NotFound;
 
@@ -32,13 +33,19 @@ pub fn blank(frames: usize) -> Document {
 pub fn suggested(confidences: &[Option<f64>]) -> Document {
     let mut document = blank(confidences.len());
     for (index, (frame, confidence)) in document.frames.iter_mut().zip(confidences).enumerate() {
-        let mut solution =
-            Solution { source: Some(SolutionSource::Forest), confidence: *confidence, ..Solution::default() };
+        let mut solution = Solution {
+            source: Some(SolutionSource::Forest),
+            confidence: *confidence,
+            ..Solution::default()
+        };
         if confidence.is_some() {
             frame.ptz = Some(FramePtz::new(truth(index), None));
             frame.status = FrameStatus::Suggested;
         } else {
-            solution.warnings.push(SolutionWarning::new("coverage", "3 features are too few".to_owned()));
+            solution.warnings.push(SolutionWarning::new(
+                "coverage",
+                "3 features are too few".to_owned(),
+            ));
         }
         frame.solution = Some(solution);
     }
@@ -46,7 +53,12 @@ pub fn suggested(confidences: &[Option<f64>]) -> Document {
 }
 
 /// What the forest says of a frame of a document.
-pub fn proposal_in(document: &Document, frame: usize, generation: u64, pan_deg: Option<f64>) -> Proposal {
+pub fn proposal_in(
+    document: &Document,
+    frame: usize,
+    generation: u64,
+    pan_deg: Option<f64>,
+) -> Proposal {
     let outcome = match pan_deg {
         Some(pan_deg) => Ok(Answer {
             ptz: FramePtz::new(Ptz::from_degrees(pan_deg, -14.0, 2300.0), None),
@@ -67,9 +79,19 @@ pub fn proposal_in(document: &Document, frame: usize, generation: u64, pan_deg: 
             line_check: None,
             samples: None,
         }),
-        None => Err(NotFound::FewMatches { matched: 3, needed: 12 }.into()),
+        None => Err(NotFound::FewMatches {
+            matched: 3,
+            needed: 12,
+        }
+        .into()),
     };
     let frame = &document.frames[frame];
     let asked = Asked::of(document, frame);
-    Proposal { frame: frame.id.clone(), asked, generation, outcome, timings: Timings::default() }
+    Proposal {
+        frame: frame.id.clone(),
+        asked,
+        generation,
+        outcome,
+        timings: Timings::default(),
+    }
 }

@@ -1,4 +1,5 @@
-//! Two annotators on the same frames, and one annotator twice: the reported click noise is the simulated one.
+//! Two annotators on the same frames, and one annotator twice: the reported click noise is the
+//! simulated one.
 
 use crate::program::touchline;
 use crate::seeded::{normal, rng};
@@ -9,8 +10,8 @@ use std::path::Path;
 use touchline::calibrate::{ENOUGH_REPEATS, FrameLookup, OwnNoise, calibrate, check_values};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{
-    Camera, Click, Document, FieldSpec, Fields, Frame, FramePtz, FrameStatus, Repeat, document_from_bytes,
-    document_to_string,
+    Camera, Click, Document, FieldSpec, Fields, Frame, FramePtz, FrameStatus, Repeat,
+    document_from_bytes, document_to_string,
 };
 use touchline::evaluate::{Agreement, agreement};
 use touchline::field::{FieldModel, builtin};
@@ -26,11 +27,19 @@ fn field() -> FieldModel {
 }
 
 fn base() -> CameraBase {
-    let angles = BaseAngles { pitch: Angle::from_degrees(-1.0), ..BaseAngles::default() };
-    CameraBase::new(Vec3::new(1.0, -60.0, 18.0), angles.base_from_world(), SIZE.centre())
+    let angles = BaseAngles {
+        pitch: Angle::from_degrees(-1.0),
+        ..BaseAngles::default()
+    };
+    CameraBase::new(
+        Vec3::new(1.0, -60.0, 18.0),
+        angles.base_from_world(),
+        SIZE.centre(),
+    )
 }
 
-/// Frames of a wide pan, each with up to five landmarks clicked where the truth has them, with click noise of this sigma.
+/// Frames of a wide pan, each with up to five landmarks clicked where the truth has them, with
+/// click noise of this sigma.
 fn clicked(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Document {
     let field = field();
     let mut document = Document::new(FieldSpec::new("soccer"));
@@ -59,7 +68,12 @@ fn moved(at: ImagePoint, sigma_px: f64, rng: &mut Pcg64Mcg) -> ImagePoint {
 }
 
 /// The same document labelled by somebody else, with this click noise about the same spots.
-fn by_another(document: &Document, truth: &Document, sigma_px: f64, rng: &mut Pcg64Mcg) -> Document {
+fn by_another(
+    document: &Document,
+    truth: &Document,
+    sigma_px: f64,
+    rng: &mut Pcg64Mcg,
+) -> Document {
     let mut other = document.clone();
     for (frame, exact) in other.frames.iter_mut().zip(&truth.frames) {
         for (click, exact) in frame.clicks.iter_mut().zip(&exact.clicks) {
@@ -82,13 +96,31 @@ fn click_noise_is_recovered_from_two_annotators() {
         let found = agreed(&one, &by_another(&truth, &truth, sigma_px, &mut rng));
         let noise = found.noise.unwrap();
         let [low, high] = noise.interval_95;
-        assert!(low < 2.0 * sigma_px && 2.0 * sigma_px < high && high < 1.3 * low, "{noise:?} {sigma_px}");
-        assert!((found.distances.unwrap().median / (2.0 * sigma_px) - 1.665).abs() < 0.25, "of a Rayleigh variable");
-        assert!(found.noise_by_axis.iter().all(|noise| (noise.unwrap().sigma / sigma_px - 2.0).abs() < 0.4));
         assert!(
-            found.frames.iter().all(|frame| frame.names.is_empty() && frame.cameras.unwrap().worst_corner_px < 1e-6)
+            low < 2.0 * sigma_px && 2.0 * sigma_px < high && high < 1.3 * low,
+            "{noise:?} {sigma_px}"
         );
-        assert!(found.landmarks.iter().any(|landmark| landmark.noise.is_some()));
+        assert!(
+            (found.distances.unwrap().median / (2.0 * sigma_px) - 1.665).abs() < 0.25,
+            "of a Rayleigh variable"
+        );
+        assert!(
+            found
+                .noise_by_axis
+                .iter()
+                .all(|noise| (noise.unwrap().sigma / sigma_px - 2.0).abs() < 0.4)
+        );
+        assert!(
+            found.frames.iter().all(
+                |frame| frame.names.is_empty() && frame.cameras.unwrap().worst_corner_px < 1e-6
+            )
+        );
+        assert!(
+            found
+                .landmarks
+                .iter()
+                .any(|landmark| landmark.noise.is_some())
+        );
     }
 }
 
@@ -98,13 +130,20 @@ fn agreement_reports_name_disputes_lone_frames_and_copies() {
     let truth = clicked(12, 0.0, &mut rng);
     let copies: usize = truth.frames.iter().map(|frame| frame.clicks.len()).sum();
     let found = agreed(&truth, &truth);
-    assert_eq!((found.copies, found.noise, found.says_something()), (copies, None, false));
+    assert_eq!(
+        (found.copies, found.noise, found.says_something()),
+        (copies, None, false)
+    );
 
     let mut other = by_another(&truth, &truth, 0.5, &mut rng);
     // Near and far exchanged in one frame.
     for click in &mut other.frames[3].clicks {
         let name = click.target.as_ref().unwrap().as_str();
-        let twin = if name.contains("near") { name.replace("near", "far") } else { name.replace("far", "near") };
+        let twin = if name.contains("near") {
+            name.replace("near", "far")
+        } else {
+            name.replace("far", "near")
+        };
         *click = Click::landmark(twin.as_str().into(), click.image);
     }
     other.frames[5].clicks.clear();
@@ -124,14 +163,30 @@ fn agreement_reports_name_disputes_lone_frames_and_copies() {
         name.contains("near") || name.contains("far")
     });
     assert_eq!(named, [("images/003.jpg", twins.count())]);
-    let lone: Vec<(&str, bool, bool)> =
-        found.lone.iter().map(|lone| (&*lone.name, lone.by_first, lone.rejected)).collect();
-    let expected = [("images/005.jpg", true, false), ("images/006.jpg", true, true), ("images/007.jpg", true, false)];
+    let lone: Vec<(&str, bool, bool)> = found
+        .lone
+        .iter()
+        .map(|lone| (&*lone.name, lone.by_first, lone.rejected))
+        .collect();
+    let expected = [
+        ("images/005.jpg", true, false),
+        ("images/006.jpg", true, true),
+        ("images/007.jpg", true, false),
+    ];
     assert_eq!(lone, expected);
-    let cameras = found.frames.iter().find(|frame| frame.name == "images/004.jpg").unwrap().cameras.unwrap();
+    let cameras = found
+        .frames
+        .iter()
+        .find(|frame| frame.name == "images/004.jpg")
+        .unwrap()
+        .cameras
+        .unwrap();
     assert!((cameras.pan.degrees() - 0.5).abs() < 1e-9 && cameras.tilt.degrees().abs() < 1e-9);
     // Half a degree at 1000 px is 8.7 px, twice that at 1920 px width.
-    assert!((17.0..25.0).contains(&cameras.worst_corner_px), "{cameras:?}");
+    assert!(
+        (17.0..25.0).contains(&cameras.worst_corner_px),
+        "{cameras:?}"
+    );
 }
 
 #[test]
@@ -144,31 +199,54 @@ fn evaluate_says_how_two_annotators_agree() {
         ("b.json", &by_another(&truth, &truth, 1.0, &mut rng)),
         ("exact.json", &truth),
     ] {
-        write_document(&Location::for_new_document(&folder.path().join(name)).unwrap(), document, false).unwrap();
+        write_document(
+            &Location::for_new_document(&folder.path().join(name)).unwrap(),
+            document,
+            false,
+        )
+        .unwrap();
     }
     let ran = touchline(folder.path(), "evaluate a.json b.json");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let report: Value = serde_json::from_str(&ran.stdout).unwrap();
     let noise = &report["agreement"]["one_annotator"];
-    let ends: Vec<f64> = noise["interval_95_px"].as_array().unwrap().iter().map(|end| end.as_f64().unwrap()).collect();
+    let ends: Vec<f64> = noise["interval_95_px"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|end| end.as_f64().unwrap())
+        .collect();
     assert!(ends[0] < 2.0 && 2.0 < ends[1], "{noise}");
     let ran = touchline(folder.path(), "evaluate a.json b.json --table");
     assert!(
-        ran.stdout.contains("Two annotators:") && ran.stdout.contains("Click noise of one annotator:"),
+        ran.stdout.contains("Two annotators:")
+            && ran.stdout.contains("Click noise of one annotator:"),
         "{}",
         ran.stdout
     );
     let ran = touchline(folder.path(), "evaluate exact.json exact.json");
-    assert!(!ran.stdout.contains("agreement"), "copies are no second annotator");
+    assert!(
+        !ran.stdout.contains("agreement"),
+        "copies are no second annotator"
+    );
 }
 
-/// Every landmark of the first frames clicked again, blind, with this click noise about the true spots.
-fn repeat(document: &mut Document, truth: &Document, frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) {
+/// Every landmark of the first frames clicked again, blind, with this click noise about the true
+/// spots.
+fn repeat(
+    document: &mut Document,
+    truth: &Document,
+    frames: usize,
+    sigma_px: f64,
+    rng: &mut Pcg64Mcg,
+) {
     let round = document.next_round();
     for (frame, exact) in document.frames.iter_mut().zip(&truth.frames).take(frames) {
         let ids: Vec<_> = frame.asked_again().cloned().collect();
         for (id, exact) in ids.into_iter().zip(&exact.clicks) {
-            frame.repeats.push(Repeat::new(id, moved(exact.image, sigma_px, rng), round));
+            frame
+                .repeats
+                .push(Repeat::new(id, moved(exact.image, sigma_px, rng), round));
         }
     }
 }
@@ -186,7 +264,10 @@ fn repeats_give_the_click_noise_and_a_usual_one_changes_nothing() {
     let mut document = by_another(&truth, &truth, sigma_px, &mut rng);
     repeat(&mut document, &truth, 2, sigma_px, &mut rng);
     let few = own(&document);
-    assert!(few.repeats < ENOUGH_REPEATS && few.click_noise.is_none() && few.missing() > 0, "{few:?}");
+    assert!(
+        few.repeats < ENOUGH_REPEATS && few.click_noise.is_none() && few.missing() > 0,
+        "{few:?}"
+    );
     repeat(&mut document, &truth, 40, sigma_px, &mut rng);
     repeat(&mut document, &truth, 40, sigma_px, &mut rng);
     let found = own(&document);
@@ -195,8 +276,11 @@ fn repeats_give_the_click_noise_and_a_usual_one_changes_nothing() {
     assert!(low < 1.2 && 1.2 < high && high < 1.25 * low, "{noise:?}");
 
     // The usual click noise: half of the template's variance.
-    let stated: BTreeMap<String, f64> =
-        field().landmarks.iter().map(|landmark| (landmark.id.to_string(), landmark.click_sigma_px)).collect();
+    let stated: BTreeMap<String, f64> = field()
+        .landmarks
+        .iter()
+        .map(|landmark| (landmark.id.to_string(), landmark.click_sigma_px))
+        .collect();
     let mut usual = truth.clone();
     for round in 1..=4 {
         for (frame, exact) in usual.frames.iter_mut().zip(&truth.frames) {
@@ -212,11 +296,21 @@ fn repeats_give_the_click_noise_and_a_usual_one_changes_nothing() {
     }
     let noise = own(&usual).click_noise.unwrap();
     assert!((noise.factor - 1.0).abs() < 0.08, "{noise:?}");
-    assert!(noise.factor_by_landmark.values().all(|factor| (factor - 1.0).abs() < 0.35), "{noise:?}");
+    assert!(
+        noise
+            .factor_by_landmark
+            .values()
+            .all(|factor| (factor - 1.0).abs() < 0.35),
+        "{noise:?}"
+    );
     usual.set_click_noise(&noise).unwrap();
     let weighed = Fields::of(usual.at(Path::new("."))).unwrap();
     let weighed = weighed.of_frame(&usual, &usual.frames[0]);
-    let changed = weighed.landmarks.iter().zip(field().landmarks).map(|(a, b)| a.click_sigma_px / b.click_sigma_px);
+    let changed = weighed
+        .landmarks
+        .iter()
+        .zip(field().landmarks)
+        .map(|(a, b)| a.click_sigma_px / b.click_sigma_px);
     assert!(changed.into_iter().all(|factor| (factor - 1.0).abs() < 0.2));
 }
 
@@ -230,17 +324,25 @@ fn low_click_noise_lowers_the_solves_sigmas_and_the_document_keeps_it() {
         let fields = Fields::of(document.at(Path::new("."))).unwrap();
         let frame = &document.frames[4];
         let field = fields.of_frame(document, frame);
-        calibrate(document, &FrameLookup::of(document), frame, field, 4).unwrap().worst_corner_sigma_px
+        calibrate(document, &FrameLookup::of(document), frame, field, 4)
+            .unwrap()
+            .worst_corner_sigma_px
     };
     let before = sigma(&document);
     let mut noise = own(&document).click_noise.unwrap();
     document.set_click_noise(&noise).unwrap();
     let steady = sigma(&document);
     // What the place is worth stays: half of the variance.
-    assert!((0.70..0.85).contains(&(steady / before)), "{steady} of {before}");
+    assert!(
+        (0.70..0.85).contains(&(steady / before)),
+        "{steady} of {before}"
+    );
     let text = document_to_string(&document.clone().into_dataset()).unwrap();
     let read = document_from_bytes(text.as_bytes()).unwrap();
-    assert_eq!((read.own_click_noise(), &read.frames[0].repeats), (Some(&noise), &document.frames[0].repeats));
+    assert_eq!(
+        (read.own_click_noise(), &read.frames[0].repeats),
+        (Some(&noise), &document.frames[0].repeats)
+    );
     noise.in_use = false;
     document.set_click_noise(&noise).unwrap();
     assert_eq!(sigma(&document), before);
@@ -256,7 +358,10 @@ fn the_interval_of_a_round_holds_the_truth_as_often_as_it_says() {
         let mut document = by_another(&truth, &truth, sigma_px, &mut rng);
         repeat(&mut document, &truth, 5, sigma_px, &mut rng);
         let found = own(&document);
-        assert!(found.repeats >= ENOUGH_REPEATS && found.click_noise.is_some(), "{found:?}");
+        assert!(
+            found.repeats >= ENOUGH_REPEATS && found.click_noise.is_some(),
+            "{found:?}"
+        );
         let [low, high] = found.noise.unwrap().interval_95;
         held += usize::from(low <= 2.0 * sigma_px && 2.0 * sigma_px <= high);
     }
@@ -272,20 +377,42 @@ fn the_commands_weight_clicks_as_the_document_says() {
     repeat(&mut document, &truth, 8, 0.2, &mut rng);
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, document: &Document| {
-        write_document(&Location::for_new_document(&folder.path().join(name)).unwrap(), document, false).unwrap();
+        write_document(
+            &Location::for_new_document(&folder.path().join(name)).unwrap(),
+            document,
+            false,
+        )
+        .unwrap();
     };
     write("usual.json", &document);
-    document.set_click_noise(&own(&document).click_noise.unwrap()).unwrap();
+    document
+        .set_click_noise(&own(&document).click_noise.unwrap())
+        .unwrap();
     write("own.json", &document);
-    for command in ["solve", "refine-base --distortion none --crown 0 --principal-point=false"] {
+    for command in [
+        "solve",
+        "refine-base --distortion none --crown 0 --principal-point=false",
+    ] {
         let sigma = |name: &str| {
             let ran = touchline(folder.path(), &format!("{command} {name}"));
             let solved = document_from_bytes(ran.stdout.as_bytes()).unwrap();
-            let sigmas = solved.frames[4].solution.as_ref().unwrap().worst_corner_sigma_px.unwrap();
-            (sigmas, ran.stderr.contains("weighted by their annotator's own click noise"))
+            let sigmas = solved.frames[4]
+                .solution
+                .as_ref()
+                .unwrap()
+                .worst_corner_sigma_px
+                .unwrap();
+            (
+                sigmas,
+                ran.stderr
+                    .contains("weighted by their annotator's own click noise"),
+            )
         };
         let ((usual, silent), (own, said)) = (sigma("usual.json"), sigma("own.json"));
-        assert!(own < 0.95 * usual && !silent && said, "{command}: {own} of {usual}");
+        assert!(
+            own < 0.95 * usual && !silent && said,
+            "{command}: {own} of {usual}"
+        );
     }
 }
 
@@ -294,11 +421,28 @@ fn check_reports_faults_in_repeats_and_click_noise() {
     let mut rng = rng("check_reports_faults_in_repeats_and_click_noise");
     let mut document = clicked(2, 0.0, &mut rng);
     assert_eq!(check_values(document.at(Path::new("."))), []);
-    document.frames[0].repeats.push(Repeat::new("centre_spot".into(), ImagePoint::new(5.0, 5.0), 1));
-    document.frames[1].repeats.push(Repeat::new("centre_mark".into(), ImagePoint::new(5.0, 600.0), 1));
+    document.frames[0].repeats.push(Repeat::new(
+        "centre_spot".into(),
+        ImagePoint::new(5.0, 5.0),
+        1,
+    ));
+    document.frames[1].repeats.push(Repeat::new(
+        "centre_mark".into(),
+        ImagePoint::new(5.0, 600.0),
+        1,
+    ));
     document.click_noise = Some(serde_json::json!({ "use": true, "hand_factor": -1.0 }).into());
-    let codes: Vec<&str> =
-        check_values(document.at(Path::new("."))).iter().map(|problem| problem.fault.code()).collect();
-    assert_eq!(codes, ["click_noise", "unknown_landmark_again", "repeat_outside"]);
-    assert_eq!(document.click_noise_in_use(), None, "unreadable click noise is not used");
+    let codes: Vec<&str> = check_values(document.at(Path::new(".")))
+        .iter()
+        .map(|problem| problem.fault.code())
+        .collect();
+    assert_eq!(
+        codes,
+        ["click_noise", "unknown_landmark_again", "repeat_outside"]
+    );
+    assert_eq!(
+        document.click_noise_in_use(),
+        None,
+        "unreadable click noise is not used"
+    );
 }

@@ -1,5 +1,5 @@
-//! The house stands as each crate's `lib.rs` draws it. Which crate uses which is Cargo's to say; here is what it cannot: the floors
-//! within a crate, no circles, fences, one wgpu.
+//! The house stands as each crate's `lib.rs` draws it. Which crate uses which is Cargo's to say;
+//! here is what it cannot: the floors within a crate, no circles, fences, one wgpu.
 
 mod counters;
 mod examples;
@@ -17,20 +17,44 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 /// The crates by their folders, lowest first.
-pub const CRATES: [&str; 7] =
-    ["src/core", "src/vision", "src/documents", "src/calibration", "src/application", "src/experiments", "src"];
+pub const CRATES: [&str; 7] = [
+    "src/core",
+    "src/vision",
+    "src/documents",
+    "src/calibration",
+    "src/application",
+    "src/experiments",
+    "src",
+];
 
 /// Rooms of one floor of which one uses the other.
 const PAIRS: &[Pair] = &[
-    ("autocalibrate", "calibrate", "a base that it finds is adjusted to paint and recorded as any other"),
-    ("evaluate", "calibrate", "an estimate's clicks are scored as observations"),
-    ("proposals", "calibrate", "a reference's clicks are its observations"),
+    (
+        "autocalibrate",
+        "calibrate",
+        "a base that it finds is adjusted to paint and recorded as any other",
+    ),
+    (
+        "evaluate",
+        "calibrate",
+        "an estimate's clicks are scored as observations",
+    ),
+    (
+        "proposals",
+        "calibrate",
+        "a reference's clicks are its observations",
+    ),
 ];
 
-/// What may be named only in some rooms of a crate that depends on it. Modules for tests may name anything.
+/// What may be named only in some rooms of a crate that depends on it. Modules for tests may name
+/// anything.
 const FENCES: &[Fence] = &[
     (&["egui"], &["ui"], "egui stays in ui"),
-    (&["wgpu"], &["application/render", "ui"], "wgpu stays in render and ui"),
+    (
+        &["wgpu"],
+        &["application/render", "ui"],
+        "wgpu stays in render and ui",
+    ),
     (
         &["nalgebra"],
         &["core", "vision", "documents", "calibration", "experiments"],
@@ -43,12 +67,27 @@ const FENCES: &[Fence] = &[
     ),
     (
         &["std", "thread"],
-        &["application/jobs/worker.rs", "application/jobs/trainer/mod.rs"],
+        &[
+            "application/jobs/worker.rs",
+            "application/jobs/trainer/mod.rs",
+        ],
         "there is one way to start a thread",
     ),
-    (&["std", "sync", "mpsc"], &[], "orders and reports go through a worker's mailbox"),
-    (&["std", "fs"], FILES, "files stay in the rooms that keep something in them"),
-    (&["anyhow"], &["cli"], "libraries return errors of their own"),
+    (
+        &["std", "sync", "mpsc"],
+        &[],
+        "orders and reports go through a worker's mailbox",
+    ),
+    (
+        &["std", "fs"],
+        FILES,
+        "files stay in the rooms that keep something in them",
+    ),
+    (
+        &["anyhow"],
+        &["cli"],
+        "libraries return errors of their own",
+    ),
 ];
 
 /// Rooms that read and write files, and single files elsewhere that still do.
@@ -87,7 +126,8 @@ const MOST_EFFECTS: usize = 16;
 /// Fields of the session.
 const MOST_FIELDS: usize = 20;
 
-/// What the figures of legibility may not exceed: what was reached. Lower them where the sources get better.
+/// What the figures of legibility may not exceed: what was reached. Lower them where the sources
+/// get better.
 const MOST_CODE_LINES_PER_COMMENT: usize = 60;
 const MOST_CLOSURES_PER_10_000_LINES: usize = 200;
 const MOST_SHORT_FILES: usize = 100;
@@ -107,29 +147,53 @@ fn read(file: &Path) -> Option<String> {
 /// The sources of each crate; paths are relative to the workspace.
 pub fn crates() -> &'static [SourceMap] {
     static MAPS: LazyLock<Vec<SourceMap>> = LazyLock::new(|| {
-        CRATES.iter().map(|folder| SourceMap::read(&Path::new(folder).join("lib.rs"), &read)).collect()
+        CRATES
+            .iter()
+            .map(|folder| SourceMap::read(&Path::new(folder).join("lib.rs"), &read))
+            .collect()
     });
     &MAPS
 }
 
 /// The crates whose `lib.rs` has a table of floors: the experiments are one room.
 fn plans() -> impl Iterator<Item = (Plan, &'static SourceMap)> {
-    let drawn = CRATES.iter().zip(crates()).filter(|(folder, _)| **folder != "src/experiments");
-    drawn.map(|(folder, map)| (Plan::read(&read(&Path::new(folder).join("lib.rs")).unwrap()), map))
+    let drawn = CRATES
+        .iter()
+        .zip(crates())
+        .filter(|(folder, _)| **folder != "src/experiments");
+    drawn.map(|(folder, map)| {
+        (
+            Plan::read(&read(&Path::new(folder).join("lib.rs")).unwrap()),
+            map,
+        )
+    })
 }
 
 fn assert_none(found: &[String]) {
-    assert!(found.is_empty(), "{} found:\n{}", found.len(), found.join("\n"));
+    assert!(
+        found.is_empty(),
+        "{} found:\n{}",
+        found.len(),
+        found.join("\n")
+    );
 }
 
 #[test]
 fn every_room_is_on_the_plan_and_every_room_of_the_plan_is_there() {
-    assert_none(&plans().flat_map(|(plan, map)| plan.rooms_apart(map)).collect::<Vec<_>>());
+    assert_none(
+        &plans()
+            .flat_map(|(plan, map)| plan.rooms_apart(map))
+            .collect::<Vec<_>>(),
+    );
 }
 
 #[test]
 fn a_room_uses_only_rooms_below_it() {
-    assert_none(&plans().flat_map(|(plan, map)| plan.broken_floors(map, PAIRS)).collect::<Vec<_>>());
+    assert_none(
+        &plans()
+            .flat_map(|(plan, map)| plan.broken_floors(map, PAIRS))
+            .collect::<Vec<_>>(),
+    );
 }
 
 #[test]
@@ -144,21 +208,34 @@ fn what_is_fenced_stays_in_its_rooms() {
 
 /// The files of some crates, without those for tests.
 fn sources(of: &[&str]) -> Vec<Source> {
-    let maps = CRATES.iter().zip(crates()).filter(|(folder, _)| of.contains(folder));
-    let files: BTreeSet<&PathBuf> = maps.flat_map(|(_, map)| map.modules.values().map(|module| &module.file)).collect();
-    files.into_iter().map(|file| (file.clone(), read(file).unwrap())).collect()
+    let maps = CRATES
+        .iter()
+        .zip(crates())
+        .filter(|(folder, _)| of.contains(folder));
+    let files: BTreeSet<&PathBuf> = maps
+        .flat_map(|(_, map)| map.modules.values().map(|module| &module.file))
+        .collect();
+    files
+        .into_iter()
+        .map(|file| (file.clone(), read(file).unwrap()))
+        .collect()
 }
 
 #[test]
 fn an_operation_is_named_in_few_files() {
     let folder = Path::new("src/application/app/operations");
-    assert_none(&widely_named(folder, &sources(&["src/application", "src"]), FILES_OF_OPERATION));
+    assert_none(&widely_named(
+        folder,
+        &sources(&["src/application", "src"]),
+        FILES_OF_OPERATION,
+    ));
 }
 
 #[test]
 fn actions_effects_and_the_session_stay_short() {
     let sources = sources(&["src/application"]);
-    let is_action = |name: &str| name.ends_with("Action") || ["Navigation", "DiskReport"].contains(&name);
+    let is_action =
+        |name: &str| name.ends_with("Action") || ["Navigation", "DiskReport"].contains(&name);
     let mut long = long_enums(&sources, is_action, MOST_ACTIONS);
     long.extend(long_enums(&sources, |name| name == "Effect", MOST_EFFECTS));
     let session = read(Path::new("src/application/app/session.rs")).unwrap();
@@ -182,17 +259,37 @@ fn the_sources_stay_as_legible_as_they_are() {
         }
     };
     let comments = rooms.code_lines_per_comment();
-    check("lines of code a comment in the library", comments, MOST_CODE_LINES_PER_COMMENT, String::new());
+    check(
+        "lines of code a comment in the library",
+        comments,
+        MOST_CODE_LINES_PER_COMMENT,
+        String::new(),
+    );
     let closures = whole.closures_per_10_000_lines();
     let of_closures = worst(&all, |counters| counters.named_closures, 5);
-    check("named closures in 10,000 lines", closures, MOST_CLOSURES_PER_10_000_LINES, of_closures);
+    check(
+        "named closures in 10,000 lines",
+        closures,
+        MOST_CLOSURES_PER_10_000_LINES,
+        of_closures,
+    );
     let of_short = worst(&all, |counters| counters.short_files, 5);
     check("short files", whole.short_files, MOST_SHORT_FILES, of_short);
     let of_long = worst(&all, |counters| counters.long_lines, 5);
     check("long lines", whole.long_lines, MOST_LONG_LINES, of_long);
     let of_participles = worst(&all, |counters| counters.participles, 5);
-    check("functions that begin with a participle", whole.participles, MOST_PARTICIPLES, of_participles);
-    check("words of dialect", whole.dialect, MOST_DIALECT, worst(&all, |counters| counters.dialect, 5));
+    check(
+        "functions that begin with a participle",
+        whole.participles,
+        MOST_PARTICIPLES,
+        of_participles,
+    );
+    check(
+        "words of dialect",
+        whole.dialect,
+        MOST_DIALECT,
+        worst(&all, |counters| counters.dialect, 5),
+    );
     assert_none(&worse);
 }
 
@@ -204,7 +301,11 @@ fn statics_that_change_are_on_the_list() {
 #[test]
 fn every_file_belongs_to_a_module() {
     let program = SourceMap::read(Path::new("src/main.rs"), &read);
-    let read: BTreeSet<&PathBuf> = crates().iter().chain([&program]).flat_map(|map| &map.files).collect();
+    let read: BTreeSet<&PathBuf> = crates()
+        .iter()
+        .chain([&program])
+        .flat_map(|map| &map.files)
+        .collect();
     let mut folders = vec![PathBuf::from("src")];
     let mut lost = Vec::new();
     while let Some(folder) = folders.pop() {
@@ -215,7 +316,9 @@ fn every_file_belongs_to_a_module() {
                 if !path.ends_with("tests") && !path.ends_with("benches") {
                     folders.push(path);
                 }
-            } else if path.extension().is_some_and(|extension| extension == "rs") && !read.contains(&path) {
+            } else if path.extension().is_some_and(|extension| extension == "rs")
+                && !read.contains(&path)
+            {
                 lost.push(format!("{}: no module declares it", path.display()));
             }
         }
@@ -233,7 +336,11 @@ fn tests_that_need_parts_are_listed_not_marked() {
             let file = Path::new(folder).join(entry.unwrap().file_name());
             for (number, line) in read(&file).unwrap_or_default().lines().enumerate() {
                 if line.trim() == "#[test]" {
-                    marked.push(format!("{}:{}: list it in TESTS", file.display(), number + 1));
+                    marked.push(format!(
+                        "{}:{}: list it in TESTS",
+                        file.display(),
+                        number + 1
+                    ));
                 }
             }
         }
@@ -245,7 +352,10 @@ fn tests_that_need_parts_are_listed_not_marked() {
 fn the_lock_file_holds_one_wgpu() {
     let lock = read(Path::new("Cargo.lock")).unwrap();
     for name in ["wgpu", "egui", "nalgebra"] {
-        let count = lock.lines().filter(|line| *line == format!("name = \"{name}\"")).count();
+        let count = lock
+            .lines()
+            .filter(|line| *line == format!("name = \"{name}\""))
+            .count();
         assert_eq!(count, 1, "Cargo.lock holds {count} versions of {name}");
     }
 }

@@ -1,4 +1,5 @@
-//! A base from scratch in the application: clicks, the guidance that counts them, the estimate, the decision, undo.
+//! A base from scratch in the application: clicks, the guidance that counts them, the estimate, the
+//! decision, undo.
 
 use crate::bench::uncounted;
 use crate::refine_base_command::clicked_match;
@@ -9,10 +10,13 @@ use std::time::Duration;
 use touchline::app::guidance::next_step;
 use touchline::app::operation::{Breakdown, Failure, Report};
 use touchline::app::operations::BaseEstimate;
-use touchline::app::{Action, App, Command, EditAction, Effect, Navigation, Opened, PointerAction, Settings};
+use touchline::app::{
+    Action, App, Command, EditAction, Effect, Navigation, Opened, PointerAction, Settings,
+};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{
-    Camera, Click, Document, FieldSize, FieldSpec, Frame, FrameStatus, SolutionSource, Target, document_to_string,
+    Camera, Click, Document, FieldSize, FieldSpec, Frame, FrameStatus, SolutionSource, Target,
+    document_to_string,
 };
 use touchline::field::{FieldModel, Symmetry, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
@@ -25,20 +29,36 @@ fn field() -> FieldModel {
 }
 
 fn truth(frame: usize) -> PtzCamera {
-    let angles = BaseAngles { pitch: Angle::from_degrees(-0.4), ..BaseAngles::default() };
-    let base = CameraBase::new(Vec3::new(2.0, -63.0, 19.0), angles.base_from_world(), SIZE.centre());
+    let angles = BaseAngles {
+        pitch: Angle::from_degrees(-0.4),
+        ..BaseAngles::default()
+    };
+    let base = CameraBase::new(
+        Vec3::new(2.0, -63.0, 19.0),
+        angles.base_from_world(),
+        SIZE.centre(),
+    );
     let pan = [-28.0, 0.0, 27.0, -14.0, 14.0, 5.0][frame % 6];
-    PtzCamera::new(base, Ptz::from_degrees(pan, -12.0, 1300.0 + 60.0 * frame as f64))
+    PtzCamera::new(
+        base,
+        Ptz::from_degrees(pan, -12.0, 1300.0 + 60.0 * frame as f64),
+    )
 }
 
 /// The landmarks on the ground that a frame shows, well inside.
 fn visible(frame: usize) -> Vec<(Target, ImagePoint)> {
     let field = field();
     let inside = |at: &ImagePoint| at.x > 20.0 && at.x < 1260.0 && at.y > 20.0 && at.y < 700.0;
-    let on_ground = field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0);
+    let on_ground = field
+        .landmarks
+        .iter()
+        .filter(|landmark| landmark.nominal_m.z == 0.0);
     on_ground
         .filter_map(|landmark| {
-            let at = truth(frame).image_from_world(field.landmark_in_world(landmark)).ok().filter(inside)?;
+            let at = truth(frame)
+                .image_from_world(field.landmark_in_world(landmark))
+                .ok()
+                .filter(inside)?;
             Some((Target::Landmark(landmark.id.clone()), at))
         })
         .collect()
@@ -47,7 +67,9 @@ fn visible(frame: usize) -> Vec<(Target, ImagePoint)> {
 /// A project whose first `clicked` of `frames` frames have points, off by up to a px.
 fn document(frames: usize, clicked: usize) -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
-    document.cameras.push(Camera::new("main".into(), SIZE).into());
+    document
+        .cameras
+        .push(Camera::new("main".into(), SIZE).into());
     for index in 0..frames {
         let mut frame = Frame::from_image(&format!("{index}.png"), "main".into(), SIZE);
         if index < clicked {
@@ -56,7 +78,10 @@ fn document(frames: usize, clicked: usize) -> Document {
                 .into_iter()
                 .enumerate()
                 .map(|(number, (target, at))| {
-                    let (dx, dy) = (f64::from((number * 7 % 5) as u8) - 2.0, f64::from((number * 3 % 5) as u8) - 2.0);
+                    let (dx, dy) = (
+                        f64::from((number * 7 % 5) as u8) - 2.0,
+                        f64::from((number * 3 % 5) as u8) - 2.0,
+                    );
                     Click::new(target, ImagePoint::new(at.x + 0.4 * dx, at.y + 0.4 * dy))
                 })
                 .collect();
@@ -84,7 +109,11 @@ impl Fixture {
             let _ = wake.send(());
         });
         let runner = Runner::new(wake, SharedPictures::none());
-        let mut fixture = Self { app: App::new(Settings::default()), runner, woken };
+        let mut fixture = Self {
+            app: App::new(Settings::default()),
+            runner,
+            woken,
+        };
         fixture.act(Action::Opened(Box::new(Opened::new(document, file))));
         fixture
     }
@@ -126,10 +155,17 @@ impl Fixture {
     }
 }
 
-/// Camera, residuals and verdict belong to one solution with the base that was found; a frame without points shows nothing of
-/// another base and says so.
+/// Camera, residuals and verdict belong to one solution with the base that was found; a frame
+/// without points shows nothing of another base and says so.
 fn all_that_is_shown_is_of_the_estimated_base(fixture: &mut Fixture) {
-    let found = fixture.app.operations.base_estimate.proposed().unwrap().estimate.base;
+    let found = fixture
+        .app
+        .operations
+        .base_estimate
+        .proposed()
+        .unwrap()
+        .estimate
+        .base;
     let shown = fixture.app.shown();
     let (camera, solved) = (shown.camera.unwrap(), shown.solved().unwrap());
     assert!(shown.is_estimated && shown.judgement.is_some());
@@ -137,12 +173,28 @@ fn all_that_is_shown_is_of_the_estimated_base(fixture: &mut Fixture) {
     assert!((camera.base().position_m - found.position_m).norm() < 1e-9);
     assert_eq!(camera.ptz(), solved.ptz);
     let clicks = &fixture.app.frame().unwrap().clicks;
-    assert!((0..clicks.len()).all(|click| shown.residual(click).is_some()), "a residual for each point");
-    assert!(next_step(&fixture.app).text.starts_with("Lines and numbers are those of the estimated base."));
+    assert!(
+        (0..clicks.len()).all(|click| shown.residual(click).is_some()),
+        "a residual for each point"
+    );
+    assert!(
+        next_step(&fixture.app)
+            .text
+            .starts_with("Lines and numbers are those of the estimated base.")
+    );
     fixture.act(Action::Navigate(Navigation::GoTo(4)));
     let shown = fixture.app.shown();
-    assert!(shown.is_estimated && shown.camera.is_none() && shown.solved().is_none() && shown.judgement.is_none());
-    assert!(next_step(&fixture.app).text.starts_with("This frame has no points to draw the estimated base with."));
+    assert!(
+        shown.is_estimated
+            && shown.camera.is_none()
+            && shown.solved().is_none()
+            && shown.judgement.is_none()
+    );
+    assert!(
+        next_step(&fixture.app)
+            .text
+            .starts_with("This frame has no points to draw the estimated base with.")
+    );
     fixture.act(Action::Navigate(Navigation::GoTo(0)));
 }
 
@@ -150,21 +202,53 @@ fn all_that_is_shown_is_of_the_estimated_base(fixture: &mut Fixture) {
 fn a_base_is_found_looked_at_taken_over_and_undone_in_one_step() {
     let mut fixture = Fixture::on(document(5, 4));
     let before = document_to_string(fixture.document()).unwrap();
-    assert!(next_step(&fixture.app).offers.contains(&("Estimate the base now", Command::EstimateBase)));
+    assert!(
+        next_step(&fixture.app)
+            .offers
+            .contains(&("Estimate the base now", Command::EstimateBase))
+    );
     fixture.estimate();
     let found = fixture.app.operations.base_estimate.proposed().unwrap();
     assert_eq!(found.frames, [0, 1, 2, 3]);
-    assert!(found.estimate.median_px < 2.0, "{}", found.estimate.median_px);
+    assert!(
+        found.estimate.median_px < 2.0,
+        "{}",
+        found.estimate.median_px
+    );
     assert!(!found.landmarks.is_empty());
-    assert_eq!(document_to_string(fixture.document()).unwrap(), before, "nothing is changed before it is decided");
-    assert!(fixture.app.current().proposal.as_ref().unwrap().camera.is_some(), "but the picture shows it");
-    assert_eq!(next_step(&fixture.app).offers, [], "the big button decides, and nothing else");
+    assert_eq!(
+        document_to_string(fixture.document()).unwrap(),
+        before,
+        "nothing is changed before it is decided"
+    );
+    assert!(
+        fixture
+            .app
+            .current()
+            .proposal
+            .as_ref()
+            .unwrap()
+            .camera
+            .is_some(),
+        "but the picture shows it"
+    );
+    assert_eq!(
+        next_step(&fixture.app).offers,
+        [],
+        "the big button decides, and nothing else"
+    );
     assert!(fixture.app.decides_about_base());
-    assert_eq!(fixture.app.unacceptable().unwrap(), "An estimated base is shown. Use it or discard it first.");
+    assert_eq!(
+        fixture.app.unacceptable().unwrap(),
+        "An estimated base is shown. Use it or discard it first."
+    );
     all_that_is_shown_is_of_the_estimated_base(&mut fixture);
 
     fixture.command(Command::UseEstimatedBase);
-    let (base, sigma) = (fixture.base().unwrap(), fixture.base().unwrap().sigma.position_m);
+    let (base, sigma) = (
+        fixture.base().unwrap(),
+        fixture.base().unwrap().sigma.position_m,
+    );
     let miss = base.position_m - truth(0).base().position_m;
     assert!(miss.norm() < 1.0, "{miss:?}");
     assert!(sigma.iter().all(|sigma| *sigma > 0.0), "{sigma:?}");
@@ -173,7 +257,10 @@ fn a_base_is_found_looked_at_taken_over_and_undone_in_one_step() {
     }
     assert!(fixture.document().frames[4].ptz.is_none());
     fixture.command(Command::Undo);
-    assert_eq!(document_to_string(&uncounted(fixture.document())).unwrap(), before);
+    assert_eq!(
+        document_to_string(&uncounted(fixture.document())).unwrap(),
+        before
+    );
     fixture.command(Command::Redo);
     assert_eq!(fixture.base(), Some(base));
 }
@@ -198,23 +285,62 @@ fn painted_lines_take_part_where_that_is_ticked_and_all_is_one_step() {
     fixture.command(Command::DropEstimatedBase);
     assert!(is_idle(&fixture.app), "it can be stopped");
     fixture.estimate();
-    let found = fixture.app.operations.base_estimate.proposed().unwrap().clone();
+    let found = fixture
+        .app
+        .operations
+        .base_estimate
+        .proposed()
+        .unwrap()
+        .clone();
     let on_paint = found.on_paint.clone().unwrap();
-    let [held_out, was] = [on_paint.seen.after, on_paint.seen.before].map(|errors| errors.paint.unwrap().median_px);
-    assert!(held_out < 0.4 && held_out <= was, "{held_out} px, {was} px before");
+    let [held_out, was] =
+        [on_paint.seen.after, on_paint.seen.before].map(|errors| errors.paint.unwrap().median_px);
+    assert!(
+        held_out < 0.4 && held_out <= was,
+        "{held_out} px, {was} px before"
+    );
     let told = &fixture.app.session.messages.notices.last().unwrap().text;
-    assert!(told.contains("Painted lines that were not used are"), "{told}");
-    assert_eq!(document_to_string(fixture.document()).unwrap(), before, "nothing is changed before it is decided");
+    assert!(
+        told.contains("Painted lines that were not used are"),
+        "{told}"
+    );
+    assert_eq!(
+        document_to_string(fixture.document()).unwrap(),
+        before,
+        "nothing is changed before it is decided"
+    );
 
     fixture.command(Command::UseEstimatedBase);
     // Its σ are written in degrees.
     let used = fixture.base().unwrap();
-    let placed = |base: &CameraBase| (base.position_m, base.base_from_world, base.principal_point, base.distortion);
+    let placed = |base: &CameraBase| {
+        (
+            base.position_m,
+            base.base_from_world,
+            base.principal_point,
+            base.distortion,
+        )
+    };
     assert_eq!(placed(&used), placed(&found.estimate.base));
-    let on_lines = |frame: &Frame| frame.solution.as_ref().is_some_and(|s| s.source == Some(SolutionSource::Markings));
-    assert!(fixture.document().frames.iter().all(|frame| on_lines(frame)));
+    let on_lines = |frame: &Frame| {
+        frame
+            .solution
+            .as_ref()
+            .is_some_and(|s| s.source == Some(SolutionSource::Markings))
+    };
+    assert!(
+        fixture
+            .document()
+            .frames
+            .iter()
+            .all(|frame| on_lines(frame))
+    );
     fixture.command(Command::Undo);
-    assert_eq!(document_to_string(&uncounted(fixture.document())).unwrap(), before, "one step");
+    assert_eq!(
+        document_to_string(&uncounted(fixture.document())).unwrap(),
+        before,
+        "one step"
+    );
 }
 
 #[test]
@@ -227,8 +353,16 @@ fn a_frame_that_is_edited_after_the_estimate_keeps_its_edit() {
     fixture.act(Action::Navigate(Navigation::Select(Some(0))));
     fixture.command(Command::DeleteClick);
     fixture.command(Command::UseEstimatedBase);
-    let source = |index: usize| fixture.document().frames[index].solution.as_ref().and_then(|solution| solution.source);
-    assert_eq!((source(0), source(1)), (Some(SolutionSource::Clicks), Some(SolutionSource::Markings)));
+    let source = |index: usize| {
+        fixture.document().frames[index]
+            .solution
+            .as_ref()
+            .and_then(|solution| solution.source)
+    };
+    assert_eq!(
+        (source(0), source(1)),
+        (Some(SolutionSource::Clicks), Some(SolutionSource::Markings))
+    );
 }
 
 #[test]
@@ -239,15 +373,27 @@ fn the_size_of_the_field_is_fitted_with_the_base_in_one_step() {
     let names: Vec<&str> = found.sizes.iter().map(|size| size.name.as_str()).collect();
     assert_eq!(names, ["length_m", "width_m"]);
     for (size, real) in found.sizes.iter().zip([105.0, 68.0]) {
-        assert!((size.value_m - real).abs() < 3.0 * size.sigma_m && size.sigma_m < 1.0, "{size:?}");
+        assert!(
+            (size.value_m - real).abs() < 3.0 * size.sigma_m && size.sigma_m < 1.0,
+            "{size:?}"
+        );
     }
     let told = &fixture.app.session.messages.notices.last().unwrap().text;
-    assert!(told.contains("Field length 10") && told.contains("m assumed)"), "{told}");
-    assert!(fixture.document().field.assumed_size().is_some(), "nothing is changed before it is decided");
+    assert!(
+        told.contains("Field length 10") && told.contains("m assumed)"),
+        "{told}"
+    );
+    assert!(
+        fixture.document().field.assumed_size().is_some(),
+        "nothing is changed before it is decided"
+    );
     fixture.command(Command::UseEstimatedBase);
     assert_eq!(*fixture.document().field.size(), FieldSize::Fitted);
     fixture.command(Command::Undo);
-    assert!(fixture.document().field.assumed_size().is_some() && fixture.base().is_none(), "one step");
+    assert!(
+        fixture.document().field.assumed_size().is_some() && fixture.base().is_none(),
+        "one step"
+    );
 }
 
 #[test]
@@ -278,8 +424,14 @@ fn a_second_estimate_replaces_the_first() {
     let before = fixture.app.session.messages.notices.len();
     assert!(fixture.app.operations.base_estimate.proposed().is_some());
     let late = Failure::Broken(Breakdown::Panicked("too late".to_owned()));
-    fixture.act(Action::Report(Report::of_end::<BaseEstimate>(first, Err(late))));
-    assert!(fixture.app.operations.base_estimate.proposed().is_some(), "of the second one");
+    fixture.act(Action::Report(Report::of_end::<BaseEstimate>(
+        first,
+        Err(late),
+    )));
+    assert!(
+        fixture.app.operations.base_estimate.proposed().is_some(),
+        "of the second one"
+    );
     assert_eq!(fixture.app.session.messages.notices.len(), before);
 }
 
@@ -289,10 +441,18 @@ fn a_compared_base_shows_the_one_before_while_the_key_is_held() {
     fixture.estimate();
     fixture.command(Command::UseEstimatedBase);
     let mut off = (*fixture.document().cameras[0]).clone();
-    off.position_m = off.position_m.map(|position| position + Vec3::new(0.0, 2.0, -1.0));
+    off.position_m = off
+        .position_m
+        .map(|position| position + Vec3::new(0.0, 2.0, -1.0));
     fixture.act(Action::Edit(EditAction::Camera(Box::new(off))));
     fixture.estimate();
-    let estimate = &fixture.app.operations.base_estimate.proposed().unwrap().estimate;
+    let estimate = &fixture
+        .app
+        .operations
+        .base_estimate
+        .proposed()
+        .unwrap()
+        .estimate;
     assert!(estimate.previous_median_px.unwrap() > estimate.median_px);
     assert_eq!(fixture.app.why_not(Command::Compare), None);
     fixture.act(Action::Hold(Command::Compare, true));
@@ -304,17 +464,45 @@ fn a_compared_base_shows_the_one_before_while_the_key_is_held() {
 #[test]
 fn a_frame_is_left_out_and_put_back() {
     let mut fixture = Fixture::on(document(4, 4));
-    fixture.act(Action::Edit(EditAction::UseForBase { frame: 1, used: false }));
+    fixture.act(Action::Edit(EditAction::UseForBase {
+        frame: 1,
+        used: false,
+    }));
     let text = document_to_string(fixture.document()).unwrap();
     assert!(text.contains("\"use_for_base\": false"), "{text}");
-    assert_eq!((fixture.app.base_readiness().frames, fixture.app.base_readiness().left_out), (3, 1));
+    assert_eq!(
+        (
+            fixture.app.base_readiness().frames,
+            fixture.app.base_readiness().left_out
+        ),
+        (3, 1)
+    );
     fixture.estimate();
-    assert_eq!(fixture.app.operations.base_estimate.proposed().unwrap().frames, [0, 2, 3]);
+    assert_eq!(
+        fixture
+            .app
+            .operations
+            .base_estimate
+            .proposed()
+            .unwrap()
+            .frames,
+        [0, 2, 3]
+    );
     fixture.command(Command::DropEstimatedBase);
-    fixture.act(Action::Edit(EditAction::UseForBase { frame: 1, used: true }));
-    assert!(!document_to_string(fixture.document()).unwrap().contains("use_for_base"));
+    fixture.act(Action::Edit(EditAction::UseForBase {
+        frame: 1,
+        used: true,
+    }));
+    assert!(
+        !document_to_string(fixture.document())
+            .unwrap()
+            .contains("use_for_base")
+    );
     fixture.command(Command::UseForBase);
-    assert!(!fixture.document().frames[0].use_for_base, "the command is about the shown frame");
+    assert!(
+        !fixture.document().frames[0].use_for_base,
+        "the command is about the shown frame"
+    );
 }
 
 #[test]
@@ -322,26 +510,68 @@ fn a_mirrored_frame_is_found_and_mended_in_one_step() {
     let mut document = document(6, 6);
     let field = field();
     for click in &mut document.frames[2].clicks {
-        let Some(Target::Landmark(id)) = &click.target else { continue };
-        let twin = Symmetry::MirrorX.landmark_twin(&field, field.landmark(id.as_str()).unwrap()).unwrap();
+        let Some(Target::Landmark(id)) = &click.target else {
+            continue;
+        };
+        let twin = Symmetry::MirrorX
+            .landmark_twin(&field, field.landmark(id.as_str()).unwrap())
+            .unwrap();
         click.target = Some(Target::Landmark(twin.id.clone()));
     }
     let mut fixture = Fixture::on(document);
     fixture.estimate();
-    let mirrored = fixture.app.operations.base_estimate.proposed().unwrap().estimate.mirrored.clone();
-    assert_eq!(mirrored.iter().map(|mirrored| mirrored.frame).collect::<Vec<_>>(), [2]);
-    fixture.act(Action::Edit(EditAction::MirrorNames { frame: 2, symmetry: mirrored[0].symmetry }));
+    let mirrored = fixture
+        .app
+        .operations
+        .base_estimate
+        .proposed()
+        .unwrap()
+        .estimate
+        .mirrored
+        .clone();
+    assert_eq!(
+        mirrored
+            .iter()
+            .map(|mirrored| mirrored.frame)
+            .collect::<Vec<_>>(),
+        [2]
+    );
+    fixture.act(Action::Edit(EditAction::MirrorNames {
+        frame: 2,
+        symmetry: mirrored[0].symmetry,
+    }));
     assert_eq!(fixture.app.session.frame, 2);
-    let names: Vec<_> = fixture.app.frame().unwrap().clicks.iter().map(|click| click.target.clone().unwrap()).collect();
+    let names: Vec<_> = fixture
+        .app
+        .frame()
+        .unwrap()
+        .clicks
+        .iter()
+        .map(|click| click.target.clone().unwrap())
+        .collect();
     let right: Vec<_> = visible(2).into_iter().map(|(target, _)| target).collect();
     assert_eq!(names, right);
-    assert!(fixture.app.operations.base_estimate.found().unwrap().estimate.mirrored.is_empty());
+    assert!(
+        fixture
+            .app
+            .operations
+            .base_estimate
+            .found()
+            .unwrap()
+            .estimate
+            .mirrored
+            .is_empty()
+    );
 }
 
 #[test]
 fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
     let mut fixture = Fixture::on(document(3, 0));
-    assert!(next_step(&fixture.app).text.starts_with("Two clicks need a known camera."));
+    assert!(
+        next_step(&fixture.app)
+            .text
+            .starts_with("Two clicks need a known camera.")
+    );
     let (landmarks, last) = {
         let mut landmarks = visible(0);
         let last = landmarks.pop().unwrap();
@@ -353,17 +583,29 @@ fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
         fixture.act(Action::Pointer(PointerAction::Release));
         if count == 1 {
             assert!(
-                next_step(&fixture.app).text.starts_with("2 of 4 landmarks here"),
+                next_step(&fixture.app)
+                    .text
+                    .starts_with("2 of 4 landmarks here"),
                 "{}",
                 next_step(&fixture.app).text
             );
         }
     }
     assert!(next_step(&fixture.app).text.ends_with("Done: 1 of 3."));
-    assert!(fixture.app.current().preview.is_some(), "the lines show what four landmarks tell");
-    fixture.act(Action::Pointer(PointerAction::Press { at: last.1, on: None }));
+    assert!(
+        fixture.app.current().preview.is_some(),
+        "the lines show what four landmarks tell"
+    );
+    fixture.act(Action::Pointer(PointerAction::Press {
+        at: last.1,
+        on: None,
+    }));
     fixture.act(Action::Pointer(PointerAction::Release));
-    assert_eq!(fixture.app.frame().unwrap().clicks.last().unwrap().target, Some(last.0), "it names itself");
+    assert_eq!(
+        fixture.app.frame().unwrap().clicks.last().unwrap().target,
+        Some(last.0),
+        "it names itself"
+    );
 }
 
 #[test]
@@ -371,11 +613,21 @@ fn too_little_is_said_and_changes_nothing() {
     let mut fixture = Fixture::on(document(3, 0));
     fixture.estimate();
     assert!(
-        fixture.app.session.messages.notices.iter().any(|notice| notice.text.starts_with("Not enough points yet."))
+        fixture
+            .app
+            .session
+            .messages
+            .notices
+            .iter()
+            .any(|notice| notice.text.starts_with("Not enough points yet."))
     );
     let mut contradicting = document(3, 3);
     for frame in &mut contradicting.frames {
-        let names: Vec<_> = frame.clicks.iter().map(|click| click.target.clone()).collect();
+        let names: Vec<_> = frame
+            .clicks
+            .iter()
+            .map(|click| click.target.clone())
+            .collect();
         let count = names.len();
         for (index, click) in frame.clicks.iter_mut().enumerate() {
             click.target.clone_from(&names[(index * 5 + 3) % count]);
@@ -384,7 +636,19 @@ fn too_little_is_said_and_changes_nothing() {
     let mut fixture = Fixture::on(contradicting);
     let before = document_to_string(fixture.document()).unwrap();
     fixture.estimate();
-    assert!(fixture.app.operations.base_estimate.found().is_none(), "{:?}", fixture.app.operations.base_estimate);
-    assert!(fixture.app.session.messages.notices.iter().any(|notice| notice.text.starts_with("No base: ")));
+    assert!(
+        fixture.app.operations.base_estimate.found().is_none(),
+        "{:?}",
+        fixture.app.operations.base_estimate
+    );
+    assert!(
+        fixture
+            .app
+            .session
+            .messages
+            .notices
+            .iter()
+            .any(|notice| notice.text.starts_with("No base: "))
+    );
     assert_eq!(document_to_string(fixture.document()).unwrap(), before);
 }

@@ -7,7 +7,9 @@ use std::fs;
 use std::path::Path;
 use touchline::autocalibrate::{AutocalibrationAnswer, camera_without_clicks};
 use touchline::calibrate::record_found;
-use touchline::document::{Click, Document, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
+use touchline::document::{
+    Click, Document, FrameStatus, SolutionSource, document_from_bytes, document_to_string,
+};
 use touchline::geometry::ImagePoint;
 use touchline::media::FrameReader;
 use touchline::progress::Progress;
@@ -17,37 +19,65 @@ fn document(path: &Path) -> Document {
     document_from_bytes(&fs::read(path).unwrap()).unwrap()
 }
 
-/// How far a frame's overlay is off at the corners of a grid over the ground it shows, px: the greatest.
+/// How far a frame's overlay is off at the corners of a grid over the ground it shows, px: the
+/// greatest.
 fn worst_px(found: &Document, truth: &Document, frame: usize) -> f64 {
     let (found_frame, exact) = (&found.frames[frame], &truth.frames[frame]);
-    let (found, exact) = (found.pointed(found_frame).unwrap(), truth.pointed(exact).unwrap());
+    let (found, exact) = (
+        found.pointed(found_frame).unwrap(),
+        truth.pointed(exact).unwrap(),
+    );
     let size = found_frame.image_size;
     let pixels = (0..48).map(|index| {
         let share = |at: u32, of: u32| (f64::from(at) + 0.5) / f64::from(of);
-        ImagePoint::new(share(index % 8, 8) * f64::from(size.width), share(index / 8, 6) * f64::from(size.height))
+        ImagePoint::new(
+            share(index % 8, 8) * f64::from(size.width),
+            share(index / 8, 6) * f64::from(size.height),
+        )
     });
     let apart = |pixel: ImagePoint| {
-        let ground = exact.plane_from_image(pixel, 0.0).filter(|at| at.x.abs() < 52.0 && at.y.abs() < 34.0)?;
-        Some(found.image_from_world(ground).map_or(f64::INFINITY, |image| image.distance_px(pixel)))
+        let ground = exact
+            .plane_from_image(pixel, 0.0)
+            .filter(|at| at.x.abs() < 52.0 && at.y.abs() < 34.0)?;
+        Some(
+            found
+                .image_from_world(ground)
+                .map_or(f64::INFINITY, |image| image.distance_px(pixel)),
+        )
     };
     pixels.filter_map(apart).fold(0.0, f64::max)
 }
 
-/// What the search makes of a new project in which somebody has clicked wrong places all over, written without these clicks.
+/// What the search makes of a new project in which somebody has clicked wrong places all over,
+/// written without these clicks.
 fn without_a_click(folder: &Path) -> String {
     let bare = document(&folder.join("project.json"));
     let mut clicked = bare.clone();
     for (index, frame) in clicked.frames.iter_mut().enumerate() {
         let at = ImagePoint::new(100.0 + 50.0 * index as f64, 300.0);
         frame.clicks = ["centre_mark", "halfway_far", "penalty_mark_left"]
-            .map(|landmark| Click::landmark(landmark.into(), at.moved(touchline::geometry::Vec2::new(9.0, 4.0))))
+            .map(|landmark| {
+                Click::landmark(
+                    landmark.into(),
+                    at.moved(touchline::geometry::Vec2::new(9.0, 4.0)),
+                )
+            })
             .to_vec();
     }
     let mut reader = FrameReader::new();
     let mut picture = |index: usize| read_picture(&mut reader, &clicked.frames[index], folder).ok();
     let camera = clicked.cameras[0].id.clone();
-    let answer = camera_without_clicks(clicked.at(folder), &camera, 40, &mut picture, &Progress::default()).unwrap();
-    let AutocalibrationAnswer::Found(found) = answer else { panic!("{answer:?}") };
+    let answer = camera_without_clicks(
+        clicked.at(folder),
+        &camera,
+        40,
+        &mut picture,
+        &Progress::default(),
+    )
+    .unwrap();
+    let AutocalibrationAnswer::Found(found) = answer else {
+        panic!("{answer:?}")
+    };
     let mut written = bare;
     record_found(&mut written, &camera, &found);
     document_to_string(&written).unwrap()
@@ -56,38 +86,82 @@ fn without_a_click(folder: &Path) -> String {
 #[test]
 fn a_drawn_match_is_calibrated_without_a_click_and_other_sports_are_not_found_in_it() {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(place.path(), "synth -o match --frames 12 --seed 5 --size 960x540 --preset easy");
+    let drawn = touchline(
+        place.path(),
+        "synth -o match --frames 12 --seed 5 --size 960x540 --preset easy",
+    );
     assert_eq!(drawn.code, 0, "{}", drawn.stderr);
-    let ran = touchline(place.path(), "calibrate match/images -o found --panorama map.png");
+    let ran = touchline(
+        place.path(),
+        "calibrate match/images -o found --panorama map.png",
+    );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
-    let (found, truth) =
-        (document(&place.path().join("found/project.json")), document(&place.path().join("match/truth.json")));
-    let (base, exact) = (found.cameras[0].base().unwrap(), truth.cameras[0].base().unwrap());
+    let (found, truth) = (
+        document(&place.path().join("found/project.json")),
+        document(&place.path().join("match/truth.json")),
+    );
+    let (base, exact) = (
+        found.cameras[0].base().unwrap(),
+        truth.cameras[0].base().unwrap(),
+    );
     let off_m = (base.position_m - exact.position_m).norm();
-    assert!(off_m < 0.2 && off_m < 4.0 * base.sigma.position_m.norm(), "{off_m} m: {}", ran.stderr);
+    assert!(
+        off_m < 0.2 && off_m < 4.0 * base.sigma.position_m.norm(),
+        "{off_m} m: {}",
+        ran.stderr
+    );
     for frame in 0..found.frames.len() {
         assert!(found.frames[frame].clicks.is_empty());
         assert_eq!(found.frames[frame].status, FrameStatus::Suggested);
-        let source = found.frames[frame].solution.as_ref().and_then(|solution| solution.source);
+        let source = found.frames[frame]
+            .solution
+            .as_ref()
+            .and_then(|solution| solution.source);
         assert_eq!(source, Some(SolutionSource::Markings));
         let off_px = worst_px(&found, &truth, frame);
         assert!(off_px < 1.5, "frame {frame}: {off_px} px");
     }
     let map = image::open(place.path().join("map.png")).unwrap().to_rgb8();
     let colours: BTreeSet<[u8; 3]> = map.pixels().map(|pixel| pixel.0).collect();
-    assert!(colours.contains(&[255, 138, 36]) && colours.contains(&[235, 238, 235]), "lines and paint: {colours:?}");
+    assert!(
+        colours.contains(&[255, 138, 36]) && colours.contains(&[235, 238, 235]),
+        "lines and paint: {colours:?}"
+    );
 
-    let made = touchline(place.path(), "new again --frames match/images --field soccer");
+    let made = touchline(
+        place.path(),
+        "new again --frames match/images --field soccer",
+    );
     assert_eq!(made.code, 0, "{}", made.stderr);
     let again = without_a_click(&place.path().join("again"));
     let text = fs::read_to_string(place.path().join("found/project.json")).unwrap();
-    assert_eq!(text, again, "the same input gives the same bytes, whatever people clicked");
+    assert_eq!(
+        text, again,
+        "the same input gives the same bytes, whatever people clicked"
+    );
 
-    let other = touchline(place.path(), "calibrate match/images -o other --field basketball_fiba");
-    assert_eq!((other.code, other.stderr.trim_end().lines().count()), (1, 1), "{}", other.stderr);
+    let other = touchline(
+        place.path(),
+        "calibrate match/images -o other --field basketball_fiba",
+    );
+    assert_eq!(
+        (other.code, other.stderr.trim_end().lines().count()),
+        (1, 1),
+        "{}",
+        other.stderr
+    );
     let refusals = ["not certain", "no place for the camera"];
-    assert!(refusals.iter().any(|refusal| other.stderr.contains(refusal)), "{}", other.stderr);
-    assert!(!place.path().join("other").exists(), "nothing is left behind");
+    assert!(
+        refusals
+            .iter()
+            .any(|refusal| other.stderr.contains(refusal)),
+        "{}",
+        other.stderr
+    );
+    assert!(
+        !place.path().join("other").exists(),
+        "nothing is left behind"
+    );
 }
 
 #[test]
@@ -98,22 +172,39 @@ fn what_cannot_be_calibrated_is_one_line_and_leaves_nothing() {
         let picture = image::RgbImage::from_fn(320, 180, |x, y| {
             image::Rgb([(x / 40 * 30) as u8, (y / 30 * 20) as u8, 40 * index])
         });
-        picture.save(place.path().join(format!("grey/{index}.png"))).unwrap();
+        picture
+            .save(place.path().join(format!("grey/{index}.png")))
+            .unwrap();
     }
     fs::create_dir(place.path().join("empty")).unwrap();
     for (arguments, named) in [
         ("calibrate grey -o found", "1 of 4 frames match each other"),
         ("calibrate empty -o found", "holds no image"),
         ("calibrate nowhere -o found", "nowhere"),
-        ("calibrate grey -o found --field cricket", "no field template is named"),
+        (
+            "calibrate grey -o found --field cricket",
+            "no field template is named",
+        ),
         ("calibrate grey -o found --set length_m=3", "length_m"),
         ("calibrate grey -o empty --look-at 2", "--look-at"),
-        ("calibrate grey -o found --panorama map.jpg", "must end with .png"),
+        (
+            "calibrate grey -o found --panorama map.jpg",
+            "must end with .png",
+        ),
     ] {
         let ran = touchline(place.path(), arguments);
         // That there is no answer is no mistake of the user's.
-        let code = if named.contains("match each other") { 1 } else { 2 };
-        assert_eq!((ran.code, ran.stderr.trim_end().lines().count()), (code, 1), "{arguments}: {}", ran.stderr);
+        let code = if named.contains("match each other") {
+            1
+        } else {
+            2
+        };
+        assert_eq!(
+            (ran.code, ran.stderr.trim_end().lines().count()),
+            (code, 1),
+            "{arguments}: {}",
+            ran.stderr
+        );
         assert!(ran.stderr.contains(named), "{arguments}: {}", ran.stderr);
         assert!(!place.path().join("found").exists(), "{arguments}");
     }

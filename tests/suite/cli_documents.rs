@@ -5,7 +5,9 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline::document::{Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, document_to_string};
+use touchline::document::{
+    Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, document_to_string,
+};
 use touchline::exchange::Format;
 use touchline::field::builtin;
 use touchline::geometry::{Angle, ImageSize, Vec3};
@@ -15,7 +17,9 @@ const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 fn picture(path: &Path, size: ImageSize, grey: u8) {
     fs::create_dir_all(path.parent().unwrap()).unwrap();
-    image::GrayImage::from_pixel(size.width, size.height, image::Luma([grey])).save(path).unwrap();
+    image::GrayImage::from_pixel(size.width, size.height, image::Luma([grey]))
+        .save(path)
+        .unwrap();
 }
 
 /// A folder with three pictures, `frames/2.png`, `frames/10.png` and `frames/large.png`.
@@ -23,13 +27,24 @@ fn pictures() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     picture(&folder.path().join("frames/10.png"), SIZE, 1);
     picture(&folder.path().join("frames/2.png"), SIZE, 2);
-    picture(&folder.path().join("frames/large.png"), ImageSize::new(1920, 1080), 3);
+    picture(
+        &folder.path().join("frames/large.png"),
+        ImageSize::new(1920, 1080),
+        3,
+    );
     folder
 }
 
 fn base() -> CameraBase {
-    let angles = BaseAngles { pitch: Angle::from_degrees(-1.0), ..BaseAngles::default() };
-    CameraBase::new(Vec3::new(1.0, -58.0, 16.0), angles.base_from_world(), SIZE.centre())
+    let angles = BaseAngles {
+        pitch: Angle::from_degrees(-1.0),
+        ..BaseAngles::default()
+    };
+    CameraBase::new(
+        Vec3::new(1.0, -58.0, 16.0),
+        angles.base_from_world(),
+        SIZE.centre(),
+    )
 }
 
 const LANDMARKS: [&str; 5] = [
@@ -42,7 +57,14 @@ const LANDMARKS: [&str; 5] = [
 
 /// The camera of frame `index`.
 fn truth(index: usize) -> PtzCamera {
-    PtzCamera::new(base(), Ptz::from_degrees(18.0 + index as f64 * 0.5, -11.0, 1500.0 + index as f64 * 10.0))
+    PtzCamera::new(
+        base(),
+        Ptz::from_degrees(
+            18.0 + index as f64 * 0.5,
+            -11.0,
+            1500.0 + index as f64 * 10.0,
+        ),
+    )
 }
 
 /// A frame with its first `clicks` landmarks clicked exactly.
@@ -51,7 +73,9 @@ fn clicked(index: usize, clicks: usize) -> Frame {
     let mut frame = Frame::from_image(&format!("images/{index}.png"), "main".into(), SIZE);
     frame.status = FrameStatus::Draft;
     for name in &LANDMARKS[..clicks] {
-        let at = truth(index).image_from_world(field.landmark_in_world(field.landmark(name).unwrap())).unwrap();
+        let at = truth(index)
+            .image_from_world(field.landmark_in_world(field.landmark(name).unwrap()))
+            .unwrap();
         assert!(SIZE.contains(at), "{name} {at:?}");
         frame.clicks.push(Click::landmark((*name).into(), at));
     }
@@ -64,48 +88,120 @@ fn clicked_document(folder: &Path, clicks: &[usize]) -> Document {
     let mut camera = Camera::new("main".into(), SIZE);
     camera.set_base(&base());
     document.cameras.push(camera.into());
-    document.frames = clicks.iter().enumerate().map(|(index, clicks)| clicked(index, *clicks).into()).collect();
-    fs::write(folder.join("doc.json"), document_to_string(&document).unwrap()).unwrap();
+    document.frames = clicks
+        .iter()
+        .enumerate()
+        .map(|(index, clicks)| clicked(index, *clicks).into())
+        .collect();
+    fs::write(
+        folder.join("doc.json"),
+        document_to_string(&document).unwrap(),
+    )
+    .unwrap();
     document
 }
 
 #[test]
 fn new_makes_a_project_of_a_folder() {
     let folder = pictures();
-    let ran = touchline(folder.path(), "new match --frames frames --field soccer --set length_m=101.5");
+    let ran = touchline(
+        folder.path(),
+        "new match --frames frames --field soccer --set length_m=101.5",
+    );
     assert_eq!((ran.code, ran.stdout.as_str()), (0, ""), "{}", ran.stderr);
-    assert!(ran.stderr.ends_with("project.json: 3 frames\n"), "{}", ran.stderr);
+    assert!(
+        ran.stderr.ends_with("project.json: 3 frames\n"),
+        "{}",
+        ran.stderr
+    );
     let (_, document, _) = read(&folder.path().join("match")).unwrap();
-    let images: Vec<_> = document.frames.iter().map(|frame| frame.image.as_deref().unwrap()).collect();
-    assert_eq!(images, ["../frames/2.png", "../frames/10.png", "../frames/large.png"], "natural order");
+    let images: Vec<_> = document
+        .frames
+        .iter()
+        .map(|frame| frame.image.as_deref().unwrap())
+        .collect();
+    assert_eq!(
+        images,
+        ["../frames/2.png", "../frames/10.png", "../frames/large.png"],
+        "natural order"
+    );
     assert_eq!(document.frames[0].sha256.as_ref().unwrap().len(), 64);
     assert_eq!(document.field.params["length_m"], 101.5);
-    let cameras: Vec<_> = document.cameras.iter().map(|camera| camera.id.as_str()).collect();
-    assert_eq!(cameras, ["main", "main_1920x1080"], "a camera for each size of picture");
+    let cameras: Vec<_> = document
+        .cameras
+        .iter()
+        .map(|camera| camera.id.as_str())
+        .collect();
+    assert_eq!(
+        cameras,
+        ["main", "main_1920x1080"],
+        "a camera for each size of picture"
+    );
     let check = touchline(folder.path(), "check match");
-    assert_eq!((check.code, check.stdout.as_str()), (0, "No problems: 3 frames, 0 clicks.\n"));
+    assert_eq!(
+        (check.code, check.stdout.as_str()),
+        (0, "No problems: 3 frames, 0 clicks.\n")
+    );
     let first = fs::read(folder.path().join("match/project.json")).unwrap();
-    assert_eq!(touchline(folder.path(), "new match --frames frames --field soccer").code, 2, "it exists");
-    assert_eq!(fs::read(folder.path().join("match/project.json")).unwrap(), first);
-    assert_eq!(touchline(folder.path(), "new match --force --frames frames --field soccer --every 2").code, 0);
-    assert_eq!(read(&folder.path().join("match")).unwrap().1.frames.len(), 2);
-    assert_eq!(fs::read(folder.path().join("match/project.json.bak")).unwrap(), first);
+    assert_eq!(
+        touchline(folder.path(), "new match --frames frames --field soccer").code,
+        2,
+        "it exists"
+    );
+    assert_eq!(
+        fs::read(folder.path().join("match/project.json")).unwrap(),
+        first
+    );
+    assert_eq!(
+        touchline(
+            folder.path(),
+            "new match --force --frames frames --field soccer --every 2"
+        )
+        .code,
+        0
+    );
+    assert_eq!(
+        read(&folder.path().join("match")).unwrap().1.frames.len(),
+        2
+    );
+    assert_eq!(
+        fs::read(folder.path().join("match/project.json.bak")).unwrap(),
+        first
+    );
     fs::create_dir(folder.path().join("empty")).unwrap();
     let again = "new empty --frames frames --field soccer --set length_m=101.5";
-    assert_eq!(touchline(folder.path(), again).code, 0, "an empty folder counts as absent");
-    assert_eq!(fs::read(folder.path().join("empty/project.json")).unwrap(), first, "same input, same bytes");
+    assert_eq!(
+        touchline(folder.path(), again).code,
+        0,
+        "an empty folder counts as absent"
+    );
+    assert_eq!(
+        fs::read(folder.path().join("empty/project.json")).unwrap(),
+        first,
+        "same input, same bytes"
+    );
 }
 
 #[test]
 fn new_names_what_it_leaves_out() {
     let folder = pictures();
     fs::write(folder.path().join("frames/3.png"), "no picture").unwrap();
-    let ran = touchline(folder.path(), "--json new match --frames frames --field soccer");
+    let ran = touchline(
+        folder.path(),
+        "--json new match --frames frames --field soccer",
+    );
     assert_eq!(ran.code, 1);
-    let first: serde_json::Value = serde_json::from_str(ran.stderr.lines().next().unwrap()).unwrap();
+    let first: serde_json::Value =
+        serde_json::from_str(ran.stderr.lines().next().unwrap()).unwrap();
     assert_eq!(first["level"], "frame_failed");
-    assert!(first["frame"].as_str().unwrap().ends_with("3.png"), "{first}");
-    assert_eq!(read(&folder.path().join("match")).unwrap().1.frames.len(), 3);
+    assert!(
+        first["frame"].as_str().unwrap().ends_with("3.png"),
+        "{first}"
+    );
+    assert_eq!(
+        read(&folder.path().join("match")).unwrap().1.frames.len(),
+        3
+    );
 }
 
 #[test]
@@ -114,45 +210,95 @@ fn solve_gives_ptz_and_solution_and_keeps_statuses() {
     let before = clicked_document(folder.path(), &[2, 5, 1, 0, 3]);
     let ran = touchline(folder.path(), "solve doc.json -o out/solved.json");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
-    assert_eq!(ran.stderr, "touchline: 3 frames solved, 0 failed, 2 with too few clicks\n");
+    assert_eq!(
+        ran.stderr,
+        "touchline: 3 frames solved, 0 failed, 2 with too few clicks\n"
+    );
     let (_, solved, _) = read(&folder.path().join("out/solved.json")).unwrap();
     for index in [0, 1, 4] {
         let (frame, truth) = (&solved.frames[index], truth(index).ptz());
         let ptz = frame.ptz.as_ref().unwrap();
-        assert!((ptz.pan_deg - truth.pan.degrees()).abs() < 1e-7, "frame {index}: {ptz:?}");
-        assert!((ptz.focal_px - truth.focal_px).abs() < 1e-4, "frame {index}: {ptz:?}");
+        assert!(
+            (ptz.pan_deg - truth.pan.degrees()).abs() < 1e-7,
+            "frame {index}: {ptz:?}"
+        );
+        assert!(
+            (ptz.focal_px - truth.focal_px).abs() < 1e-4,
+            "frame {index}: {ptz:?}"
+        );
         assert!(frame.solution.as_ref().unwrap().covariance.is_some());
         assert_eq!(frame.status, FrameStatus::Draft);
-        assert_eq!(frame.image.as_deref(), Some(format!("../images/{index}.png").as_str()));
+        assert_eq!(
+            frame.image.as_deref(),
+            Some(format!("../images/{index}.png").as_str())
+        );
     }
     assert_eq!(solved.frames[2].ptz, None);
     assert_eq!(solved.frames[3].clicks, before.frames[3].clicks);
     let first = fs::read_to_string(folder.path().join("out/solved.json")).unwrap();
     let printed = touchline(&folder.path().join("out"), "solve ../doc.json");
-    assert_eq!(printed.stdout, first, "standard output is the same document, seen from the working folder");
-    assert_eq!(touchline(folder.path(), "solve doc.json -o out/solved.json").code, 2, "it exists");
-    assert_eq!(touchline(folder.path(), "solve out/solved.json -o out/solved.json --force").code, 0);
-    assert_eq!(fs::read_to_string(folder.path().join("out/solved.json.bak")).unwrap(), first, "what was there is kept");
+    assert_eq!(
+        printed.stdout, first,
+        "standard output is the same document, seen from the working folder"
+    );
+    assert_eq!(
+        touchline(folder.path(), "solve doc.json -o out/solved.json").code,
+        2,
+        "it exists"
+    );
+    assert_eq!(
+        touchline(
+            folder.path(),
+            "solve out/solved.json -o out/solved.json --force"
+        )
+        .code,
+        0
+    );
+    assert_eq!(
+        fs::read_to_string(folder.path().join("out/solved.json.bak")).unwrap(),
+        first,
+        "what was there is kept"
+    );
 }
 
 #[test]
 fn solve_names_the_frames_that_could_not_be() {
     let folder = tempfile::tempdir().unwrap();
     let mut document = clicked_document(folder.path(), &[2, 2, 2]);
-    document.cameras.push(Camera::new("baseless".into(), SIZE).into());
+    document
+        .cameras
+        .push(Camera::new("baseless".into(), SIZE).into());
     document.frames[1].camera = "baseless".into();
     document.frames[2].clicks[0] = Click::landmark("nowhere".into(), SIZE.centre());
     document.frames[2].ptz = Some(FramePtz::new(truth(2).ptz(), None));
-    fs::write(folder.path().join("doc.json"), document_to_string(&document).unwrap()).unwrap();
+    fs::write(
+        folder.path().join("doc.json"),
+        document_to_string(&document).unwrap(),
+    )
+    .unwrap();
     let ran = touchline(folder.path(), "--json solve doc.json -o solved.json");
     assert_eq!(ran.code, 1);
-    let failed: Vec<serde_json::Value> = ran.stderr.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let failed: Vec<serde_json::Value> = ran
+        .stderr
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
     assert_eq!(failed[0]["frame"], "images/1.png");
     assert_eq!(failed[1]["frame"], "images/2.png");
-    assert!(failed[1]["message"].as_str().unwrap().contains("no landmark \"nowhere\""), "{}", failed[1]);
+    assert!(
+        failed[1]["message"]
+            .as_str()
+            .unwrap()
+            .contains("no landmark \"nowhere\""),
+        "{}",
+        failed[1]
+    );
     let (_, solved, _) = read(&folder.path().join("solved.json")).unwrap();
     assert!(solved.frames[0].ptz.is_some(), "the others are done");
-    assert_eq!(solved.frames[2].ptz, document.frames[2].ptz, "what cannot be solved again stays");
+    assert_eq!(
+        solved.frames[2].ptz, document.frames[2].ptz,
+        "what cannot be solved again stays"
+    );
 }
 
 #[test]
@@ -161,17 +307,28 @@ fn a_command_counts_an_edit_of_the_frames_that_it_changes() {
     clicked_document(folder.path(), &[5, 0, 4]);
     let revisions = |name: &str| {
         let (_, document, _) = read(&folder.path().join(name)).unwrap();
-        document.frames.iter().map(|frame| frame.revision).collect::<Vec<_>>()
+        document
+            .frames
+            .iter()
+            .map(|frame| frame.revision)
+            .collect::<Vec<_>>()
     };
     assert_eq!(revisions("doc.json"), [0, 0, 0]);
     for (command, expected) in [
         ("solve doc.json -o solved.json", [1, 0, 1]),
         ("solve solved.json -o again.json", [1, 0, 1]),
-        ("refine-base again.json -o refined.json --distortion none", [2, 0, 2]),
+        (
+            "refine-base again.json -o refined.json --distortion none",
+            [2, 0, 2],
+        ),
     ] {
         let ran = touchline(folder.path(), command);
         assert_eq!(ran.code, 0, "{command}: {}", ran.stderr);
-        assert_eq!(revisions(command.split_whitespace().nth(3).unwrap()), expected, "{command}");
+        assert_eq!(
+            revisions(command.split_whitespace().nth(3).unwrap()),
+            expected,
+            "{command}"
+        );
     }
 }
 
@@ -180,21 +337,47 @@ fn commands_see_what_only_the_journal_holds() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("match");
     let mut document = Document::new(FieldSpec::new("soccer"));
-    document.frames.push(Frame::from_image("a.png", "main".into(), SIZE).into());
-    write_document(&Location::for_new_document(&path.join("")).unwrap(), &document, false).unwrap();
-    let Access::Writable(mut store) = open(&path).unwrap().access else { panic!("read-only") };
+    document
+        .frames
+        .push(Frame::from_image("a.png", "main".into(), SIZE).into());
+    write_document(
+        &Location::for_new_document(&path.join("")).unwrap(),
+        &document,
+        false,
+    )
+    .unwrap();
+    let Access::Writable(mut store) = open(&path).unwrap().access else {
+        panic!("read-only")
+    };
     let mut after = document.clone();
     after.frames[0].clicks.push(Click::unnamed(SIZE.centre()));
-    after.frames[0].clicks.push(Click::landmark("centre_mark".into(), SIZE.centre()));
-    store.append(&[Edit::between(&document, &after, "Two clicks")]).unwrap();
+    after.frames[0]
+        .clicks
+        .push(Click::landmark("centre_mark".into(), SIZE.centre()));
+    store
+        .append(&[Edit::between(&document, &after, "Two clicks")])
+        .unwrap();
     let ran = touchline(folder.path(), "export match --format json -o set.json");
-    assert_eq!((ran.code, ran.stderr.as_str()), (0, "touchline: Recovered 1 edit: Two clicks.\n"));
+    assert_eq!(
+        (ran.code, ran.stderr.as_str()),
+        (0, "touchline: Recovered 1 edit: Two clicks.\n")
+    );
     let (_, dataset, _) = read(&folder.path().join("set.json")).unwrap();
-    assert_eq!(dataset.frames[0].clicks.len(), 1, "no unnamed click in a dataset");
+    assert_eq!(
+        dataset.frames[0].clicks.len(),
+        1,
+        "no unnamed click in a dataset"
+    );
     assert_eq!(dataset.frames[0].image.as_deref(), Some("match/a.png"));
     let refused = touchline(folder.path(), "solve match -o match --force");
     assert_eq!(refused.code, 2, "another program has it open");
-    assert!(refused.stderr.contains("open in another touchline (process"), "{}", refused.stderr);
+    assert!(
+        refused
+            .stderr
+            .contains("open in another touchline (process"),
+        "{}",
+        refused.stderr
+    );
 }
 
 #[test]
@@ -212,26 +395,47 @@ fn check_says_everything_and_exits_with_one() {
     assert_eq!(ran.stdout, expected);
     let json = touchline(folder.path(), "check --json doc.json");
     let report: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
-    assert_eq!((report["problems"][0]["code"].as_str(), report["frames"].as_u64()), (Some("missing_picture"), Some(1)));
-    assert_eq!((report["problems"][0]["frame"].as_u64(), json.code), (Some(0), 1));
+    assert_eq!(
+        (
+            report["problems"][0]["code"].as_str(),
+            report["frames"].as_u64()
+        ),
+        (Some("missing_picture"), Some(1))
+    );
+    assert_eq!(
+        (report["problems"][0]["frame"].as_u64(), json.code),
+        (Some(0), 1)
+    );
 }
 
 #[test]
 fn wrong_usage_is_one_line_and_exit_two() {
     let folder = pictures();
-    let exports = Format::ALL.into_iter().filter(|format| format.exports()).map(Format::name);
+    let exports = Format::ALL
+        .into_iter()
+        .filter(|format| format.exports())
+        .map(Format::name);
     let unknown_format = format!(
         "invalid value 'bmp' for '--format <FORMAT>' [possible values: {}]; see touchline --help",
         exports.collect::<Vec<_>>().join(", ")
     );
     let table = [
-        ("a.json solve b.json", "a.json comes before the command; put it after the command"),
-        ("solve", "the following required arguments were not provided: <DOC>; see touchline --help"),
+        (
+            "a.json solve b.json",
+            "a.json comes before the command; put it after the command",
+        ),
+        (
+            "solve",
+            "the following required arguments were not provided: <DOC>; see touchline --help",
+        ),
         (
             "solve nothing.json",
             "nothing.json does not exist; give a project folder, its project.json or a dataset file",
         ),
-        ("solve frames", "the folder frames holds no project.json; `touchline new` makes a project"),
+        (
+            "solve frames",
+            "the folder frames holds no project.json; `touchline new` makes a project",
+        ),
         ("export frames --format bmp", &unknown_format),
         (
             "new m --frames frames",
@@ -262,10 +466,19 @@ fn wrong_usage_is_one_line_and_exit_two() {
 fn a_document_that_is_open_elsewhere_is_refused_before_the_work_begins() {
     let folder = tempfile::tempdir().unwrap();
     let mut document = Document::new(FieldSpec::new("soccer"));
-    document.cameras.push(Camera::new("main".into(), SIZE).into());
+    document
+        .cameras
+        .push(Camera::new("main".into(), SIZE).into());
     let project = folder.path().join("match");
-    write_document(&Location::for_new_document(&project.join("")).unwrap(), &document, false).unwrap();
-    let Access::Writable(store) = open(&project).unwrap().access else { panic!("read-only") };
+    write_document(
+        &Location::for_new_document(&project.join("")).unwrap(),
+        &document,
+        false,
+    )
+    .unwrap();
+    let Access::Writable(store) = open(&project).unwrap().access else {
+        panic!("read-only")
+    };
     // What they would work on is not there: they do not come to look at it.
     for command in [
         "solve missing -o match --force",
@@ -277,7 +490,11 @@ fn a_document_that_is_open_elsewhere_is_refused_before_the_work_begins() {
     ] {
         let ran = touchline(folder.path(), command);
         assert_eq!(ran.code, 2, "{command}: {}", ran.stderr);
-        assert!(ran.stderr.contains("open in another touchline"), "{command}: {}", ran.stderr);
+        assert!(
+            ran.stderr.contains("open in another touchline"),
+            "{command}: {}",
+            ran.stderr
+        );
     }
     drop(store);
     let ran = touchline(folder.path(), "solve match -o match --force");
@@ -289,16 +506,39 @@ fn an_import_of_a_document_sees_its_journal() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("match");
     let mut document = Document::new(FieldSpec::new("soccer"));
-    document.cameras.push(Camera::new("main".into(), SIZE).into());
-    document.frames.push(Frame::from_image("a.png", "main".into(), SIZE).into());
-    write_document(&Location::for_new_document(&path.join("")).unwrap(), &document, false).unwrap();
-    let Access::Writable(mut store) = open(&path).unwrap().access else { panic!("read-only") };
+    document
+        .cameras
+        .push(Camera::new("main".into(), SIZE).into());
+    document
+        .frames
+        .push(Frame::from_image("a.png", "main".into(), SIZE).into());
+    write_document(
+        &Location::for_new_document(&path.join("")).unwrap(),
+        &document,
+        false,
+    )
+    .unwrap();
+    let Access::Writable(mut store) = open(&path).unwrap().access else {
+        panic!("read-only")
+    };
     let mut after = document.clone();
-    after.frames[0].clicks.push(Click::landmark("centre_mark".into(), SIZE.centre()));
-    store.append(&[Edit::between(&document, &after, "Click")]).unwrap();
-    let ran = touchline(folder.path(), "import match/project.json --format json -o imported.json");
+    after.frames[0]
+        .clicks
+        .push(Click::landmark("centre_mark".into(), SIZE.centre()));
+    store
+        .append(&[Edit::between(&document, &after, "Click")])
+        .unwrap();
+    let ran = touchline(
+        folder.path(),
+        "import match/project.json --format json -o imported.json",
+    );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
-    assert_eq!(read(&folder.path().join("imported.json")).unwrap().1.frames[0].clicks.len(), 1);
+    assert_eq!(
+        read(&folder.path().join("imported.json")).unwrap().1.frames[0]
+            .clicks
+            .len(),
+        1
+    );
 }
 
 #[test]
@@ -308,7 +548,14 @@ fn a_field_of_the_users_own_is_found_from_where_the_document_lies() {
     fs::copy(template, folder.path().join("mine.json")).unwrap();
     fs::create_dir(folder.path().join("labels")).unwrap();
     clicked_document(folder.path(), &[2]);
-    assert_eq!(touchline(folder.path(), "export doc.json --format labelme -o labels/out").code, 0);
+    assert_eq!(
+        touchline(
+            folder.path(),
+            "export doc.json --format labelme -o labels/out"
+        )
+        .code,
+        0
+    );
     let ran = touchline(
         folder.path(),
         "import labels/out --format labelme --field mine.json --size 1280x720 -o deep/doc.json",
@@ -325,12 +572,31 @@ fn a_result_goes_through_a_pipe_by_its_name() {
     clicked_document(folder.path(), &[2]);
     let direct = touchline(folder.path(), "solve doc.json");
     let by_name = touchline(folder.path(), "solve doc.json -o /dev/stdout");
-    assert_eq!((by_name.code, &by_name.stdout), (0, &direct.stdout), "{}", by_name.stderr);
-    let filtered = touchline(folder.path(), "export doc.json --format json --status draft");
-    assert!(filtered.stdout.contains("\"images/0.png\""), "{}", filtered.stdout);
+    assert_eq!(
+        (by_name.code, &by_name.stdout),
+        (0, &direct.stdout),
+        "{}",
+        by_name.stderr
+    );
+    let filtered = touchline(
+        folder.path(),
+        "export doc.json --format json --status draft",
+    );
+    assert!(
+        filtered.stdout.contains("\"images/0.png\""),
+        "{}",
+        filtered.stdout
+    );
     fs::create_dir(folder.path().join("elsewhere")).unwrap();
-    let elsewhere = touchline(&folder.path().join("elsewhere"), "export ../doc.json --format json --status draft");
-    assert!(elsewhere.stdout.contains("\"../images/0.png\""), "{}", elsewhere.stdout);
+    let elsewhere = touchline(
+        &folder.path().join("elsewhere"),
+        "export ../doc.json --format json --status draft",
+    );
+    assert!(
+        elsewhere.stdout.contains("\"../images/0.png\""),
+        "{}",
+        elsewhere.stdout
+    );
 }
 
 #[test]
@@ -338,8 +604,20 @@ fn a_check_prints_no_character_that_a_terminal_obeys() {
     let folder = tempfile::tempdir().unwrap();
     let mut document = clicked_document(folder.path(), &[1]);
     document.frames[0].image = Some("a\u{1b}[2J\u{202e}.png".to_owned());
-    fs::write(folder.path().join("doc.json"), document_to_string(&document).unwrap()).unwrap();
+    fs::write(
+        folder.path().join("doc.json"),
+        document_to_string(&document).unwrap(),
+    )
+    .unwrap();
     let ran = touchline(folder.path(), "check doc.json");
-    assert!(ran.stdout.contains(r"a\u{1b}[2J\u{202e}.png"), "{}", ran.stdout);
-    assert!(!ran.stdout.contains(['\u{1b}', '\u{202e}']), "{}", ran.stdout);
+    assert!(
+        ran.stdout.contains(r"a\u{1b}[2J\u{202e}.png"),
+        "{}",
+        ran.stdout
+    );
+    assert!(
+        !ran.stdout.contains(['\u{1b}', '\u{202e}']),
+        "{}",
+        ran.stdout
+    );
 }

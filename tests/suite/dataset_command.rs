@@ -7,8 +7,8 @@ use std::fs;
 use std::path::Path;
 use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
 use touchline::document::{
-    Camera, Click, Clip, Document, Extra, FieldSpec, Frame, FramePtz, FrameStatus, Shot, ShotEnd, ShotKind, Solution,
-    SolutionSource, VideoFrame, document_to_string,
+    Camera, Click, Clip, Document, Extra, FieldSpec, Frame, FramePtz, FrameStatus, Shot, ShotEnd,
+    ShotKind, Solution, SolutionSource, VideoFrame, document_to_string,
 };
 use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Vec3};
@@ -16,7 +16,8 @@ use touchline::store::read;
 
 const SIZE: ImageSize = ImageSize::new(160, 90);
 
-/// Twelve references in four clips with pictures, a suggestion, a rejected frame and one without a label, as `doc.json`.
+/// Twelve references in four clips with pictures, a suggestion, a rejected frame and one without a
+/// label, as `doc.json`.
 fn document(folder: &Path) -> Document {
     document_of(folder, SIZE)
 }
@@ -25,7 +26,11 @@ fn document(folder: &Path) -> Document {
 fn document_of(folder: &Path, size: ImageSize) -> Document {
     let base = CameraBase {
         distortion: FocalCurve::constant(-0.1),
-        ..CameraBase::new(Vec3::new(1.0, -58.0, 16.0), BaseAngles::default().base_from_world(), size.centre())
+        ..CameraBase::new(
+            Vec3::new(1.0, -58.0, 16.0),
+            BaseAngles::default().base_from_world(),
+            size.centre(),
+        )
     };
     let field = builtin("soccer").unwrap().default_model().unwrap();
     let mut document = Document::new(FieldSpec::new("soccer"));
@@ -36,7 +41,9 @@ fn document_of(folder: &Path, size: ImageSize) -> Document {
     for index in 0..15_u8 {
         let name = format!("images/{index:04}.jpg");
         let shade = |x: u32, y: u32| image::Rgb([(x + u32::from(index)) as u8, (2 * y) as u8, 40]);
-        image::RgbImage::from_fn(size.width, size.height, shade).save(folder.join(&name)).unwrap();
+        image::RgbImage::from_fn(size.width, size.height, shade)
+            .save(folder.join(&name))
+            .unwrap();
         let mut frame = Frame::from_image(&name, "main".into(), size);
         frame.clip = Some(Clip::Number(i64::from(index / 3)));
         frame.status = match index {
@@ -46,18 +53,39 @@ fn document_of(folder: &Path, size: ImageSize) -> Document {
         };
         let ptz = Ptz::from_degrees(f64::from(index) - 6.0, -14.0, 180.0);
         frame.ptz = (index < 13).then(|| FramePtz::new(ptz, None));
-        let source = if index == 11 || index == 12 { SolutionSource::Forest } else { SolutionSource::Clicks };
-        frame.solution = Some(Solution { source: Some(source), rms_px: Some(0.5), ..Solution::default() });
+        let source = if index == 11 || index == 12 {
+            SolutionSource::Forest
+        } else {
+            SolutionSource::Clicks
+        };
+        frame.solution = Some(Solution {
+            source: Some(source),
+            rms_px: Some(0.5),
+            ..Solution::default()
+        });
         if let Some(camera) = document.cameras[0].pointed(&frame) {
             for name in ["centre_mark", "halfway_far"] {
-                let landmark = field.landmarks.iter().find(|landmark| landmark.id.as_str() == name).unwrap();
-                let at = camera.image_from_world(field.landmark_in_world(landmark)).unwrap();
-                frame.clicks.push(Click { check: name == "halfway_far", ..Click::landmark(name.into(), at) });
+                let landmark = field
+                    .landmarks
+                    .iter()
+                    .find(|landmark| landmark.id.as_str() == name)
+                    .unwrap();
+                let at = camera
+                    .image_from_world(field.landmark_in_world(landmark))
+                    .unwrap();
+                frame.clicks.push(Click {
+                    check: name == "halfway_far",
+                    ..Click::landmark(name.into(), at)
+                });
             }
         }
         document.frames.push(frame.into());
     }
-    fs::write(folder.join("doc.json"), document_to_string(&document).unwrap()).unwrap();
+    fs::write(
+        folder.join("doc.json"),
+        document_to_string(&document).unwrap(),
+    )
+    .unwrap();
     document
 }
 
@@ -71,7 +99,11 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
             if path.is_dir() {
                 open.push(path);
             } else {
-                let name = path.strip_prefix(folder).unwrap().to_string_lossy().replace('\\', "/");
+                let name = path
+                    .strip_prefix(folder)
+                    .unwrap()
+                    .to_string_lossy()
+                    .replace('\\', "/");
                 found.insert(name, fs::read(path).unwrap());
             }
         }
@@ -91,40 +123,81 @@ fn a_dataset_is_whole_and_says_what_it_is() {
     fs::create_dir(folder.path().join("out")).unwrap();
     let ran = touchline(folder.path(), command);
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(ran.stderr.contains("images/0014.jpg: it has neither clicks nor a camera"), "{}", ran.stderr);
     assert!(
-        ran.stderr.contains("12 frames (train 6, validation 3, test 3) and 24 pictures in out/set"),
+        ran.stderr
+            .contains("images/0014.jpg: it has neither clicks nor a camera"),
+        "{}",
+        ran.stderr
+    );
+    assert!(
+        ran.stderr
+            .contains("12 frames (train 6, validation 3, test 3) and 24 pictures in out/set"),
         "{}",
         ran.stderr
     );
     let written = files(&folder.path().join("out/set"));
     let listed: BTreeMap<String, String> = text(&written, "manifest.sha256")
         .lines()
-        .map(|line| line.split_once("  ").map(|(hash, name)| (name.to_owned(), hash.to_owned())).unwrap())
+        .map(|line| {
+            line.split_once("  ")
+                .map(|(hash, name)| (name.to_owned(), hash.to_owned()))
+                .unwrap()
+        })
         .collect();
-    assert_eq!(listed.len() + 1, written.len(), "every file but the manifest is listed");
+    assert_eq!(
+        listed.len() + 1,
+        written.len(),
+        "every file but the manifest is listed"
+    );
     for (name, hash) in &listed {
-        let digits: Vec<String> = Sha256::digest(&written[name]).iter().map(|byte| format!("{byte:02x}")).collect();
+        let digits: Vec<String> = Sha256::digest(&written[name])
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
         assert_eq!(digits.concat(), *hash, "{name}");
     }
     let (_, dataset, _) = read(&folder.path().join("out/set/dataset.json")).unwrap();
     for frame in &dataset.frames {
         let original = document.frames.by_id(&frame.id).unwrap();
-        assert_eq!((&frame.clicks, &frame.ptz), (&original.clicks, &original.ptz), "raw clicks and cameras stay");
+        assert_eq!(
+            (&frame.clicks, &frame.ptz),
+            (&original.clicks, &original.ptz),
+            "raw clicks and cameras stay"
+        );
         let image = frame.image.as_deref().unwrap();
-        assert_eq!(written[image], fs::read(folder.path().join(original.image.as_deref().unwrap())).unwrap());
-        assert_eq!(Path::new(image).file_name(), Path::new(original.image.as_deref().unwrap()).file_name());
+        assert_eq!(
+            written[image],
+            fs::read(folder.path().join(original.image.as_deref().unwrap())).unwrap()
+        );
+        assert_eq!(
+            Path::new(image).file_name(),
+            Path::new(original.image.as_deref().unwrap()).file_name()
+        );
         assert_eq!(frame.sha256.as_ref(), listed.get(image));
     }
     let table = text(&written, "frames.csv");
-    let of = |label: &str| table.lines().filter(|line| line.split(',').nth(2) == Some(label)).count();
+    let of = |label: &str| {
+        table
+            .lines()
+            .filter(|line| line.split(',').nth(2) == Some(label))
+            .count()
+    };
     assert_eq!((of("clicked"), of("suggested_and_accepted")), (11, 1));
-    let clips: BTreeMap<&str, Vec<&str>> = table.lines().skip(1).fold(BTreeMap::new(), |mut clips, line| {
-        let fields: Vec<&str> = line.split(',').collect();
-        clips.entry(fields[6]).or_default().push(fields[1]);
+    let clips: BTreeMap<&str, Vec<&str>> =
+        table
+            .lines()
+            .skip(1)
+            .fold(BTreeMap::new(), |mut clips, line| {
+                let fields: Vec<&str> = line.split(',').collect();
+                clips.entry(fields[6]).or_default().push(fields[1]);
+                clips
+            });
+    assert!(
         clips
-    });
-    assert!(clips.values().all(|splits| splits.iter().all(|split| *split == splits[0])), "{clips:?}");
+            .values()
+            .all(|splits| splits.iter().all(|split| *split == splits[0])),
+        "{clips:?}"
+    );
     assert_eq!(text(&written, "splits/test.txt").lines().count(), 3);
     let card = text(&written, "README.md");
     for wanted in [
@@ -145,9 +218,18 @@ fn a_dataset_is_whole_and_says_what_it_is() {
         let camera = plain.pointed(frame).unwrap();
         assert!(camera.lens().is_none());
         let field = builtin("soccer").unwrap().default_model().unwrap();
-        let landmark = field.landmarks.iter().find(|landmark| landmark.id.as_str() == "centre_mark").unwrap();
-        let shown = camera.image_from_world(field.landmark_in_world(landmark)).unwrap();
-        assert!(shown.distance_px(frame.clicks[0].image) < 1e-9, "clicks lie where the plain camera shows them");
+        let landmark = field
+            .landmarks
+            .iter()
+            .find(|landmark| landmark.id.as_str() == "centre_mark")
+            .unwrap();
+        let shown = camera
+            .image_from_world(field.landmark_in_world(landmark))
+            .unwrap();
+        assert!(
+            shown.distance_px(frame.clicks[0].image) < 1e-9,
+            "clicks lie where the plain camera shows them"
+        );
         assert!(written.contains_key(&format!("undistorted/{}", frame.image.as_deref().unwrap())));
     }
 }
@@ -156,10 +238,18 @@ fn a_dataset_is_whole_and_says_what_it_is() {
 fn the_same_input_gives_the_same_bytes_and_nothing_is_replaced_unasked() {
     let folder = tempfile::tempdir().unwrap();
     document(folder.path());
-    let export = |rest: &str| touchline(folder.path(), &format!("export doc.json --split 80/10/10 {rest}"));
+    let export = |rest: &str| {
+        touchline(
+            folder.path(),
+            &format!("export doc.json --split 80/10/10 {rest}"),
+        )
+    };
     assert_eq!(export("--dataset a").code, 1);
     assert_eq!(export("--dataset b").code, 1);
-    assert_eq!(files(&folder.path().join("a")), files(&folder.path().join("b")));
+    assert_eq!(
+        files(&folder.path().join("a")),
+        files(&folder.path().join("b"))
+    );
     let again = export("--dataset a");
     assert_eq!(again.code, 2);
     assert_eq!(
@@ -169,7 +259,13 @@ fn the_same_input_gives_the_same_bytes_and_nothing_is_replaced_unasked() {
     fs::write(folder.path().join("a/own.txt"), "mine").unwrap();
     let refused = export("--dataset a --force");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("a holds own.txt, which would be lost; move it away"), "{}", refused.stderr);
+    assert!(
+        refused
+            .stderr
+            .contains("a holds own.txt, which would be lost; move it away"),
+        "{}",
+        refused.stderr
+    );
     fs::remove_file(folder.path().join("a/own.txt")).unwrap();
     // A picture that the next dataset leaves out goes, unless somebody changed it.
     fs::write(folder.path().join("a/images/test/note.txt"), "mine").unwrap();
@@ -180,14 +276,23 @@ fn the_same_input_gives_the_same_bytes_and_nothing_is_replaced_unasked() {
     fs::write(folder.path().join("home/own.txt"), "mine").unwrap();
     let refused = export("--dataset home --force");
     assert_eq!(refused.code, 2);
-    assert!(
-        refused.stderr.contains("home contains something other than a dataset of this program; give another folder")
+    assert!(refused.stderr.contains(
+        "home contains something other than a dataset of this program; give another folder"
+    ));
+    assert_eq!(
+        fs::read_to_string(folder.path().join("home/own.txt")).unwrap(),
+        "mine"
     );
-    assert_eq!(fs::read_to_string(folder.path().join("home/own.txt")).unwrap(), "mine");
-    let left = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let left = fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let mut left: Vec<String> = left.collect();
     left.sort();
-    assert_eq!(left, ["a", "b", "doc.json", "home", "images"], "nothing temporary is left");
+    assert_eq!(
+        left,
+        ["a", "b", "doc.json", "home", "images"],
+        "nothing temporary is left"
+    );
 }
 
 #[test]
@@ -206,11 +311,20 @@ fn ctrl_c_stops_the_export_and_leaves_nothing() {
     while entries() == before {
         std::thread::yield_now();
     }
-    assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert!(
+        std::process::Command::new("kill")
+            .args(["-INT", &child.id().to_string()])
+            .status()
+            .unwrap()
+            .success()
+    );
     let ended = child.wait_with_output().unwrap();
     let said = String::from_utf8(ended.stderr).unwrap();
     assert_eq!(ended.status.code(), Some(130), "{said}");
-    assert_eq!(said.lines().last(), Some("touchline: stopped; nothing was written"));
+    assert_eq!(
+        said.lines().last(),
+        Some("touchline: stopped; nothing was written")
+    );
     assert_eq!(entries(), before, "nothing is left, also nothing temporary");
 }
 
@@ -218,50 +332,123 @@ fn ctrl_c_stops_the_export_and_leaves_nothing() {
 fn frames_and_pictures_are_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let mut document = document(folder.path());
-    let ran = touchline(folder.path(), "export doc.json --dataset linked --status suggested,reference --images link");
-    assert!(ran.stderr.contains("1 frames have a camera that nobody has looked at"), "{}", ran.stderr);
-    assert!(ran.stderr.contains("13 frames and 13 pictures in linked"), "{}", ran.stderr);
+    let ran = touchline(
+        folder.path(),
+        "export doc.json --dataset linked --status suggested,reference --images link",
+    );
+    assert!(
+        ran.stderr
+            .contains("1 frames have a camera that nobody has looked at"),
+        "{}",
+        ran.stderr
+    );
+    assert!(
+        ran.stderr.contains("13 frames and 13 pictures in linked"),
+        "{}",
+        ran.stderr
+    );
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt;
         let inode = |path: &str| fs::metadata(folder.path().join(path)).unwrap().ino();
         assert_eq!(inode("linked/images/0003.jpg"), inode("images/0003.jpg"));
     }
-    let ran = touchline(folder.path(), "export doc.json --dataset left --images none");
-    assert!(ran.stderr.contains("12 frames and 0 pictures in left"), "{}", ran.stderr);
+    let ran = touchline(
+        folder.path(),
+        "export doc.json --dataset left --images none",
+    );
+    assert!(
+        ran.stderr.contains("12 frames and 0 pictures in left"),
+        "{}",
+        ran.stderr
+    );
     let (_, left, _) = read(&folder.path().join("left/dataset.json")).unwrap();
     assert_eq!(left.frames[0].image.as_deref(), Some("../images/0000.jpg"));
-    let ran = touchline(folder.path(), "export doc.json --dataset anew --images extract --image-format png");
-    assert!(ran.stderr.contains("12 frames and 12 pictures in anew"), "{}", ran.stderr);
+    let ran = touchline(
+        folder.path(),
+        "export doc.json --dataset anew --images extract --image-format png",
+    );
+    assert!(
+        ran.stderr.contains("12 frames and 12 pictures in anew"),
+        "{}",
+        ran.stderr
+    );
     let pixels = |path: &str| image::open(folder.path().join(path)).unwrap().into_rgb8();
     assert_eq!(pixels("anew/images/0003.png"), pixels("images/0003.jpg"));
-    let ran = touchline(folder.path(), "export doc.json --dataset smaller --images extract --image-format jpg");
-    assert!(ran.stderr.contains("12 frames and 12 pictures in smaller"), "{}", ran.stderr);
+    let ran = touchline(
+        folder.path(),
+        "export doc.json --dataset smaller --images extract --image-format jpg",
+    );
+    assert!(
+        ran.stderr.contains("12 frames and 12 pictures in smaller"),
+        "{}",
+        ran.stderr
+    );
     assert!(folder.path().join("smaller/images/0003.jpg").is_file());
     // A picture that is not the one that was labelled, one that is gone, and two of one name.
     document.frames[0].sha256 = Some("00".repeat(32));
     fs::remove_file(folder.path().join("images/0001.jpg")).unwrap();
-    fs::write(folder.path().join("doc.json"), document_to_string(&document).unwrap()).unwrap();
+    fs::write(
+        folder.path().join("doc.json"),
+        document_to_string(&document).unwrap(),
+    )
+    .unwrap();
     let ran = touchline(folder.path(), "export doc.json --dataset some");
-    assert!(ran.stderr.contains("images/0000.jpg: its picture changed since it was labelled"), "{}", ran.stderr);
+    assert!(
+        ran.stderr
+            .contains("images/0000.jpg: its picture changed since it was labelled"),
+        "{}",
+        ran.stderr
+    );
     assert!(ran.stderr.contains("images/0001.jpg: "), "{}", ran.stderr);
-    assert!(ran.stderr.contains("10 frames and 10 pictures in some"), "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("10 frames and 10 pictures in some"),
+        "{}",
+        ran.stderr
+    );
     assert!(!folder.path().join("some/images/0000.jpg").exists());
-    for (number, options) in ["--images extract", "--images none", "--images none --undistorted"].iter().enumerate() {
-        let ran = touchline(folder.path(), &format!("export doc.json --dataset changed{number} {options}"));
+    for (number, options) in [
+        "--images extract",
+        "--images none",
+        "--images none --undistorted",
+    ]
+    .iter()
+    .enumerate()
+    {
+        let ran = touchline(
+            folder.path(),
+            &format!("export doc.json --dataset changed{number} {options}"),
+        );
         let says = "images/0000.jpg: its picture changed since it was labelled";
         assert!(ran.stderr.contains(says), "{options}: {}", ran.stderr);
-        let (_, written, _) = read(&folder.path().join(format!("changed{number}/dataset.json"))).unwrap();
-        assert!(written.frames.by_id(&document.frames[0].id).is_none(), "{options}");
+        let (_, written, _) =
+            read(&folder.path().join(format!("changed{number}/dataset.json"))).unwrap();
+        assert!(
+            written.frames.by_id(&document.frames[0].id).is_none(),
+            "{options}"
+        );
     }
     let other = folder.path().join("other");
     fs::create_dir(&other).unwrap();
-    fs::copy(folder.path().join("images/0002.jpg"), other.join("0002.jpg")).unwrap();
+    fs::copy(
+        folder.path().join("images/0002.jpg"),
+        other.join("0002.jpg"),
+    )
+    .unwrap();
     document.frames[3].image = Some(other.join("0002.jpg").to_string_lossy().into_owned());
-    fs::write(folder.path().join("doc.json"), document_to_string(&document).unwrap()).unwrap();
+    fs::write(
+        folder.path().join("doc.json"),
+        document_to_string(&document).unwrap(),
+    )
+    .unwrap();
     let ran = touchline(folder.path(), "export doc.json --dataset twice");
     assert_eq!(ran.code, 2);
-    assert!(ran.stderr.contains("would both be written as images/0002.jpg"), "{}", ran.stderr);
+    assert!(
+        ran.stderr
+            .contains("would both be written as images/0002.jpg"),
+        "{}",
+        ran.stderr
+    );
     assert!(!folder.path().join("twice").exists());
 }
 
@@ -271,41 +458,84 @@ fn pictures_from_outside_of_the_project_are_asked_for() {
     let project = folder.path().join("project");
     fs::create_dir(&project).unwrap();
     let mut document = document(&project);
-    fs::rename(project.join("images/0001.jpg"), folder.path().join("private.jpg")).unwrap();
+    fs::rename(
+        project.join("images/0001.jpg"),
+        folder.path().join("private.jpg"),
+    )
+    .unwrap();
     document.frames[1].image = Some("../private.jpg".to_owned());
-    fs::write(project.join("doc.json"), document_to_string(&document).unwrap()).unwrap();
+    fs::write(
+        project.join("doc.json"),
+        document_to_string(&document).unwrap(),
+    )
+    .unwrap();
     let ran = touchline(&project, "export doc.json --dataset set");
     let says = "private.jpg lies outside of the project; --outside-pictures takes it too";
     assert!(ran.code == 1 && ran.stderr.contains(says), "{}", ran.stderr);
-    assert!(ran.stderr.contains("11 frames and 11 pictures in set"), "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("11 frames and 11 pictures in set"),
+        "{}",
+        ran.stderr
+    );
     assert!(!project.join("set/images/private.jpg").exists());
     let ran = touchline(&project, "export doc.json --dataset all --outside-pictures");
-    assert!(ran.stderr.contains("1 pictures come from outside of the project, the first from "), "{}", ran.stderr);
+    assert!(
+        ran.stderr
+            .contains("1 pictures come from outside of the project, the first from "),
+        "{}",
+        ran.stderr
+    );
     assert!(project.join("all/images/private.jpg").is_file());
     // What is only named is not taken along.
     let ran = touchline(&project, "export doc.json --dataset named --images none");
-    assert!(ran.stderr.contains("12 frames and 0 pictures in named"), "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("12 frames and 0 pictures in named"),
+        "{}",
+        ran.stderr
+    );
 }
 
 #[test]
 fn shots_of_another_video_stay_behind() {
     let folder = tempfile::tempdir().unwrap();
     let mut document = document(folder.path());
-    document.cameras.push(Camera { id: "second".into(), ..(*document.cameras[0]).clone() }.into());
+    document.cameras.push(
+        Camera {
+            id: "second".into(),
+            ..(*document.cameras[0]).clone()
+        }
+        .into(),
+    );
     for (index, frame) in document.frames.iter_mut().enumerate() {
-        let (video, camera) = if index < 6 { ("a.mp4", "main") } else { ("b.mp4", "second") };
+        let (video, camera) = if index < 6 {
+            ("a.mp4", "main")
+        } else {
+            ("b.mp4", "second")
+        };
         frame.video = Some(VideoFrame::new(video, index as u64, None));
         (frame.image, frame.camera) = (None, camera.into());
     }
     // Bare numbers count in the first video.
     let ends = |from, to| (ShotEnd::VideoFrame(from), ShotEnd::VideoFrame(to));
     for (from, to) in [ends(0, 2), ends(3, 5)] {
-        document.shots.push(Shot { from, to, camera: None, kind: ShotKind::Cut, extra: Extra::new() });
+        document.shots.push(Shot {
+            from,
+            to,
+            camera: None,
+            kind: ShotKind::Cut,
+            extra: Extra::new(),
+        });
     }
-    fs::write(folder.path().join("doc.json"), document_to_string(&document).unwrap()).unwrap();
+    fs::write(
+        folder.path().join("doc.json"),
+        document_to_string(&document).unwrap(),
+    )
+    .unwrap();
     for (camera, shots) in [("main", 2), ("second", 0)] {
-        let ran =
-            touchline(folder.path(), &format!("export doc.json --dataset {camera} --camera {camera} --images none"));
+        let ran = touchline(
+            folder.path(),
+            &format!("export doc.json --dataset {camera} --camera {camera} --images none"),
+        );
         assert!(ran.code < 2, "{}", ran.stderr);
         let (_, dataset, _) = read(&folder.path().join(camera).join("dataset.json")).unwrap();
         assert_eq!(dataset.shots.len(), shots, "{camera}");
@@ -325,12 +555,26 @@ fn wrong_usage_is_one_line() {
             "export doc.json --dataset a --split half",
             "half is no shares of training, validation and test such as 80/10/10",
         ),
-        ("export doc.json --dataset a --images move", "[possible values: copy, link, extract, none]"),
-        ("export doc.json --format csv --start 25:00", "25:00 is no timecode such as 10:00:00:00 or 10:00:00;00"),
-        ("export doc.json --dataset a --status draft", "no frame for the dataset: none has the status"),
+        (
+            "export doc.json --dataset a --images move",
+            "[possible values: copy, link, extract, none]",
+        ),
+        (
+            "export doc.json --format csv --start 25:00",
+            "25:00 is no timecode such as 10:00:00:00 or 10:00:00;00",
+        ),
+        (
+            "export doc.json --dataset a --status draft",
+            "no frame for the dataset: none has the status",
+        ),
     ] {
         let ran = touchline(folder.path(), arguments);
-        assert_eq!((ran.code, ran.stderr.lines().count()), (2, 1), "{}", ran.stderr);
+        assert_eq!(
+            (ran.code, ran.stderr.lines().count()),
+            (2, 1),
+            "{}",
+            ran.stderr
+        );
         assert!(ran.stderr.contains(wanted), "{}", ran.stderr);
     }
     assert!(!folder.path().join("a").exists());

@@ -4,7 +4,9 @@
 use crate::program::touchline;
 use std::fs;
 use std::path::Path;
-use touchline::document::{Document, Frame, FrameStatus, Solution, document_from_bytes, document_to_string};
+use touchline::document::{
+    Document, Frame, FrameStatus, Solution, document_from_bytes, document_to_string,
+};
 use touchline::field::{Landmark, LandmarkId};
 use touchline::geometry::{ImagePoint, Mat3, Vec3};
 
@@ -18,7 +20,8 @@ pub fn write(path: &Path, document: &Document) {
     fs::write(path, document_to_string(document).unwrap()).unwrap();
 }
 
-/// A drawn clip at 25 frames a second with graphics that no mask covers; its first and last frame are known.
+/// A drawn clip at 25 frames a second with graphics that no mask covers; its first and last frame
+/// are known.
 pub fn drawn_clip(folder: &Path) -> Document {
     let drawn = touchline(
         folder,
@@ -35,7 +38,10 @@ pub fn drawn_clip(folder: &Path) -> Document {
         if index == 0 || index == last {
             frame.status = FrameStatus::Reference;
             let covariance = Some(Mat3::from_diagonal(&Vec3::new(1e-4, 1e-4, 0.25)));
-            frame.solution = Some(Solution { covariance, ..Solution::default() });
+            frame.solution = Some(Solution {
+                covariance,
+                ..Solution::default()
+            });
         } else {
             (frame.status, frame.ptz) = (FrameStatus::New, None);
         }
@@ -46,10 +52,15 @@ pub fn drawn_clip(folder: &Path) -> Document {
 
 /// Where a frame shows the landmarks of the field.
 pub fn shown(truth: &Document, frame: usize) -> Vec<(LandmarkId, ImagePoint)> {
-    let field = touchline::field::builtin("soccer").unwrap().default_model().unwrap();
+    let field = touchline::field::builtin("soccer")
+        .unwrap()
+        .default_model()
+        .unwrap();
     let camera = truth.pointed(&truth.frames[frame]).unwrap();
     let seen = |landmark: &Landmark| {
-        let at = camera.image_from_world(field.landmark_in_world(landmark)).ok()?;
+        let at = camera
+            .image_from_world(field.landmark_in_world(landmark))
+            .ok()?;
         let inside = (20.0..620.0).contains(&at.x) && (20.0..340.0).contains(&at.y);
         inside.then(|| (landmark.id.clone(), at))
     };
@@ -62,7 +73,10 @@ pub fn landmark_errors_px(found: &Document, truth: &Document, frame: usize) -> O
     let field = found.at(Path::new("")).model_of(&found.field).unwrap();
     let off_px = |(landmark, at): (LandmarkId, ImagePoint)| {
         let landmark = field.landmark(landmark.as_str()).unwrap();
-        camera.image_from_world(field.landmark_in_world(landmark)).unwrap().distance_px(at)
+        camera
+            .image_from_world(field.landmark_in_world(landmark))
+            .unwrap()
+            .distance_px(at)
     };
     Some(shown(truth, frame).into_iter().map(off_px).collect())
 }

@@ -5,7 +5,9 @@ use serde_json::Value;
 use std::path::Path;
 use tempfile::TempDir;
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline::document::{Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution};
+use touchline::document::{
+    Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution,
+};
 use touchline::field::builtin;
 use touchline::geometry::{Angle, ImageSize, Mat3, Vec3};
 use touchline::store::{Location, write_document};
@@ -17,8 +19,15 @@ fn ptz(index: usize) -> Ptz {
 }
 
 fn document(frames: usize) -> Document {
-    let angles = BaseAngles { pitch: Angle::from_degrees(-1.0), ..BaseAngles::default() };
-    let base = CameraBase::new(Vec3::new(1.0, -58.0, 16.0), angles.base_from_world(), SIZE.centre());
+    let angles = BaseAngles {
+        pitch: Angle::from_degrees(-1.0),
+        ..BaseAngles::default()
+    };
+    let base = CameraBase::new(
+        Vec3::new(1.0, -58.0, 16.0),
+        angles.base_from_world(),
+        SIZE.centre(),
+    );
     let mut camera = Camera::new("main".into(), SIZE);
     camera.set_base(&base);
     let mut document = Document::new(FieldSpec::new("soccer"));
@@ -30,8 +39,14 @@ fn document(frames: usize) -> Document {
         frame.clip = Some(Clip::Number(index as i64 / 2));
         frame.ptz = Some(FramePtz::new(ptz(index), None));
         let exact = PtzCamera::new(base, ptz(index));
-        for name in ["centre_mark", "centre_circle_right", "penalty_arc_near_right"] {
-            let at = exact.image_from_world(field.landmark_in_world(field.landmark(name).unwrap())).unwrap();
+        for name in [
+            "centre_mark",
+            "centre_circle_right",
+            "penalty_arc_near_right",
+        ] {
+            let at = exact
+                .image_from_world(field.landmark_in_world(field.landmark(name).unwrap()))
+                .unwrap();
             if SIZE.contains(at) {
                 frame.clicks.push(Click::landmark(name.into(), at));
             }
@@ -42,28 +57,41 @@ fn document(frames: usize) -> Document {
 }
 
 fn write(folder: &Path, name: &str, document: &Document) {
-    write_document(&Location::for_new_document(&folder.join(name)).unwrap(), document, false).unwrap();
+    write_document(
+        &Location::for_new_document(&folder.join(name)).unwrap(),
+        document,
+        false,
+    )
+    .unwrap();
 }
 
-/// A truth of four frames; an estimate that is 0.1° too far right in all, 2 % too long in the second, unsolved in the
-/// third, without the fourth, and with a frame too many.
+/// A truth of four frames; an estimate that is 0.1° too far right in all, 2 % too long in the
+/// second, unsolved in the third, without the fourth, and with a frame too many.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let truth = document(4);
     let mut estimate = document(4);
     for frame in &mut estimate.frames {
         let exact = frame.ptz.as_ref().unwrap().ptz();
-        let moved = Ptz { pan: exact.pan + Angle::from_degrees(0.1), ..exact };
+        let moved = Ptz {
+            pan: exact.pan + Angle::from_degrees(0.1),
+            ..exact
+        };
         frame.ptz = Some(FramePtz::new(moved, None));
         frame.clicks.truncate(1);
         let sigmas = Mat3::from_diagonal(&Vec3::new(0.01, 0.01, 400.0));
-        frame.solution = Some(Solution { covariance: Some(sigmas), ..Solution::default() });
+        frame.solution = Some(Solution {
+            covariance: Some(sigmas),
+            ..Solution::default()
+        });
     }
     let second = estimate.frames[1].ptz.as_mut().unwrap();
     second.focal_px *= 1.02;
     estimate.frames[2].ptz = None;
     estimate.frames.remove(3);
-    estimate.frames.push(Frame::from_image("images/more.jpg", "main".into(), SIZE).into());
+    estimate
+        .frames
+        .push(Frame::from_image("images/more.jpg", "main".into(), SIZE).into());
     write(folder.path(), "truth.json", &truth);
     write(folder.path(), "estimate.json", &estimate);
     folder
@@ -79,8 +107,14 @@ fn errors_are_those_put_in_and_missing_frames_are_named() {
     let folder = folder();
     let ran = touchline(folder.path(), "evaluate truth.json estimate.json --json");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(ran.stderr.contains("images/2.jpg") && ran.stderr.contains("the estimate has no camera for it"));
-    assert!(ran.stderr.contains("images/3.jpg") && ran.stderr.contains("the estimate has no such frame"));
+    assert!(
+        ran.stderr.contains("images/2.jpg")
+            && ran.stderr.contains("the estimate has no camera for it")
+    );
+    assert!(
+        ran.stderr.contains("images/3.jpg")
+            && ran.stderr.contains("the estimate has no such frame")
+    );
     assert!(ran.stderr.contains("images/more.jpg"));
     let report: Value = serde_json::from_str(&ran.stdout).unwrap();
     let frames = report["frames"].as_array().unwrap();
@@ -94,7 +128,10 @@ fn errors_are_those_put_in_and_missing_frames_are_named() {
     near(&frames[0]["error_over_sigma"], (1.0f64 / 3.0).sqrt(), 1e-9);
     // A turn by δ moves a pixel near the middle of the picture by f δ.
     near(&frames[0]["clicks_px"], 1500.0 * 0.1f64.to_radians(), 0.4);
-    assert!(frames[0]["held_out_px"].as_f64().unwrap() > 2.0 && frames[0]["held_out_m"].as_f64().unwrap() > 0.05);
+    assert!(
+        frames[0]["held_out_px"].as_f64().unwrap() > 2.0
+            && frames[0]["held_out_m"].as_f64().unwrap() > 0.05
+    );
     assert!(frames[2].get("pan_deg").is_none() && frames[2]["unscored"].is_string());
 
     let summary = &report["summary"];
@@ -110,7 +147,10 @@ fn errors_are_those_put_in_and_missing_frames_are_named() {
         .map(|g| (g["by"].as_str().unwrap(), g["name"].as_str().unwrap()))
         .collect();
     assert_eq!(&groups[..2], [("clip", "0"), ("clip", "1")]);
-    assert!(groups[2..].iter().all(|(by, _)| *by == "view") && groups.len() > 3, "{groups:?}");
+    assert!(
+        groups[2..].iter().all(|(by, _)| *by == "view") && groups.len() > 3,
+        "{groups:?}"
+    );
 }
 
 #[test]
@@ -120,9 +160,13 @@ fn a_document_is_right_by_itself() {
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let report: Value = serde_json::from_str(&ran.stdout).unwrap();
     let measures = &report["summary"]["measures"];
-    for (key, expected) in
-        [("iou_part", 1.0), ("iou_whole", 1.0), ("jac_5", 1.0), ("rotation_deg", 0.0), ("clicks_px", 0.0)]
-    {
+    for (key, expected) in [
+        ("iou_part", 1.0),
+        ("iou_whole", 1.0),
+        ("jac_5", 1.0),
+        ("rotation_deg", 0.0),
+        ("clicks_px", 0.0),
+    ] {
         near(&measures[key]["mean"], expected, 1e-9);
     }
 }
@@ -141,34 +185,66 @@ fn a_truth_of_clicks_alone_measures_clicks() {
     let report: Value = serde_json::from_str(&ran.stdout).unwrap();
     let measures = report["summary"]["measures"].as_object().unwrap();
     assert!(measures.contains_key("held_out_px") && !measures.contains_key("iou_part"));
-    assert!(report["summary"]["every_held_out_click_px"]["count"].as_u64().unwrap() >= 2);
+    assert!(
+        report["summary"]["every_held_out_click_px"]["count"]
+            .as_u64()
+            .unwrap()
+            >= 2
+    );
 }
 
 #[test]
 fn files_are_written_by_their_ending_and_never_over_something() {
     let folder = folder();
-    let run = |arguments: &str| touchline(folder.path(), &format!("evaluate truth.json estimate.json {arguments}"));
+    let run = |arguments: &str| {
+        touchline(
+            folder.path(),
+            &format!("evaluate truth.json estimate.json {arguments}"),
+        )
+    };
     for name in ["scores.json", "scores.csv", "scores.md"] {
         let ran = run(&format!("-o {name}"));
         assert_eq!((ran.code, ran.stdout.as_str()), (1, ""), "{}", ran.stderr);
     }
     let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
-    assert!(text("scores.csv").starts_with("frame,clip,camera,view_deg,iou_part,iou_whole,rotation_deg,"));
+    assert!(
+        text("scores.csv")
+            .starts_with("frame,clip,camera,view_deg,iou_part,iou_whole,rotation_deg,")
+    );
     assert_eq!(text("scores.csv").lines().count(), 5);
     assert!(text("scores.md").contains("| rotation error (°) |"));
     assert!(serde_json::from_str::<Value>(&text("scores.json")).is_ok());
     assert_eq!(run("-o more.json --report report").code, 1);
     assert!(text("report/evaluation.md").contains("](evaluation-rotation_deg.svg)"));
-    assert!(folder.path().join("report/evaluation-iou-view.png").is_file());
+    assert!(
+        folder
+            .path()
+            .join("report/evaluation-iou-view.png")
+            .is_file()
+    );
     let refused = run("-o scores.csv");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("scores.csv already exists; give --force"), "{}", refused.stderr);
+    assert!(
+        refused
+            .stderr
+            .contains("scores.csv already exists; give --force"),
+        "{}",
+        refused.stderr
+    );
     let wrong = run("-o scores.txt");
     assert_eq!(wrong.code, 2);
-    assert!(wrong.stderr.contains(".json, .csv or .md"), "{}", wrong.stderr);
+    assert!(
+        wrong.stderr.contains(".json, .csv or .md"),
+        "{}",
+        wrong.stderr
+    );
     // The same input and seed give the same bytes.
     assert_eq!(run("").stdout, text("scores.json"));
-    assert!(run("--table").stdout.starts_with("2 of 4 frames have a camera (completeness 0.500)."));
+    assert!(
+        run("--table")
+            .stdout
+            .starts_with("2 of 4 frames have a camera (completeness 0.500).")
+    );
 }
 
 #[test]
@@ -177,9 +253,19 @@ fn nothing_to_compare_with_is_said_in_one_line() {
     write(folder.path(), "empty.json", &document(0));
     let ran = touchline(folder.path(), "evaluate empty.json estimate.json");
     assert_eq!(ran.code, 2);
-    assert!(ran.stderr.contains("no frame of the truth has a camera or a named click"), "{}", ran.stderr);
+    assert!(
+        ran.stderr
+            .contains("no frame of the truth has a camera or a named click"),
+        "{}",
+        ran.stderr
+    );
     let missing = touchline(folder.path(), "evaluate truth.json nowhere.json");
-    assert_eq!((missing.code, missing.stderr.lines().count()), (2, 1), "{}", missing.stderr);
+    assert_eq!(
+        (missing.code, missing.stderr.lines().count()),
+        (2, 1),
+        "{}",
+        missing.stderr
+    );
 }
 
 #[test]
@@ -195,7 +281,12 @@ fn frames_of_two_matches_with_the_same_names_are_not_compared() {
     write(folder.path(), "blue.json", &estimate);
     let ran = touchline(folder.path(), "evaluate red.json blue.json --json");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert_eq!(ran.stderr.matches("the estimate has no such frame").count(), 3, "{}", ran.stderr);
+    assert_eq!(
+        ran.stderr.matches("the estimate has no such frame").count(),
+        3,
+        "{}",
+        ran.stderr
+    );
 }
 
 #[test]
@@ -207,5 +298,8 @@ fn no_name_is_a_formula_in_the_table() {
     let ran = touchline(folder.path(), "evaluate named.json named.json -o named.csv");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let table = std::fs::read_to_string(folder.path().join("named.csv")).unwrap();
-    assert!(table.lines().nth(1).unwrap().starts_with("'=cmd"), "{table}");
+    assert!(
+        table.lines().nth(1).unwrap().starts_with("'=cmd"),
+        "{table}"
+    );
 }

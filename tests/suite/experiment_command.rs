@@ -6,9 +6,16 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let entries = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
     entries
-        .map(|path| (path.file_name().unwrap().to_string_lossy().into_owned(), std::fs::read(&path).unwrap()))
+        .map(|path| {
+            (
+                path.file_name().unwrap().to_string_lossy().into_owned(),
+                std::fs::read(&path).unwrap(),
+            )
+        })
         .collect()
 }
 
@@ -16,10 +23,16 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn data_figures_and_report_are_written_and_repeat() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["one", "two"] {
-        let ran = touchline(folder.path(), &format!("experiment ransac --quick --seed 4 -o {name}"));
+        let ran = touchline(
+            folder.path(),
+            &format!("experiment ransac --quick --seed 4 -o {name}"),
+        );
         assert_eq!(ran.code, 0, "{}", ran.stderr);
     }
-    let (one, two) = (files(&folder.path().join("one")), files(&folder.path().join("two")));
+    let (one, two) = (
+        files(&folder.path().join("one")),
+        files(&folder.path().join("two")),
+    );
     assert!(one.keys().eq(two.keys()));
     for (name, bytes) in one.iter().filter(|(name, _)| !name.contains("-times")) {
         assert_eq!(bytes, &two[name], "{name}");
@@ -27,7 +40,10 @@ fn data_figures_and_report_are_written_and_repeat() {
     let report = String::from_utf8(one["ransac.md"].clone()).unwrap();
     assert!(report.contains("| 4 | 71.36 | 72 | 71 |"), "{report}");
     // Everything that the report shows is there.
-    for shown in report.match_indices("](").map(|(at, _)| report[at + 2..].split(')').next().unwrap()) {
+    for shown in report
+        .match_indices("](")
+        .map(|(at, _)| report[at + 2..].split(')').next().unwrap())
+    {
         assert!(one.contains_key(shown), "{shown}");
     }
     assert!(one["ransac-table-1.csv"].starts_with(b"points,needed,whole,paper,simulated\n"));
@@ -35,48 +51,85 @@ fn data_figures_and_report_are_written_and_repeat() {
     assert!(json["tables"]["ransac-outliers"].is_array());
     assert_eq!(json["claims"][0]["verdict"], "confirmed");
     let made_by = &json["made_by"];
-    assert_eq!(made_by["command"], "touchline experiment ransac --quick --seed 4");
-    assert_eq!((&made_by["seeds"], &made_by["quick"]), (&serde_json::json!([4]), &serde_json::json!(true)));
+    assert_eq!(
+        made_by["command"],
+        "touchline experiment ransac --quick --seed 4"
+    );
+    assert_eq!(
+        (&made_by["seeds"], &made_by["quick"]),
+        (&serde_json::json!([4]), &serde_json::json!(true))
+    );
     assert!(report.contains("seed 4. A quick run"), "{report}");
-    assert!(one["ransac-success.svg"].starts_with(b"<svg ") && one["ransac-success.png"].starts_with(b"\x89PNG"));
+    assert!(
+        one["ransac-success.svg"].starts_with(b"<svg ")
+            && one["ransac-success.png"].starts_with(b"\x89PNG")
+    );
 
     let refused = touchline(folder.path(), "experiment ransac --quick -o one");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("one already exists; give --force"), "{}", refused.stderr);
+    assert!(
+        refused.stderr.contains("one already exists; give --force"),
+        "{}",
+        refused.stderr
+    );
 }
 
 #[test]
 fn wrong_orders_are_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, named) in [
-        ("experiment nothing -o out", "there is no experiment \"nothing\"; there are synthetic, ransac,"),
+        (
+            "experiment nothing -o out",
+            "there is no experiment \"nothing\"; there are synthetic, ransac,",
+        ),
         ("experiment highlights -o out --test b.json", "--train"),
-        ("experiment highlights -o out --train a.json --test b.json", "a.json"),
+        (
+            "experiment highlights -o out --train a.json --test b.json",
+            "a.json",
+        ),
     ] {
         let ran = touchline(folder.path(), arguments);
-        assert_eq!((ran.code, ran.stderr.lines().count()), (2, 1), "{}", ran.stderr);
+        assert_eq!(
+            (ran.code, ran.stderr.lines().count()),
+            (2, 1),
+            "{}",
+            ran.stderr
+        );
         assert!(ran.stderr.contains(named), "{}", ran.stderr);
         assert!(!folder.path().join("out").exists());
     }
 }
 
-/// The one experiment that draws frames and is quick enough: a set, its tables with the paper's row, and every frame.
+/// The one experiment that draws frames and is quick enough: a set, its tables with the paper's
+/// row, and every frame.
 #[cfg(feature = "opencv")]
 #[test]
 fn drawn_games_have_the_papers_row_beside_them_and_every_frame_in_a_file() {
     let folder = tempfile::tempdir().unwrap();
-    let ran = touchline(folder.path(), "experiment worldcup --quick --seeds 1 -o out");
+    let ran = touchline(
+        folder.path(),
+        "experiment worldcup --quick --seeds 1 -o out",
+    );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let out = files(&folder.path().join("out"));
     let report = String::from_utf8(out["worldcup.md"].clone()).unwrap();
-    assert!(report.contains("| paper: IoU ± SD | paper: CalibMe |"), "{report}");
     assert!(
-        report.contains("| .99 ± .01 | .84 ± .24 |") && report.contains("By sequence: --published forest."),
+        report.contains("| paper: IoU ± SD | paper: CalibMe |"),
+        "{report}"
+    );
+    assert!(
+        report.contains("| .99 ± .01 | .84 ± .24 |")
+            && report.contains("By sequence: --published forest."),
         "{report}"
     );
     let frames = String::from_utf8(out["worldcup-frames.csv"].clone()).unwrap();
     let mut lines = frames.lines();
-    assert!(lines.next().unwrap().starts_with("way,seed,sequence,frame,view_deg,found,iou_part,"));
+    assert!(
+        lines
+            .next()
+            .unwrap()
+            .starts_with("way,seed,sequence,frame,view_deg,found,iou_part,")
+    );
     // Nine frames asked of two forests, with players and without.
     assert_eq!(lines.clone().count(), 4 * 9, "{frames}");
     // Where nothing was found the mean of all frames is smaller than that of those found.
@@ -84,7 +137,11 @@ fn drawn_games_have_the_papers_row_beside_them_and_every_frame_in_a_file() {
     for row in &rows {
         let number = |key: &str| row[key].parse::<f64>().unwrap_or(f64::NAN);
         let share = number("found") / number("asked");
-        let all = if share > 0.0 { share * number("iou_of_found") } else { 0.0 };
+        let all = if share > 0.0 {
+            share * number("iou_of_found")
+        } else {
+            0.0
+        };
         assert!((number("iou_mean") - all).abs() < 1e-9, "{row:?}");
     }
     assert_eq!(rows.len(), 3);
@@ -96,5 +153,7 @@ fn csv_rows(bytes: &[u8]) -> Vec<BTreeMap<String, String>> {
     let text = std::str::from_utf8(bytes).unwrap();
     let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
     let keys: Vec<String> = lines.next().unwrap().collect();
-    lines.map(|cells| keys.iter().cloned().zip(cells).collect()).collect()
+    lines
+        .map(|cells| keys.iter().cloned().zip(cells).collect())
+        .collect()
 }

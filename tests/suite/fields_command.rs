@@ -9,10 +9,14 @@ use touchline::field::builtin_names;
 fn every_template_is_listed_for_people_and_for_scripts() {
     let folder = tempfile::tempdir().unwrap();
     let listed = touchline(folder.path(), "fields").stdout;
-    let described: Value = serde_json::from_str(&touchline(folder.path(), "fields --json").stdout).unwrap();
+    let described: Value =
+        serde_json::from_str(&touchline(folder.path(), "fields --json").stdout).unwrap();
     let templates = described["templates"].as_array().unwrap();
     assert_eq!(
-        templates.iter().map(|template| template["name"].as_str().unwrap()).collect::<Vec<_>>(),
+        templates
+            .iter()
+            .map(|template| template["name"].as_str().unwrap())
+            .collect::<Vec<_>>(),
         builtin_names()
     );
     for template in templates {
@@ -36,16 +40,26 @@ fn every_template_is_listed_for_people_and_for_scripts() {
 #[test]
 fn parameters_move_the_landmarks() {
     let folder = tempfile::tempdir().unwrap();
-    let ran = touchline(folder.path(), "fields soccer --set length_m=100 --set width_m=64 --json");
+    let ran = touchline(
+        folder.path(),
+        "fields soccer --set length_m=100 --set width_m=64 --json",
+    );
     let described: Value = serde_json::from_str(&ran.stdout).unwrap();
     let soccer = &described["templates"][0];
     let landmarks = soccer["landmarks"].as_array().unwrap();
-    let corner = landmarks.iter().find(|landmark| landmark["id"] == "corner_far_right").unwrap();
+    let corner = landmarks
+        .iter()
+        .find(|landmark| landmark["id"] == "corner_far_right")
+        .unwrap();
     assert_eq!(corner["position_m"], serde_json::json!([50.0, 32.0, 0.0]));
     assert_eq!(soccer["params"]["length_m"]["value"], 100.0);
     let wrong = touchline(folder.path(), "fields soccer --set length_m=80");
     assert_eq!(wrong.code, 2);
-    assert!(wrong.stderr.starts_with("touchline: soccer field: length_m = 80 is outside 90 to 120 (IFAB"));
+    assert!(
+        wrong
+            .stderr
+            .starts_with("touchline: soccer field: length_m = 80 is outside 90 to 120 (IFAB")
+    );
 }
 
 #[test]
@@ -59,7 +73,14 @@ fn a_template_of_ones_own_is_drawn_and_nothing_is_overwritten() {
     assert!(svg.starts_with("<svg ") && svg.contains("Service line meets centre line, left"));
     let again = touchline(folder.path(), "fields own.json --render own.svg");
     assert_eq!(again.code, 2);
-    assert!(again.stderr.contains("own.svg already exists; give --force to replace it"));
+    assert!(
+        again
+            .stderr
+            .contains("own.svg already exists; give --force to replace it")
+    );
     let wrong = touchline(folder.path(), "fields own.json --render own.bmp");
-    assert_eq!(wrong.stderr, "touchline: --render own.bmp: the name must end with .svg or .png\n");
+    assert_eq!(
+        wrong.stderr,
+        "touchline: --render own.bmp: the name must end with .svg or .png\n"
+    );
 }

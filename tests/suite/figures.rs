@@ -1,4 +1,5 @@
-//! The table of the measured figures: `tests/benches/figures.json` is the source, `tests/benches/README.md` shows it.
+//! The table of the measured figures: `tests/benches/figures.json` is the source,
+//! `tests/benches/README.md` shows it.
 
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -43,22 +44,38 @@ impl Figure {
             measures: text("figure"),
             target: text("target"),
             now: text("now"),
-            is_met: entry["met"].as_bool().unwrap_or_else(|| panic!("{FIGURES}: `met` is no boolean: {entry}")),
+            is_met: entry["met"]
+                .as_bool()
+                .unwrap_or_else(|| panic!("{FIGURES}: `met` is no boolean: {entry}")),
             command: text("command"),
             commit: text("commit"),
         }
     }
 
     fn row(&self) -> String {
-        let Self { subject, measures, target, now, command, commit, .. } = self;
+        let Self {
+            subject,
+            measures,
+            target,
+            now,
+            command,
+            commit,
+            ..
+        } = self;
         let met = if self.is_met { "yes" } else { "**no**" };
-        format!("| [{subject}]({subject}.md) | {measures} | {target} | {now} | {met} | `{command}` | {commit} |\n")
+        format!(
+            "| [{subject}]({subject}.md) | {measures} | {target} | {now} | {met} | `{command}` | {commit} |\n"
+        )
     }
 
     /// The benches that its command runs: each word after `--bench`.
     fn benches(&self) -> impl Iterator<Item = &str> {
         let words = self.command.split_whitespace();
-        words.clone().zip(words.skip(1)).filter(|(flag, _)| *flag == "--bench").map(|(_, bench)| bench)
+        words
+            .clone()
+            .zip(words.skip(1))
+            .filter(|(flag, _)| *flag == "--bench")
+            .map(|(_, bench)| bench)
     }
 }
 
@@ -77,8 +94,12 @@ fn figures() -> Vec<Figure> {
 
 /// The page with the table of `figures` between the two marks.
 fn page_with(page: &str, figures: &[Figure]) -> String {
-    let (before, rest) = page.split_once(BEGIN).unwrap_or_else(|| panic!("{PAGE} lacks the line {BEGIN}"));
-    let (_, after) = rest.split_once(END).unwrap_or_else(|| panic!("{PAGE} lacks the line {END}"));
+    let (before, rest) = page
+        .split_once(BEGIN)
+        .unwrap_or_else(|| panic!("{PAGE} lacks the line {BEGIN}"));
+    let (_, after) = rest
+        .split_once(END)
+        .unwrap_or_else(|| panic!("{PAGE} lacks the line {END}"));
     let rows: String = figures.iter().map(Figure::row).collect();
     format!("{before}{BEGIN}\n{HEADER}{rows}{END}{after}")
 }
@@ -91,22 +112,39 @@ fn the_page_shows_the_figures_of_the_source() {
     if std::env::var_os("UPDATE_FIGURES").is_some() {
         fs::write(path(PAGE), &now).unwrap();
     } else {
-        assert!(now == kept, "the table of {PAGE} differs from {FIGURES}; write it again with UPDATE_FIGURES=1");
+        assert!(
+            now == kept,
+            "the table of {PAGE} differs from {FIGURES}; write it again with UPDATE_FIGURES=1"
+        );
     }
     let lines = now.lines().count();
-    assert!(lines <= MOST_LINES, "{PAGE} has {lines} lines, at most {MOST_LINES} are allowed");
+    assert!(
+        lines <= MOST_LINES,
+        "{PAGE} has {lines} lines, at most {MOST_LINES} are allowed"
+    );
 }
 
 #[test]
 fn every_figure_names_a_page_and_a_bench_that_exist() {
     let manifest = fs::read_to_string(path("Cargo.toml")).unwrap();
-    let known: BTreeSet<&str> =
-        manifest.split("[[bench]]\nname = \"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    let known: BTreeSet<&str> = manifest
+        .split("[[bench]]\nname = \"")
+        .skip(1)
+        .filter_map(|rest| rest.split('"').next())
+        .collect();
     for figure in figures() {
         let page = format!("tests/benches/{}.md", figure.subject);
-        assert!(path(&page).is_file(), "{FIGURES}: \"{}\" belongs to {page}, which does not exist", figure.measures);
+        assert!(
+            path(&page).is_file(),
+            "{FIGURES}: \"{}\" belongs to {page}, which does not exist",
+            figure.measures
+        );
         for bench in figure.benches() {
-            assert!(known.contains(bench), "{FIGURES}: Cargo.toml has no bench `{bench}` of \"{}\"", figure.command);
+            assert!(
+                known.contains(bench),
+                "{FIGURES}: Cargo.toml has no bench `{bench}` of \"{}\"",
+                figure.command
+            );
         }
     }
 }
@@ -124,7 +162,10 @@ fn figures_that_miss_their_target_come_first() {
     };
     let missed = figure("solve", false);
     assert_eq!(missed.benches().collect::<Vec<_>>(), ["solve", "paint"]);
-    let page = page_with(&format!("above\n{BEGIN}\nold\n{END}\nbelow\n"), &[missed, figure("paint", true)]);
+    let page = page_with(
+        &format!("above\n{BEGIN}\nold\n{END}\nbelow\n"),
+        &[missed, figure("paint", true)],
+    );
     assert_eq!(
         page,
         format!(

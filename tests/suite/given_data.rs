@@ -1,4 +1,5 @@
-//! `touchline experiment` on data that a user gives: published homographies, a published motion, documents of their own.
+//! `touchline experiment` on data that a user gives: published homographies, a published motion,
+//! documents of their own.
 #![cfg(all(feature = "experiments", feature = "opencv"))]
 
 use crate::program::touchline;
@@ -11,16 +12,26 @@ fn json(path: &Path) -> Value {
 }
 
 fn number(row: &Value, key: &str) -> f64 {
-    row[key].as_f64().unwrap_or_else(|| panic!("no {key} in {row}"))
+    row[key]
+        .as_f64()
+        .unwrap_or_else(|| panic!("no {key} in {row}"))
 }
 
 /// A drawn match of two clips, and the same frames as one clip.
 fn drawn_match(folder: &Path) {
-    let ran = touchline(folder, "synth -o match --frames 8 --seed 5 --size 640x360 --step 2");
+    let ran = touchline(
+        folder,
+        "synth -o match --frames 8 --seed 5 --size 640x360 --step 2",
+    );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let path = folder.join("match/truth.json");
     let mut document = json(&path);
-    for (index, frame) in document["frames"].as_array_mut().unwrap().iter_mut().enumerate() {
+    for (index, frame) in document["frames"]
+        .as_array_mut()
+        .unwrap()
+        .iter_mut()
+        .enumerate()
+    {
         frame["clip"] = Value::from(index % 2);
     }
     fs::write(path, document.to_string()).unwrap();
@@ -34,7 +45,10 @@ fn drawn_match(folder: &Path) {
 fn clips_of_a_users_document_are_asked_of_each_other() {
     let folder = tempfile::tempdir().unwrap();
     drawn_match(folder.path());
-    let ran = touchline(folder.path(), "experiment highlights --quick --train match/truth.json -o out");
+    let ran = touchline(
+        folder.path(),
+        "experiment highlights --quick --train match/truth.json -o out",
+    );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let tables = &json(&folder.path().join("out/highlights.json"))["tables"];
     let names: Vec<&str> = tables["highlights-sequences-default"]
@@ -45,12 +59,25 @@ fn clips_of_a_users_document_are_asked_of_each_other() {
         .collect();
     assert_eq!(names, ["clip 0", "clip 1", "all"]);
     let all = &tables["highlights-sequences-default"][2];
-    assert!(number(all, "found") >= 6.0 && number(all, "rotation_median_deg") < 0.02, "{all}");
-    assert!(number(&tables["highlights-overlay"][2], "within_5_px") >= 0.75, "{tables}");
+    assert!(
+        number(all, "found") >= 6.0 && number(all, "rotation_median_deg") < 0.02,
+        "{all}"
+    );
+    assert!(
+        number(&tables["highlights-overlay"][2], "within_5_px") >= 0.75,
+        "{tables}"
+    );
     assert_eq!(tables["highlights-worst"].as_array().unwrap().len(), 5);
     let report = fs::read_to_string(folder.path().join("out/highlights.md")).unwrap();
-    assert!(report.starts_with("## Sequences: asked of other sequences (own frames)"), "{report}");
-    assert!(fs::read(folder.path().join("out/highlights-sheet.png")).unwrap().starts_with(b"\x89PNG"));
+    assert!(
+        report.starts_with("## Sequences: asked of other sequences (own frames)"),
+        "{report}"
+    );
+    assert!(
+        fs::read(folder.path().join("out/highlights-sheet.png"))
+            .unwrap()
+            .starts_with(b"\x89PNG")
+    );
 
     // Other features are looked for in the user's own pictures.
     let ran = touchline(
@@ -63,7 +90,9 @@ fn clips_of_a_users_document_are_asked_of_each_other() {
         "experiment descriptors --quick --train match/truth.json --test match/truth.json -o features",
     );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
-    let kinds = json(&folder.path().join("features/descriptors.json"))["tables"]["descriptors-kinds"].clone();
+    let kinds =
+        json(&folder.path().join("features/descriptors.json"))["tables"]["descriptors-kinds"]
+            .clone();
     for (row, name) in ["SIFT", "ORB", "AKAZE"].into_iter().enumerate() {
         assert_eq!(kinds[row]["features"], name);
         assert!(number(&kinds[row], "found") >= 1.0, "{kinds}");
@@ -75,29 +104,69 @@ fn what_is_missing_is_named_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     drawn_match(folder.path());
     fs::create_dir_all(folder.path().join("bad/highlights")).unwrap();
-    fs::write(folder.path().join("bad/highlights/seq1_anno.mat"), "no matrix").unwrap();
+    fs::write(
+        folder.path().join("bad/highlights/seq1_anno.mat"),
+        "no matrix",
+    )
+    .unwrap();
     fs::write(folder.path().join("bad/train_val.json"), "{}").unwrap();
     fs::write(folder.path().join("bad/soccer_ground_truth.json"), "[1, 2]").unwrap();
     for (arguments, named) in [
         ("homographies", "homographies needs data: give --data DIR"),
-        ("homographies --data match", "homographies needs train_val.json"),
-        ("homographies --data bad", "train_val.json: missing field `frames`"),
-        ("motion --data match", "motion needs soccer_ground_truth.json"),
+        (
+            "homographies --data match",
+            "homographies needs train_val.json",
+        ),
+        (
+            "homographies --data bad",
+            "train_val.json: missing field `frames`",
+        ),
+        (
+            "motion --data match",
+            "motion needs soccer_ground_truth.json",
+        ),
         ("motion --data bad", "soccer_ground_truth.json: "),
-        ("highlights --data match", "highlights needs MATLAB files such as seq1_anno.mat"),
-        ("highlights --data bad", "seq1_anno.mat: it is not a MATLAB file of level 5"),
-        ("synthetic --data bad", "synthetic needs no data; omit --data"),
+        (
+            "highlights --data match",
+            "highlights needs MATLAB files such as seq1_anno.mat",
+        ),
+        (
+            "highlights --data bad",
+            "seq1_anno.mat: it is not a MATLAB file of level 5",
+        ),
+        (
+            "synthetic --data bad",
+            "synthetic needs no data; omit --data",
+        ),
         ("motion --data nowhere", "nowhere is no folder"),
-        ("motion --train match/truth.json", "does not use frames of your own"),
-        ("highlights --train match/one.json", "no camera has solved frames in two clips"),
+        (
+            "motion --train match/truth.json",
+            "does not use frames of your own",
+        ),
+        (
+            "highlights --train match/one.json",
+            "no camera has solved frames in two clips",
+        ),
         (
             "highlights --train match/truth.json --train match/truth.json --test match/truth.json",
             "--test needs exactly one --train",
         ),
     ] {
-        let ran = touchline(folder.path(), &format!("experiment {arguments} --quick -o out"));
-        let lines: Vec<&str> = ran.stderr.lines().filter(|line| !line.starts_with("touchline: note")).collect();
-        assert_eq!((ran.code, lines.len()), (2, 1), "{arguments}: {}", ran.stderr);
+        let ran = touchline(
+            folder.path(),
+            &format!("experiment {arguments} --quick -o out"),
+        );
+        let lines: Vec<&str> = ran
+            .stderr
+            .lines()
+            .filter(|line| !line.starts_with("touchline: note"))
+            .collect();
+        assert_eq!(
+            (ran.code, lines.len()),
+            (2, 1),
+            "{arguments}: {}",
+            ran.stderr
+        );
         assert!(ran.stderr.contains(named), "{arguments}: {}", ran.stderr);
     }
 }

@@ -8,7 +8,9 @@ fn how_to_have_the_experiments_is_said_in_one_line() {
     let ran = touchline(folder.path(), "experiment all --quick -o results");
     assert_eq!((ran.code, ran.stdout.as_str()), (2, ""));
     assert!(
-        ran.stderr.contains("cargo run --release --features experiments") && ran.stderr.lines().count() == 1,
+        ran.stderr
+            .contains("cargo run --release --features experiments")
+            && ran.stderr.lines().count() == 1,
         "{}",
         ran.stderr
     );

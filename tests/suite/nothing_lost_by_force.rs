@@ -1,4 +1,5 @@
-//! `--force` replaces files of the names that a command writes. Whatever else lies in a folder is there afterwards, for every command and format.
+//! `--force` replaces files of the names that a command writes. Whatever else lies in a folder is
+//! there afterwards, for every command and format.
 
 use crate::program::touchline;
 use std::collections::BTreeMap;
@@ -28,7 +29,11 @@ fn make_victim(folder: &Path, victim: &str) {
     let _ = fs::remove_dir_all(folder.join(victim));
     fs::create_dir_all(at("images")).unwrap();
     for image in ["0001.jpg", "0002.jpg", "0003.jpg"] {
-        fs::write(at("images").join(image), format!("a picture of another match, {image}")).unwrap();
+        fs::write(
+            at("images").join(image),
+            format!("a picture of another match, {image}"),
+        )
+        .unwrap();
     }
     fs::write(at("notes.txt"), "mine").unwrap();
     if victim == "project" {
@@ -47,8 +52,13 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
             if path.is_dir() {
                 open.push(path);
             } else {
-                found
-                    .insert(path.strip_prefix(folder).unwrap().to_string_lossy().into_owned(), fs::read(path).unwrap());
+                found.insert(
+                    path.strip_prefix(folder)
+                        .unwrap()
+                        .to_string_lossy()
+                        .into_owned(),
+                    fs::read(path).unwrap(),
+                );
             }
         }
     }
@@ -62,10 +72,18 @@ fn assert_nothing_lost(folder: &Path, victim: &str, command: &str) {
     let ran = touchline(folder, command);
     let after = files(&folder.join(victim));
     for (name, bytes) in &before {
-        assert!(after.values().any(|other| other == bytes), "{command}: {victim}/{name} is gone; {}", ran.stderr);
+        assert!(
+            after.values().any(|other| other == bytes),
+            "{command}: {victim}/{name} is gone; {}",
+            ran.stderr
+        );
     }
-    let left = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    let temporary: Vec<String> = left.filter(|name| name.starts_with(".touchline-")).collect();
+    let left = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let temporary: Vec<String> = left
+        .filter(|name| name.starts_with(".touchline-"))
+        .collect();
     assert!(temporary.is_empty(), "{command}: {temporary:?}");
 }
 
@@ -74,12 +92,21 @@ fn an_export_of_every_format_leaves_what_it_did_not_write() {
     let folder = drawn_match();
     for format in Format::ALL.into_iter().filter(|format| format.exports()) {
         // Takes make folders of what is one file; one such format stands for all.
-        let takes: &[&str] = if format == Format::Csv { &["", "--takes"] } else { &[""] };
+        let takes: &[&str] = if format == Format::Csv {
+            &["", "--takes"]
+        } else {
+            &[""]
+        };
         for takes in takes {
-            let export = format!("export match/truth.json --format {format} {OPTIONS} {takes} --force -o");
+            let export =
+                format!("export match/truth.json --format {format} {OPTIONS} {takes} --force -o");
             for victim in VICTIMS {
                 assert_nothing_lost(folder.path(), victim, &format!("{export} {victim}"));
-                assert_nothing_lost(folder.path(), victim, &format!("{export} {victim}/project.json"));
+                assert_nothing_lost(
+                    folder.path(),
+                    victim,
+                    &format!("{export} {victim}/project.json"),
+                );
             }
             // Over an earlier export it goes through, and beside somebody's file it does not.
             let own = format!("own-{format}{takes}");
@@ -91,8 +118,14 @@ fn an_export_of_every_format_leaves_what_it_did_not_write() {
                 fs::write(folder.path().join(&own).join("labels.txt"), "mine").unwrap();
                 let refused = touchline(folder.path(), &format!("{export} {own}"));
                 assert_eq!(refused.code, 2, "{format} {takes}: {}", refused.stderr);
-                let says = format!("{own} holds labels.txt, which would be lost; move it away, or give another folder");
-                assert!(refused.stderr.trim_end().ends_with(&says), "{}", refused.stderr);
+                let says = format!(
+                    "{own} holds labels.txt, which would be lost; move it away, or give another folder"
+                );
+                assert!(
+                    refused.stderr.trim_end().ends_with(&says),
+                    "{}",
+                    refused.stderr
+                );
             }
         }
     }

@@ -4,7 +4,9 @@ use crate::program::touchline;
 use std::fs;
 use std::path::Path;
 use touchline::camera::{CameraBase, FocalCurve, Ptz, PtzCamera, Radial};
-use touchline::document::{Document, FramePtz, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
+use touchline::document::{
+    Document, FramePtz, FrameStatus, SolutionSource, document_from_bytes, document_to_string,
+};
 use touchline::field::FieldModel;
 use touchline::geometry::{Angle, ImagePoint, ImageSize};
 
@@ -12,15 +14,21 @@ fn document(path: &Path) -> Document {
     document_from_bytes(&fs::read(path).unwrap()).unwrap()
 }
 
-/// How far apart the overlays of two cameras are on the playing area, px: the median over the picture.
+/// How far apart the overlays of two cameras are on the playing area, px: the median over the
+/// picture.
 fn apart_px(field: &FieldModel, one: &PtzCamera, other: &PtzCamera, size: ImageSize) -> f64 {
     let at = |index: u32, extent: u32| (f64::from(index % 8) + 0.5) / 8.0 * f64::from(extent);
     let mut distances: Vec<f64> = (0..64)
         .map(|index| ImagePoint::new(at(index, size.width), at(index / 8, size.height)))
         .filter_map(|pixel| {
             let ground = one.plane_from_image(pixel, 0.0)?;
-            let on_field = ground.x.abs() <= field.length_m / 2.0 && ground.y.abs() <= field.width_m / 2.0;
-            on_field.then(|| other.image_from_world(ground).map_or(f64::INFINITY, |image| image.distance_px(pixel)))
+            let on_field =
+                ground.x.abs() <= field.length_m / 2.0 && ground.y.abs() <= field.width_m / 2.0;
+            on_field.then(|| {
+                other
+                    .image_from_world(ground)
+                    .map_or(f64::INFINITY, |image| image.distance_px(pixel))
+            })
         })
         .collect();
     distances.sort_by(f64::total_cmp);
@@ -30,14 +38,21 @@ fn apart_px(field: &FieldModel, one: &PtzCamera, other: &PtzCamera, size: ImageS
 fn turned(camera: &PtzCamera, pan_px: f64, tilt_px: f64, zoom: f64) -> PtzCamera {
     let ptz = camera.ptz();
     let angle = |px: f64| Angle::from_radians(px / ptz.focal_px);
-    let turned = Ptz { pan: ptz.pan + angle(pan_px), tilt: ptz.tilt + angle(tilt_px), focal_px: ptz.focal_px * zoom };
+    let turned = Ptz {
+        pan: ptz.pan + angle(pan_px),
+        tilt: ptz.tilt + angle(tilt_px),
+        focal_px: ptz.focal_px * zoom,
+    };
     PtzCamera::new(*camera.base(), turned)
 }
 
 #[test]
 fn a_drawn_match_is_snapped_back_by_the_command() {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(place.path(), "synth -o match --frames 4 --seed 11 --size 1280x720 --preset easy");
+    let drawn = touchline(
+        place.path(),
+        "synth -o match --frames 4 --seed 11 --size 1280x720 --preset easy",
+    );
     assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = place.path().join("match");
     let truth = document(&folder.join("truth.json"));
@@ -57,26 +72,54 @@ fn a_drawn_match_is_snapped_back_by_the_command() {
     let snapped = document(&folder.join("snapped.json"));
     let field = truth.field.model(&folder).unwrap();
     for (was, is) in truth.frames.iter().zip(&snapped.frames).take(3) {
-        let apart = apart_px(&field, &truth.pointed(was).unwrap(), &snapped.pointed(is).unwrap(), was.image_size);
+        let apart = apart_px(
+            &field,
+            &truth.pointed(was).unwrap(),
+            &snapped.pointed(is).unwrap(),
+            was.image_size,
+        );
         let solution = is.solution.as_ref().unwrap();
         assert!(apart < 0.5, "{}: {apart} px, {solution:?}", was.name());
         assert_eq!(solution.source, Some(SolutionSource::Markings));
-        assert!(solution.samples.is_some_and(|samples| samples > 40) && solution.covariance.is_some());
-        assert!(solution.line_check.as_ref().is_some_and(|check| check.score > 0.9), "{solution:?}");
+        assert!(
+            solution.samples.is_some_and(|samples| samples > 40) && solution.covariance.is_some()
+        );
+        assert!(
+            solution
+                .line_check
+                .as_ref()
+                .is_some_and(|check| check.score > 0.9),
+            "{solution:?}"
+        );
         assert_eq!(is.status, was.status);
     }
     assert!(snapped.frames[3].ptz.is_none() && snapped.frames[3].solution.is_none());
-    assert!(ran.stderr.contains("3 frames snapped, 0 not, 1 left unchanged (without a camera"), "{}", ran.stderr);
-    assert_eq!(touchline(&folder, "snap off.json -o snapped.json").code, 2, "it exists");
+    assert!(
+        ran.stderr
+            .contains("3 frames snapped, 0 not, 1 left unchanged (without a camera"),
+        "{}",
+        ran.stderr
+    );
+    assert_eq!(
+        touchline(&folder, "snap off.json -o snapped.json").code,
+        2,
+        "it exists"
+    );
     let again = touchline(&folder, "snap off.json -o again.json");
     assert_eq!(again.code, 0);
-    assert!(fs::read(folder.join("again.json")).unwrap() == fs::read(folder.join("snapped.json")).unwrap());
+    assert!(
+        fs::read(folder.join("again.json")).unwrap()
+            == fs::read(folder.join("snapped.json")).unwrap()
+    );
 }
 
 #[test]
 fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(place.path(), "synth -o match --frames 2 --seed 11 --size 1280x720 --preset easy");
+    let drawn = touchline(
+        place.path(),
+        "synth -o match --frames 2 --seed 11 --size 1280x720 --preset easy",
+    );
     assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = place.path().join("match");
     let truth = document(&folder.join("truth.json"));
@@ -84,7 +127,10 @@ fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
     for frame in &mut bare.frames {
         frame.clicks.clear();
         let off = Radial::k1(truth.pointed(frame).unwrap().lens().k1 - 0.05);
-        frame.ptz = Some(FramePtz::new(truth.pointed(frame).unwrap().ptz(), Some(off)));
+        frame.ptz = Some(FramePtz::new(
+            truth.pointed(frame).unwrap().ptz(),
+            Some(off),
+        ));
     }
     fs::write(folder.join("bare.json"), document_to_string(&bare).unwrap()).unwrap();
     let ran = touchline(&folder, "snap bare.json --k1 -o bent.json");
@@ -93,22 +139,46 @@ fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
     for (was, is) in truth.frames.iter().zip(&bent.frames) {
         let right = truth.pointed(was).unwrap();
         let k1 = is.ptz.as_ref().unwrap().k1.unwrap();
-        assert!((k1 - right.lens().k1).abs() < 0.015, "{}: {k1}, {:?}", was.name(), right.lens());
-        assert_eq!(bent.pointed(is).unwrap().lens().k1, k1, "it is drawn with it");
+        assert!(
+            (k1 - right.lens().k1).abs() < 0.015,
+            "{}: {k1}, {:?}",
+            was.name(),
+            right.lens()
+        );
+        assert_eq!(
+            bent.pointed(is).unwrap().lens().k1,
+            k1,
+            "it is drawn with it"
+        );
     }
     let mut with_lens = truth.clone();
     let base = truth.cameras[0].base().unwrap();
-    with_lens.cameras[0].set_base(&CameraBase { distortion: FocalCurve::constant(0.01), ..base });
-    fs::write(folder.join("with_lens.json"), document_to_string(&with_lens).unwrap()).unwrap();
+    with_lens.cameras[0].set_base(&CameraBase {
+        distortion: FocalCurve::constant(0.01),
+        ..base
+    });
+    fs::write(
+        folder.join("with_lens.json"),
+        document_to_string(&with_lens).unwrap(),
+    )
+    .unwrap();
     let ran = touchline(&folder, "snap with_lens.json --k1 -o refused.json");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(ran.stderr.contains("its camera has lens distortion, which all its frames share"), "{}", ran.stderr);
+    assert!(
+        ran.stderr
+            .contains("its camera has lens distortion, which all its frames share"),
+        "{}",
+        ran.stderr
+    );
 }
 
 #[test]
 fn a_camera_far_off_is_refused_by_name_and_keeps_its_numbers() {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(place.path(), "synth -o match --frames 1 --seed 11 --size 1280x720 --preset easy");
+    let drawn = touchline(
+        place.path(),
+        "synth -o match --frames 1 --seed 11 --size 1280x720 --preset easy",
+    );
     assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = place.path().join("match");
     let mut off = document(&folder.join("truth.json"));
@@ -122,13 +192,19 @@ fn a_camera_far_off_is_refused_by_name_and_keeps_its_numbers() {
     let frame = &document(&folder.join("snapped.json")).frames[0];
     assert_eq!(frame.ptz, Some(before));
     let warnings = &frame.solution.as_ref().unwrap().warnings;
-    assert!(warnings.iter().any(|warning| warning.code == "not_snapped"), "{warnings:?}");
+    assert!(
+        warnings.iter().any(|warning| warning.code == "not_snapped"),
+        "{warnings:?}"
+    );
 }
 
 #[test]
 fn frames_without_a_camera_are_found_from_nothing_on_request() {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(place.path(), "synth -o match --frames 1 --seed 11 --size 960x540 --preset easy");
+    let drawn = touchline(
+        place.path(),
+        "synth -o match --frames 1 --seed 11 --size 960x540 --preset easy",
+    );
     assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = place.path().join("match");
     let truth = document(&folder.join("truth.json"));
@@ -147,18 +223,44 @@ fn frames_without_a_camera_are_found_from_nothing_on_request() {
     for (was, is) in truth.frames.iter().zip(&found.frames) {
         let Some(camera) = found.pointed(is) else {
             let warnings = &is.solution.as_ref().unwrap().warnings;
-            assert!(warnings.iter().any(|warning| warning.code == "not_found_by_paint"), "{warnings:?}");
+            assert!(
+                warnings
+                    .iter()
+                    .any(|warning| warning.code == "not_found_by_paint"),
+                "{warnings:?}"
+            );
             assert_eq!(is.status, FrameStatus::New);
             continue;
         };
         solved += 1;
-        let apart = apart_px(&field, &truth.pointed(was).unwrap(), &camera, was.image_size);
+        let apart = apart_px(
+            &field,
+            &truth.pointed(was).unwrap(),
+            &camera,
+            was.image_size,
+        );
         let solution = is.solution.as_ref().unwrap();
         assert!(apart < 1.0, "{}: {apart} px, {solution:?}", was.name());
-        assert_eq!((is.status, solution.source), (FrameStatus::Suggested, Some(SolutionSource::Markings)));
-        assert!(solution.confidence.is_some_and(|confidence| confidence > 0.9));
+        assert_eq!(
+            (is.status, solution.source),
+            (FrameStatus::Suggested, Some(SolutionSource::Markings))
+        );
+        assert!(
+            solution
+                .confidence
+                .is_some_and(|confidence| confidence > 0.9)
+        );
     }
     assert!(solved > 0, "{}", ran.stderr);
-    assert_eq!(ran.code, i32::from(solved < truth.frames.len()), "{}", ran.stderr);
-    assert!(ran.stderr.contains(&format!("{solved} found from nothing")), "{}", ran.stderr);
+    assert_eq!(
+        ran.code,
+        i32::from(solved < truth.frames.len()),
+        "{}",
+        ran.stderr
+    );
+    assert!(
+        ran.stderr.contains(&format!("{solved} found from nothing")),
+        "{}",
+        ran.stderr
+    );
 }

@@ -4,7 +4,9 @@
 use crate::program::touchline;
 use std::fs;
 use std::path::Path;
-use touchline::document::{Document, Frame, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
+use touchline::document::{
+    Document, Frame, FrameStatus, SolutionSource, document_from_bytes, document_to_string,
+};
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
 use touchline::relocalize::CERTAIN;
 use touchline::relocalize::ForestModel;
@@ -17,17 +19,24 @@ fn write(path: &Path, document: &Document) {
     fs::write(path, document_to_string(document).unwrap()).unwrap();
 }
 
-/// A drawn match: every second frame is a reference in `references.json`, the others are new in `ask.json`; `truth.json` has
-/// all.
+/// A drawn match: every second frame is a reference in `references.json`, the others are new in
+/// `ask.json`; `truth.json` has all.
 pub fn drawn_match(folder: &Path) {
-    let drawn = touchline(folder, "synth -o match --frames 10 --seed 3 --size 640x360 --preset easy");
+    let drawn = touchline(
+        folder,
+        "synth -o match --frames 10 --seed 3 --size 640x360 --preset easy",
+    );
     assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = folder.join("match");
     let truth = document(&folder.join("truth.json"));
     let (mut references, mut ask) = (truth.clone(), truth);
     for index in 0..references.frames.len() {
         let (reference, asked) = (&mut *references.frames[index], &mut *ask.frames[index]);
-        reference.status = if index % 2 == 0 { FrameStatus::Reference } else { FrameStatus::New };
+        reference.status = if index % 2 == 0 {
+            FrameStatus::Reference
+        } else {
+            FrameStatus::New
+        };
         asked.clicks.clear();
         if index % 2 == 1 {
             asked.status = FrameStatus::New;
@@ -48,42 +57,98 @@ fn a_forest_of_the_references_answers_the_other_frames() {
     let folder = place.path().join("match");
     let trained = touchline(&folder, "train references.json -o forest.tlf");
     assert_eq!(trained.code, 0, "{}", trained.stderr);
-    assert!(trained.stderr.contains("forest.tlf: 5 references, "), "{}", trained.stderr);
+    assert!(
+        trained.stderr.contains("forest.tlf: 5 references, "),
+        "{}",
+        trained.stderr
+    );
     let bytes = fs::read(folder.join("forest.tlf")).unwrap();
-    assert_eq!(touchline(&folder, "train references.json -o forest.tlf").code, 2, "it exists");
-    assert_eq!(touchline(&folder, "train references.json -o forest.tlf --force").code, 0);
-    assert!(fs::read(folder.join("forest.tlf")).unwrap() == bytes, "same input, same bytes");
+    assert_eq!(
+        touchline(&folder, "train references.json -o forest.tlf").code,
+        2,
+        "it exists"
+    );
+    assert_eq!(
+        touchline(&folder, "train references.json -o forest.tlf --force").code,
+        0
+    );
+    assert!(
+        fs::read(folder.join("forest.tlf")).unwrap() == bytes,
+        "same input, same bytes"
+    );
     let trees = |name: &str| {
         let model = ForestModel::from_bytes(&fs::read(folder.join(name)).unwrap()).unwrap();
         model.cameras[0].forest.trees()
     };
-    assert_eq!(touchline(&folder, "train references.json -o paper.tlf --published").code, 0);
-    assert_eq!(touchline(&folder, "train references.json -o two.tlf --published --trees 2").code, 0);
-    assert_eq!([trees("forest.tlf"), trees("paper.tlf"), trees("two.tlf")], [3, 5, 2]);
+    assert_eq!(
+        touchline(&folder, "train references.json -o paper.tlf --published").code,
+        0
+    );
+    assert_eq!(
+        touchline(
+            &folder,
+            "train references.json -o two.tlf --published --trees 2"
+        )
+        .code,
+        0
+    );
+    assert_eq!(
+        [trees("forest.tlf"), trees("paper.tlf"), trees("two.tlf")],
+        [3, 5, 2]
+    );
 
-    let kept = || fs::read_dir(folder.join(".touchline/features")).unwrap().count();
+    let kept = || {
+        fs::read_dir(folder.join(".touchline/features"))
+            .unwrap()
+            .count()
+    };
     assert_eq!(kept(), 5, "features are found once");
 
-    let ran = touchline(&folder, "relocalize forest.tlf ask.json -o answers.json --timings");
+    let ran = touchline(
+        &folder,
+        "relocalize forest.tlf ask.json -o answers.json --timings",
+    );
     assert_eq!(kept(), 10);
     for output in ["first.json", "second.json"] {
-        assert!(touchline(&folder, &format!("relocalize forest.tlf ask.json -o {output}")).code < 2);
+        assert!(
+            touchline(
+                &folder,
+                &format!("relocalize forest.tlf ask.json -o {output}")
+            )
+            .code
+                < 2
+        );
     }
     let bytes = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
-    assert!(bytes("first.json") == bytes("second.json") && !bytes("first.json").contains("timings_ms"));
-    let (truth, answers) = (document(&folder.join("truth.json")), document(&folder.join("answers.json")));
+    assert!(
+        bytes("first.json") == bytes("second.json") && !bytes("first.json").contains("timings_ms")
+    );
+    let (truth, answers) = (
+        document(&folder.join("truth.json")),
+        document(&folder.join("answers.json")),
+    );
     let mut answered = 0;
     for (index, (frame, truth)) in answers.frames.iter().zip(&truth.frames).enumerate() {
         if index % 2 == 0 {
-            assert_eq!((frame.status, &frame.ptz), (FrameStatus::Reference, &truth.ptz), "left as it was");
+            assert_eq!(
+                (frame.status, &frame.ptz),
+                (FrameStatus::Reference, &truth.ptz),
+                "left as it was"
+            );
             continue;
         }
         let solution = frame.solution.as_ref().unwrap();
         let timings = solution.timings_ms.as_ref().unwrap();
-        assert!(timings.features > 0.0 && timings.predict >= 0.0 && timings.pose >= 0.0, "{timings:?}");
+        assert!(
+            timings.features > 0.0 && timings.predict >= 0.0 && timings.pose >= 0.0,
+            "{timings:?}"
+        );
         assert_eq!(solution.source, Some(SolutionSource::Forest));
         let Some(ptz) = &frame.ptz else {
-            assert_eq!((frame.status, solution.warnings.len()), (FrameStatus::New, 1));
+            assert_eq!(
+                (frame.status, solution.warnings.len()),
+                (FrameStatus::New, 1)
+            );
             continue;
         };
         answered += 1;
@@ -91,20 +156,55 @@ fn a_forest_of_the_references_answers_the_other_frames() {
         assert!(solution.confidence.unwrap() >= 0.5 && solution.covariance.is_some());
         let (found, truth) = (ptz.ptz(), truth.ptz.as_ref().unwrap().ptz());
         let turned = |ptz: touchline::camera::Ptz| q_tilt(ptz.tilt) * q_pan(ptz.pan);
-        assert!(angle_between(&turned(found), &turned(truth)).degrees() < 0.1, "frame {index}: {found:?} {truth:?}");
+        assert!(
+            angle_between(&turned(found), &turned(truth)).degrees() < 0.1,
+            "frame {index}: {found:?} {truth:?}"
+        );
     }
     assert!(answered >= 3, "{answered} of 5: {}", ran.stderr);
     // One frame may be without an answer, or uncertain: then it is the one to label.
-    let sure = |frame: &Frame| frame.solution.as_ref().and_then(|solution| solution.confidence) >= Some(CERTAIN);
-    let next = answers.frames.iter().filter(|frame| frame.status != FrameStatus::Reference && !sure(frame));
-    let named = |frame: &Frame| ran.stderr.contains(&format!("Begin with {}.", frame.name()));
-    assert_eq!(next.clone().any(|frame| named(frame)), next.count() > 0, "{}", ran.stderr);
+    let sure = |frame: &Frame| {
+        frame
+            .solution
+            .as_ref()
+            .and_then(|solution| solution.confidence)
+            >= Some(CERTAIN)
+    };
+    let next = answers
+        .frames
+        .iter()
+        .filter(|frame| frame.status != FrameStatus::Reference && !sure(frame));
+    let named = |frame: &Frame| {
+        ran.stderr
+            .contains(&format!("Begin with {}.", frame.name()))
+    };
+    assert_eq!(
+        next.clone().any(|frame| named(frame)),
+        next.count() > 0,
+        "{}",
+        ran.stderr
+    );
     assert_eq!(ran.code, i32::from(answered < 5), "{}", ran.stderr);
-    let again = touchline(&folder, "relocalize forest.tlf answers.json --resume -o again.json");
-    let said = format!("touchline: 0 frames answered, {} not, {} left unchanged", 5 - answered, 5 + answered);
+    let again = touchline(
+        &folder,
+        "relocalize forest.tlf answers.json --resume -o again.json",
+    );
+    let said = format!(
+        "touchline: 0 frames answered, {} not, {} left unchanged",
+        5 - answered,
+        5 + answered
+    );
     assert!(again.stderr.contains(&said), "{}", again.stderr);
-    for (frame, before) in document(&folder.join("again.json")).frames.iter().zip(&answers.frames) {
-        assert!(frame.status != FrameStatus::Suggested || frame == before, "what was answered stays: {}", frame.name());
+    for (frame, before) in document(&folder.join("again.json"))
+        .frames
+        .iter()
+        .zip(&answers.frames)
+    {
+        assert!(
+            frame.status != FrameStatus::Suggested || frame == before,
+            "what was answered stays: {}",
+            frame.name()
+        );
     }
 }
 
@@ -113,7 +213,10 @@ fn images_alone_are_answered_and_a_damaged_one_is_skipped() {
     let place = tempfile::tempdir().unwrap();
     drawn_match(place.path());
     let folder = place.path().join("match");
-    assert_eq!(touchline(&folder, "train references.json -o forest.tlf --no-cache").code, 0);
+    assert_eq!(
+        touchline(&folder, "train references.json -o forest.tlf --no-cache").code,
+        0
+    );
     assert!(!folder.join(".touchline").exists());
     fs::create_dir(folder.join("some")).unwrap();
     fs::copy(folder.join("images/0001.jpg"), folder.join("some/1.jpg")).unwrap();
@@ -122,9 +225,15 @@ fn images_alone_are_answered_and_a_damaged_one_is_skipped() {
     assert_eq!(ran.code, 1, "{}", ran.stderr);
     assert!(ran.stderr.contains("2.jpg: "), "{}", ran.stderr);
     let lines = fs::read_to_string(folder.join("out.jsonl")).unwrap();
-    let frames: Vec<serde_json::Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let frames: Vec<serde_json::Value> = lines
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
     assert_eq!(frames.len(), 1);
-    assert_eq!((&frames[0]["image"], &frames[0]["status"]), (&"some/1.jpg".into(), &"suggested".into()));
+    assert_eq!(
+        (&frames[0]["image"], &frames[0]["status"]),
+        (&"some/1.jpg".into(), &"suggested".into())
+    );
 }
 
 #[test]
@@ -141,16 +250,31 @@ fn what_does_not_fit_is_one_line_and_exit_two() {
     write(&folder.join("suggestions.json"), &suggestions);
     let refused = touchline(&folder, "train suggestions.json -o none.tlf");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("no references to train with"), "{}", refused.stderr);
+    assert!(
+        refused.stderr.contains("no references to train with"),
+        "{}",
+        refused.stderr
+    );
     assert!(!folder.join("none.tlf").exists());
-    assert_eq!(touchline(&folder, "train suggestions.json -o forest.tlf --all-references").code, 0);
+    assert_eq!(
+        touchline(
+            &folder,
+            "train suggestions.json -o forest.tlf --all-references"
+        )
+        .code,
+        0
+    );
 
     let mut moved = document(&folder.join("ask.json"));
     moved.cameras[0].position_m.as_mut().unwrap().x += 0.5;
     write(&folder.join("moved.json"), &moved);
     let refused = touchline(&folder, "relocalize forest.tlf moved.json -o out.json");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("train the forest again"), "{}", refused.stderr);
+    assert!(
+        refused.stderr.contains("train the forest again"),
+        "{}",
+        refused.stderr
+    );
     let mut bytes = fs::read(folder.join("forest.tlf")).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;

@@ -11,11 +11,14 @@ use touchline::proposals::{LineEvidence, NoProposal, Proposal};
 /// How far the proposed cameras are turned away from the true ones, px.
 const OFF_PX: [f64; 3] = [6.0, 260.0, 6.0];
 
-/// Three drawn frames, the last one's picture lost, what the forest says of them, and what the paint makes of that, not snapping and
-/// snapping.
+/// Three drawn frames, the last one's picture lost, what the forest says of them, and what the
+/// paint makes of that, not snapping and snapping.
 fn judged() -> (Document, [Vec<Proposal>; 2]) {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(place.path(), "synth -o match --frames 3 --seed 11 --size 960x540 --preset easy");
+    let drawn = touchline(
+        place.path(),
+        "synth -o match --frames 3 --seed 11 --size 960x540 --preset easy",
+    );
     assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = place.path().join("match");
     let truth = document_from_bytes(&std::fs::read(folder.join("truth.json")).unwrap()).unwrap();
@@ -25,17 +28,25 @@ fn judged() -> (Document, [Vec<Proposal>; 2]) {
         frame.clicks.clear();
         (frame.ptz, frame.solution, frame.status) = (None, None, FrameStatus::New);
     }
-    let mut proposals: Vec<Proposal> = (0..3).map(|frame| proposal_in(&asked, frame, 1, Some(0.0))).collect();
+    let mut proposals: Vec<Proposal> = (0..3)
+        .map(|frame| proposal_in(&asked, frame, 1, Some(0.0)))
+        .collect();
     for (index, proposal) in proposals.iter_mut().enumerate() {
         let ptz = truth.frames[index].ptz.as_ref().unwrap().ptz();
         let pan = ptz.pan + Angle::from_radians(OFF_PX[index] / ptz.focal_px);
-        proposal.outcome.as_mut().unwrap().ptz = FramePtz::new(touchline::camera::Ptz { pan, ..ptz }, None);
+        proposal.outcome.as_mut().unwrap().ptz =
+            FramePtz::new(touchline::camera::Ptz { pan, ..ptz }, None);
     }
     let mut reader = FrameReader::new();
     let at = asked.at(&folder);
     let judged = [false, true].map(|snapping| {
         let mut proposals = proposals.clone();
-        LineEvidence::of(at, &mut reader, snapping).unwrap().judge(at, &mut reader, &mut proposals, 0.5);
+        LineEvidence::of(at, &mut reader, snapping).unwrap().judge(
+            at,
+            &mut reader,
+            &mut proposals,
+            0.5,
+        );
         proposals
     });
     (truth, judged)
@@ -43,7 +54,9 @@ fn judged() -> (Document, [Vec<Proposal>; 2]) {
 
 /// How far the overlay is off at the farther of two places, px.
 fn off_px(truth: &Document, proposal: &Proposal) -> f64 {
-    let truth = truth.pointed(truth.frames.by_id(&proposal.frame).unwrap()).unwrap();
+    let truth = truth
+        .pointed(truth.frames.by_id(&proposal.frame).unwrap())
+        .unwrap();
     let camera = PtzCamera::new(*truth.base(), proposal.outcome.as_ref().unwrap().ptz.ptz());
     let off_px = [ImagePoint::new(60.0, 300.0), ImagePoint::new(900.0, 500.0)].map(|place| {
         let ray = truth.ray_from_image(place).unwrap();
@@ -55,25 +68,56 @@ fn off_px(truth: &Document, proposal: &Proposal) -> f64 {
 #[test]
 fn a_suggestion_goes_to_the_paint_that_decides_and_one_that_the_paint_contradicts_is_none() {
     let (truth, [plain, snapped]) = judged();
-    let [before, after] = [&plain[0], &snapped[0]].map(|proposal| proposal.outcome.as_ref().unwrap());
+    let [before, after] =
+        [&plain[0], &snapped[0]].map(|proposal| proposal.outcome.as_ref().unwrap());
     assert_eq!(before.samples, None);
-    assert!((5.5..7.0).contains(&off_px(&truth, &plain[0])), "{}", off_px(&truth, &plain[0]));
-    assert!(off_px(&truth, &snapped[0]) < 0.5, "{}", off_px(&truth, &snapped[0]));
-    assert!(after.samples.is_some_and(|samples| samples >= 40) && after.line_check.unwrap().score > 0.9, "{after:?}");
+    assert!(
+        (5.5..7.0).contains(&off_px(&truth, &plain[0])),
+        "{}",
+        off_px(&truth, &plain[0])
+    );
+    assert!(
+        off_px(&truth, &snapped[0]) < 0.5,
+        "{}",
+        off_px(&truth, &snapped[0])
+    );
+    assert!(
+        after.samples.is_some_and(|samples| samples >= 40) && after.line_check.unwrap().score > 0.9,
+        "{after:?}"
+    );
     // It is known as the paint has it: its numbers and not the forest's are stated.
-    assert!(after.covariance != before.covariance && after.worst_corner_sigma_px < 2.0, "{after:?}");
-    assert!(after.confidence >= before.confidence, "{} {}", after.confidence, before.confidence);
+    assert!(
+        after.covariance != before.covariance && after.worst_corner_sigma_px < 2.0,
+        "{after:?}"
+    );
+    assert!(
+        after.confidence >= before.confidence,
+        "{} {}",
+        after.confidence,
+        before.confidence
+    );
     for proposals in [&plain, &snapped] {
-        assert!(matches!(proposals[1].outcome, Err(NoProposal::Contradicted { .. })), "{:?}", proposals[1].outcome);
+        assert!(
+            matches!(proposals[1].outcome, Err(NoProposal::Contradicted { .. })),
+            "{:?}",
+            proposals[1].outcome
+        );
     }
-    assert_eq!(plain[2], snapped[2], "where the paint cannot be asked a suggestion stays as the forest gave it");
+    assert_eq!(
+        plain[2], snapped[2],
+        "where the paint cannot be asked a suggestion stays as the forest gave it"
+    );
     assert_eq!(snapped[2].outcome.as_ref().unwrap().samples, None);
 
     // A frame says what it shows.
     let mut frame = truth.frames[0].clone();
     frame.clicks.clear();
     after_recording(&mut frame, &snapped[0]);
-    assert!(frame.is_snapped_proposal() && frame.is_suggestion() && frame.status == FrameStatus::Suggested);
+    assert!(
+        frame.is_snapped_proposal()
+            && frame.is_suggestion()
+            && frame.status == FrameStatus::Suggested
+    );
     after_recording(&mut frame, &plain[0]);
     assert!(!frame.is_snapped_proposal() && frame.is_suggestion());
 }
@@ -98,7 +142,10 @@ fn the_choice_is_kept_and_the_trainer_is_told_of_it() {
         });
         orders.collect()
     };
-    assert!(bench.app.settings.snap_suggestions, "unless it is switched off");
+    assert!(
+        bench.app.settings.snap_suggestions,
+        "unless it is switched off"
+    );
     let opened = Action::Opened(Box::new(Opened::new(blank(1), "/nowhere/project.json")));
     let told = App::new(Settings::default()).update(opened);
     assert!(told.contains(&Effect::Trainer(TrainerOrder::Snap(true))));

@@ -1,5 +1,5 @@
-//! A person works for hours: memory, threads and open files stay as they are. `TOUCHLINE_SOAK=14400` makes it eight hours of one action
-//! every two seconds.
+//! A person works for hours: memory, threads and open files stay as they are.
+//! `TOUCHLINE_SOAK=14400` makes it eight hours of one action every two seconds.
 #![cfg(all(feature = "opencv", target_os = "linux"))]
 
 use crate::child::spawned;
@@ -32,7 +32,13 @@ struct Taken {
 impl Taken {
     fn now() -> Self {
         let status = fs::read_to_string("/proc/self/status").unwrap();
-        let kib = status.lines().find_map(|line| line.strip_prefix("VmRSS:")?.trim().strip_suffix(" kB")?.parse().ok());
+        let kib = status.lines().find_map(|line| {
+            line.strip_prefix("VmRSS:")?
+                .trim()
+                .strip_suffix(" kB")?
+                .parse()
+                .ok()
+        });
         // A thread that is just ending, with the files that it has open, is gone at a later look.
         let count = |folder: &str| {
             let look = |_| {
@@ -42,7 +48,11 @@ impl Taken {
             (0..10).map(look).min().unwrap()
         };
         let kib: f64 = kib.unwrap();
-        Self { memory_mib: kib / 1024.0, threads: count("/proc/self/task"), open_files: count("/proc/self/fd") }
+        Self {
+            memory_mib: kib / 1024.0,
+            threads: count("/proc/self/task"),
+            open_files: count("/proc/self/fd"),
+        }
     }
 }
 
@@ -52,29 +62,40 @@ fn actions() -> usize {
 }
 
 fn is_quiet(app: &App) -> bool {
-    app.session.trainer.status.doing == Doing::Nothing && !matches!(app.session.disk.saving, Saving::Pending)
+    app.session.trainer.status.doing == Doing::Nothing
+        && !matches!(app.session.disk.saving, Saving::Pending)
 }
 
 /// Not a test by itself: the program that the next test measures.
 #[test]
 fn child_that_works_for_hours() {
-    let Some(told) = std::env::var_os(CHILD) else { return };
+    let Some(told) = std::env::var_os(CHILD) else {
+        return;
+    };
     let told = told.into_string().unwrap();
     let (actions, file) = told.split_once(' ').unwrap();
     let mut random = rng("soak");
     let mut headless = Headless::opened(Path::new(file));
     for done in 1..=actions.parse().unwrap() {
         let frames = headless.app.open().unwrap().document.frames.len();
-        let at = ImagePoint::new(random.random_range(0.0..640.0), random.random_range(0.0..360.0));
+        let at = ImagePoint::new(
+            random.random_range(0.0..640.0),
+            random.random_range(0.0..360.0),
+        );
         let clicks = headless.app.frame().map_or(0, |frame| frame.clicks.len());
         match random.random_range(0..24) {
-            0..6 => headless.act(Action::Navigate(Navigation::GoTo(random.random_range(0..frames)))),
+            0..6 => headless.act(Action::Navigate(Navigation::GoTo(
+                random.random_range(0..frames),
+            ))),
             6..9 if clicks < 12 => {
                 headless.act(Action::Pointer(PointerAction::Press { at, on: None }));
                 headless.act(Action::Pointer(PointerAction::Release));
             }
             6..12 if clicks > 0 => {
-                headless.act(Action::Pointer(PointerAction::Press { at, on: Some(random.random_range(0..clicks)) }));
+                headless.act(Action::Pointer(PointerAction::Press {
+                    at,
+                    on: Some(random.random_range(0..clicks)),
+                }));
                 headless.act(Action::Pointer(PointerAction::Drag(at)));
                 headless.act(Action::Pointer(PointerAction::Release));
             }
@@ -99,7 +120,11 @@ fn child_that_works_for_hours() {
             headless = Headless::opened(Path::new(file));
             headless.wait_until("rest", is_quiet);
             headless.wait_for_picture();
-            let Taken { memory_mib, threads, open_files } = Taken::now();
+            let Taken {
+                memory_mib,
+                threads,
+                open_files,
+            } = Taken::now();
             println!("taken {memory_mib} {threads} {open_files}");
         }
     }
@@ -109,13 +134,25 @@ fn child_that_works_for_hours() {
 /// What a program takes of the machine each time that it has opened the project again.
 fn taken_in(actions: usize, file: &Path) -> Vec<Taken> {
     let told = format!("{actions} {}", file.display());
-    // Every session has threads of its own, and the allocator would keep room for some of each until it has seen very many.
+    // Every session has threads of its own, and the allocator would keep room for some of each
+    // until it has seen very many.
     let variables = [(CHILD, told.as_str()), ("MALLOC_ARENA_MAX", "1")];
     let (mut child, lines) = spawned("soak::child_that_works_for_hours", variables);
     let taken = lines.map_while(Result::ok).filter_map(|line| {
-        let numbers: Vec<f64> = line.split_once("taken ")?.1.split(' ').map(|number| number.parse().unwrap()).collect();
-        let [memory_mib, threads, open_files] = numbers[..] else { panic!("{line}") };
-        Some(Taken { memory_mib, threads: threads as usize, open_files: open_files as usize })
+        let numbers: Vec<f64> = line
+            .split_once("taken ")?
+            .1
+            .split(' ')
+            .map(|number| number.parse().unwrap())
+            .collect();
+        let [memory_mib, threads, open_files] = numbers[..] else {
+            panic!("{line}")
+        };
+        Some(Taken {
+            memory_mib,
+            threads: threads as usize,
+            open_files: open_files as usize,
+        })
     });
     let taken: Vec<Taken> = taken.collect();
     assert!(child.wait().unwrap().success());
@@ -130,9 +167,15 @@ fn hours_of_work_take_no_more_of_the_machine_than_minutes() {
     let file = place.path().join("match/ask.json");
     let taken = taken_in(actions(), &file);
     let (begun, last) = taken.split_at(taken.len() / 2);
-    let mean_mib = |some: &[Taken]| some.iter().map(|taken| taken.memory_mib).sum::<f64>() / some.len() as f64;
+    let mean_mib =
+        |some: &[Taken]| some.iter().map(|taken| taken.memory_mib).sum::<f64>() / some.len() as f64;
     let most = |some: &[Taken], of: fn(&Taken) -> usize| some.iter().map(of).max().unwrap();
-    let most_of = |some: &[Taken]| [most(some, |taken| taken.threads), most(some, |taken| taken.open_files)];
+    let most_of = |some: &[Taken]| {
+        [
+            most(some, |taken| taken.threads),
+            most(some, |taken| taken.open_files),
+        ]
+    };
     eprintln!(
         "{} actions: {:.0} MiB in the first half, {:.0} in the second; threads and open files at most {:?} and {:?}",
         actions(),
@@ -143,5 +186,11 @@ fn hours_of_work_take_no_more_of_the_machine_than_minutes() {
     );
     assert!(mean_mib(last) <= 1.05 * mean_mib(begun), "{taken:?}");
     // One that is just ending may be counted.
-    assert!(most_of(last).into_iter().zip(most_of(begun)).all(|(last, begun)| last <= begun + 1), "{taken:?}");
+    assert!(
+        most_of(last)
+            .into_iter()
+            .zip(most_of(begun))
+            .all(|(last, begun)| last <= begun + 1),
+        "{taken:?}"
+    );
 }

@@ -1,4 +1,5 @@
-//! Every text that people read, in one file to be reviewed: what the window says, and why something failed.
+//! Every text that people read, in one file to be reviewed: what the window says, and why something
+//! failed.
 
 use crate::architecture::crates;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
@@ -21,7 +22,8 @@ const ROOMS: [&str; 9] = [
 /// The list.
 const LIST: &str = "tests/suite/samples/strings.txt";
 
-/// The texts of a token stream in order. Attributes are no texts, save what an error says; modules for tests are passed over.
+/// The texts of a token stream in order. Attributes are no texts, save what an error says; modules
+/// for tests are passed over.
 fn texts(tokens: TokenStream, found: &mut Vec<String>) {
     let mut tokens = tokens.into_iter().peekable();
     let mut of_tests = false;
@@ -31,7 +33,9 @@ fn texts(tokens: TokenStream, found: &mut Vec<String>) {
                 if matches!(tokens.peek(), Some(TokenTree::Punct(mark)) if mark.as_char() == '!') {
                     tokens.next();
                 }
-                let Some(TokenTree::Group(attribute)) = tokens.next() else { continue };
+                let Some(TokenTree::Group(attribute)) = tokens.next() else {
+                    continue;
+                };
                 let says = attribute.stream().to_string().replace(' ', "");
                 of_tests |= says == "cfg(test)";
                 if says.starts_with("error(") {
@@ -58,7 +62,11 @@ fn texts(tokens: TokenStream, found: &mut Vec<String>) {
 /// Whether a text is read by people: words, and not a name, a path or a key.
 fn is_read(text: &str) -> bool {
     let letters = text.chars().filter(|c| c.is_alphabetic()).count();
-    let is_sentence = text.split_whitespace().filter(|word| word.chars().any(char::is_alphabetic)).count() > 1;
+    let is_sentence = text
+        .split_whitespace()
+        .filter(|word| word.chars().any(char::is_alphabetic))
+        .count()
+        > 1;
     let is_title = text.starts_with(char::is_uppercase) && text.chars().any(char::is_lowercase);
     letters > 1 && (is_sentence || is_title || text.ends_with('…'))
 }
@@ -66,8 +74,11 @@ fn is_read(text: &str) -> bool {
 /// The list as it is now.
 fn listed() -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let files: BTreeSet<&Path> =
-        crates().iter().flat_map(|map| map.modules.values()).map(|module| module.file.as_path()).collect();
+    let files: BTreeSet<&Path> = crates()
+        .iter()
+        .flat_map(|map| map.modules.values())
+        .map(|module| module.file.as_path())
+        .collect();
     let mut list = String::new();
     for room in ROOMS {
         let room = Path::new("src").join(room);
@@ -82,8 +93,15 @@ fn listed() -> String {
             let name: Vec<_> = file.iter().map(|part| part.to_string_lossy()).collect();
             writeln!(list, "{}", name.join("/")).unwrap();
             for text in found {
-                writeln!(list, "    {}", text.escape_debug().to_string().replace("\\'", "'").replace("\\\"", "\""))
-                    .unwrap();
+                writeln!(
+                    list,
+                    "    {}",
+                    text.escape_debug()
+                        .to_string()
+                        .replace("\\'", "'")
+                        .replace("\\\"", "\"")
+                )
+                .unwrap();
             }
             list.push('\n');
         }
@@ -91,7 +109,8 @@ fn listed() -> String {
     list
 }
 
-/// A text is changed by reading it once more where it stands among the others: `UPDATE_STRINGS=1` writes the list again.
+/// A text is changed by reading it once more where it stands among the others: `UPDATE_STRINGS=1`
+/// writes the list again.
 #[test]
 fn every_text_stands_in_the_list_for_review() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(LIST);
@@ -101,8 +120,14 @@ fn every_text_stands_in_the_list_for_review() {
         return;
     }
     let kept = std::fs::read_to_string(&file).unwrap_or_default();
-    let added: Vec<_> = now.lines().filter(|line| !kept.lines().any(|other| other == *line)).collect();
-    let gone: Vec<_> = kept.lines().filter(|line| !now.lines().any(|other| other == *line)).collect();
+    let added: Vec<_> = now
+        .lines()
+        .filter(|line| !kept.lines().any(|other| other == *line))
+        .collect();
+    let gone: Vec<_> = kept
+        .lines()
+        .filter(|line| !now.lines().any(|other| other == *line))
+        .collect();
     assert!(
         now == kept,
         "texts differ from {LIST}; read them there after UPDATE_STRINGS=1.\nadded:\n{}\ngone:\n{}",
@@ -129,5 +154,14 @@ fn texts_are_found_in_macros_and_errors_but_not_in_tests_or_attributes() {
     let mut found = Vec::new();
     texts(source.parse().unwrap(), &mut found);
     found.retain(|text| is_read(text));
-    assert_eq!(found, ["{name}: there is no such file", "{n} frames left", "Save", "as a copy…", "And this one."]);
+    assert_eq!(
+        found,
+        [
+            "{name}: there is no such file",
+            "{n} frames left",
+            "Save",
+            "as a copy…",
+            "And this one."
+        ]
+    );
 }

@@ -7,7 +7,13 @@ use touchline::geometry::ImagePoint;
 use touchline::media::sha256_of_file;
 
 fn synth(arguments: &[&str], folder: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_touchline")).arg("synth").args(arguments).arg("-o").arg(folder).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_touchline"))
+        .arg("synth")
+        .args(arguments)
+        .arg("-o")
+        .arg(folder)
+        .output()
+        .unwrap()
 }
 
 fn document(path: &Path) -> Document {
@@ -16,8 +22,17 @@ fn document(path: &Path) -> Document {
 
 fn bytes_below(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut files = Vec::new();
-    for name in ["project.json", "truth.json", "images/0001.jpg", "images/0002.jpg", "masks/0002.png"] {
-        files.push((PathBuf::from(name), std::fs::read(folder.join(name)).unwrap()));
+    for name in [
+        "project.json",
+        "truth.json",
+        "images/0001.jpg",
+        "images/0002.jpg",
+        "masks/0002.png",
+    ] {
+        files.push((
+            PathBuf::from(name),
+            std::fs::read(folder.join(name)).unwrap(),
+        ));
     }
     files
 }
@@ -25,15 +40,24 @@ fn bytes_below(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 #[test]
 fn a_match_is_drawn_with_its_truth_and_never_over_something() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["--frames", "2", "--seed", "6", "--size", "320x180", "--preset", "hard", "--masks"];
+    let arguments = [
+        "--frames", "2", "--seed", "6", "--size", "320x180", "--preset", "hard", "--masks",
+    ];
     let (one, two) = (folder.path().join("one"), folder.path().join("two"));
     for place in [&one, &two] {
         let output = synth(&arguments, place);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
     }
     assert_eq!(bytes_below(&one), bytes_below(&two));
 
-    let (project, truth) = (document(&one.join("project.json")), document(&one.join("truth.json")));
+    let (project, truth) = (
+        document(&one.join("project.json")),
+        document(&one.join("truth.json")),
+    );
     assert_eq!((project.frames.len(), truth.frames.len()), (2, 2));
     for (frame, exact) in project.frames.iter().zip(&truth.frames) {
         assert_eq!((frame.status, &frame.ptz), (FrameStatus::New, &None));
@@ -49,7 +73,11 @@ fn a_match_is_drawn_with_its_truth_and_never_over_something() {
     let refused = synth(&arguments, &one);
     assert_eq!(refused.status.code(), Some(2));
     let told = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(told.trim_end().ends_with("one already exists; give --force to replace it, or another -o"), "{told}");
+    assert!(
+        told.trim_end()
+            .ends_with("one already exists; give --force to replace it, or another -o"),
+        "{told}"
+    );
     assert_eq!(bytes_below(&one), bytes_below(&two));
 }
 
@@ -70,7 +98,10 @@ fn wrong_orders_are_refused_in_one_line() {
         let output = synth(arguments, &place);
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
-        assert!(told.contains(named) && told.trim_end().lines().count() == 1, "{arguments:?}: {told}");
+        assert!(
+            told.contains(named) && told.trim_end().lines().count() == 1,
+            "{arguments:?}: {told}"
+        );
     }
     assert!(!place.exists());
     let file = folder.path().join("file");
@@ -83,11 +114,19 @@ fn wrong_orders_are_refused_in_one_line() {
 #[test]
 fn the_demo_is_whole_and_its_references_are_right() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("projects/demo");
-    let (project, truth) = (document(&folder.join("project.json")), document(&folder.join("truth.json")));
+    let (project, truth) = (
+        document(&folder.join("project.json")),
+        document(&folder.join("truth.json")),
+    );
     assert!(project.frames.len() >= 24 && project.frames.len() == truth.frames.len());
     let mut references = 0;
     for (frame, exact) in project.frames.iter().zip(&truth.frames) {
-        assert_eq!(sha256_of_file(&frame.image_path(&folder).unwrap()).ok(), frame.sha256, "{}", frame.name());
+        assert_eq!(
+            sha256_of_file(&frame.image_path(&folder).unwrap()).ok(),
+            frame.sha256,
+            "{}",
+            frame.name()
+        );
         let exact = truth.pointed(exact).unwrap();
         let Some(solved) = project.pointed(frame) else {
             assert_eq!((frame.status, frame.clicks.len()), (FrameStatus::New, 0));
@@ -98,8 +137,18 @@ fn the_demo_is_whole_and_its_references_are_right() {
         assert!((2..=7).contains(&frame.clicks.len()));
         // What the middle of the picture shows is drawn within a few pixels of it.
         let centre = ImagePoint::new(640.0, 360.0);
-        let shown = solved.image_from_ray(exact.ray_from_image(centre).unwrap()).unwrap();
-        assert!(shown.distance_px(centre) < 8.0, "{}: {:.1} px", frame.name(), shown.distance_px(centre));
+        let shown = solved
+            .image_from_ray(exact.ray_from_image(centre).unwrap())
+            .unwrap();
+        assert!(
+            shown.distance_px(centre) < 8.0,
+            "{}: {:.1} px",
+            frame.name(),
+            shown.distance_px(centre)
+        );
     }
-    assert!(references * 3 >= project.frames.len(), "{references} references");
+    assert!(
+        references * 3 >= project.frames.len(),
+        "{references} references"
+    );
 }

@@ -12,5 +12,9 @@ fn a_word_that_is_neither_file_nor_command_is_named() {
     } else {
         "built without the window"
     };
-    assert!(ran.stderr.contains(expected) && ran.stderr.lines().count() == 1, "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains(expected) && ran.stderr.lines().count() == 1,
+        "{}",
+        ran.stderr
+    );
 }

@@ -23,7 +23,10 @@ fn camera_panel(window: &mut Window) {
 }
 
 fn select(window: &mut Window, frame: usize, modifiers: Modifiers) {
-    window.harness.get_by_label_contains(&format!("Frame {frame}, ")).click_modifiers(modifiers);
+    window
+        .harness
+        .get_by_label_contains(&format!("Frame {frame}, "))
+        .click_modifiers(modifiers);
     window.harness.run_steps(3);
 }
 
@@ -31,34 +34,76 @@ fn frames_selected_on_the_filmstrip_are_given_to_a_new_camera() {
     let mut window = Window::open(5, SIZE, 1.0);
     select(&mut window, 2, Modifiers::SHIFT);
     select(&mut window, 4, Modifiers::COMMAND);
-    let selected: Vec<usize> = window.app().session.frames_selected.iter().copied().collect();
-    assert_eq!((selected, window.app().session.frame), (vec![0, 1, 2, 4], 0));
+    let selected: Vec<usize> = window
+        .app()
+        .session
+        .frames_selected
+        .iter()
+        .copied()
+        .collect();
+    assert_eq!(
+        (selected, window.app().session.frame),
+        (vec![0, 1, 2, 4], 0)
+    );
     camera_panel(&mut window);
     window.harness.get_by_label("4 frames selected");
     window.harness.get_by_label("Assign to camera…").click();
     window.harness.run_steps(3);
-    assert!(matches!(window.app().session.dialog, Some(Dialog::AssignToCamera(_))));
+    assert!(matches!(
+        window.app().session.dialog,
+        Some(Dialog::AssignToCamera(_))
+    ));
     window.harness.get_by_label("Selected frames (4)");
-    window.harness.get_by_role_and_label(Role::TextInput, "Name of the new camera").focus();
+    window
+        .harness
+        .get_by_role_and_label(Role::TextInput, "Name of the new camera")
+        .focus();
     window.harness.run_steps(2);
-    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.harness.run_steps(2);
     window.type_text("high behind");
     window.harness.get_by_label("Create and assign").click();
     window.harness.run_steps(3);
     let open = window.app().open().unwrap();
-    let cameras: Vec<&str> = open.document.frames.iter().map(|frame| frame.camera.as_str()).collect();
-    assert_eq!(cameras, ["high behind", "high behind", "high behind", "main", "high behind"]);
-    assert!(window.app().session.dialog.is_none() && window.app().session.frames_selected.is_empty());
+    let cameras: Vec<&str> = open
+        .document
+        .frames
+        .iter()
+        .map(|frame| frame.camera.as_str())
+        .collect();
+    assert_eq!(
+        cameras,
+        [
+            "high behind",
+            "high behind",
+            "high behind",
+            "main",
+            "high behind"
+        ]
+    );
+    assert!(
+        window.app().session.dialog.is_none() && window.app().session.frames_selected.is_empty()
+    );
     select(&mut window, 3, Modifiers::NONE);
-    assert_eq!(window.app().session.frame, 3, "a plain click goes there and selects nothing");
+    assert_eq!(
+        window.app().session.frame,
+        3,
+        "a plain click goes there and selects nothing"
+    );
 }
 
 fn the_size_of_the_field_is_confirmed_in_the_panel() {
     let mut window = Window::open(1, [1280.0, 1600.0], 1.0);
     camera_panel(&mut window);
-    window.harness.get_by_label("Field size 105 × 68 m is assumed.");
-    window.harness.get_by_role_and_label(Role::Image, "Length and width are measured to the outer edge of the lines.");
+    window
+        .harness
+        .get_by_label("Field size 105 × 68 m is assumed.");
+    window.harness.get_by_role_and_label(
+        Role::Image,
+        "Length and width are measured to the outer edge of the lines.",
+    );
     window.harness.get_by_label("90 to 120 m. IFAB Law 1.3");
     window.harness.get_by_label("Confirm").click();
     window.harness.run_steps(3);
@@ -66,5 +111,7 @@ fn the_size_of_the_field_is_confirmed_in_the_panel() {
     assert!(window.app().why_not(Command::ConfirmFieldSize).is_some());
     window.harness.get_by_label("Not sure").click();
     window.harness.run_steps(3);
-    window.harness.get_by_label("Field size 105 × 68 m is assumed.");
+    window
+        .harness
+        .get_by_label("Field size 105 × 68 m is assumed.");
 }

@@ -1,4 +1,5 @@
-//! A blind round in the window: nothing of the label is to be seen, and a click is kept where it was made.
+//! A blind round in the window: nothing of the label is to be seen, and a click is kept where it
+//! was made.
 
 use super::harness::{SIZE, Window, field, truth};
 use crate::parts::{Test, tests};
@@ -18,13 +19,24 @@ pub const TESTS: &[Test] = tests![
 fn label(document: &mut Document, off_px: f64) {
     for (index, frame) in document.frames.iter_mut().enumerate() {
         let seen = |landmark: &Landmark| {
-            let at = truth(index).image_from_world(field().landmark_in_world(landmark)).ok()?;
+            let at = truth(index)
+                .image_from_world(field().landmark_in_world(landmark))
+                .ok()?;
             let inside = SIZE.contains(at) && landmark.nominal_m.z == 0.0;
-            inside.then(|| Click::landmark(landmark.id.clone(), ImagePoint::new(at.x + off_px, at.y - off_px)))
+            inside.then(|| {
+                Click::landmark(
+                    landmark.id.clone(),
+                    ImagePoint::new(at.x + off_px, at.y - off_px),
+                )
+            })
         };
         frame.clicks = field().landmarks.iter().filter_map(seen).take(3).collect();
         let ptz = truth(index).ptz();
-        let shown = Ptz::from_degrees(ptz.pan.degrees() + 0.2 * off_px, ptz.tilt.degrees(), ptz.focal_px);
+        let shown = Ptz::from_degrees(
+            ptz.pan.degrees() + 0.2 * off_px,
+            ptz.tilt.degrees(),
+            ptz.focal_px,
+        );
         frame.ptz = Some(FramePtz::new(shown, None));
         frame.status = FrameStatus::Reference;
         frame.gold = true;
@@ -41,27 +53,38 @@ fn round(off_px: f64) -> Window {
         let name = format!("{index:04}.png");
         std::fs::copy(window.folder.path().join(&name), folder.path().join(&name)).unwrap();
     }
-    std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
+    std::fs::write(
+        folder.path().join("project.json"),
+        document_to_string(&document).unwrap(),
+    )
+    .unwrap();
     drop(window);
     let mut window = Window::on(folder, [960.0, 600.0], 1.0);
-    window.harness.state_mut().apply([Action::Command(Command::ClickAgain)]);
+    window
+        .harness
+        .state_mut()
+        .apply([Action::Command(Command::ClickAgain)]);
     window.wait_for(|shell| shell.has_picture() && shell.has_thumbnails());
     window.harness.run_steps(3);
     window
 }
 
-/// What the window shows below its menu and above its filmstrip, with the pointer at a point of the picture.
+/// What the window shows below its menu and above its filmstrip, with the pointer at a point of the
+/// picture.
 fn seen(window: &mut Window, at: ImagePoint) -> Vec<u8> {
     let at = window.on_screen(at);
     window.drag(at);
     window.harness.run_steps(2);
     let mut image = window.harness.render().unwrap();
     let height = window.harness.get_by_label("Picture").rect().height() as u32;
-    image::imageops::crop(&mut image, 0, 24, 960, height).to_image().into_raw()
+    image::imageops::crop(&mut image, 0, 24, 960, height)
+        .to_image()
+        .into_raw()
 }
 
-/// Whether two pictures of the window show the same. A glyph has another place in the texture of glyphs when texts were
-/// first drawn in another order, which can round a pixel of its edge by a level; what a label draws changes hundreds.
+/// Whether two pictures of the window show the same. A glyph has another place in the texture of
+/// glyphs when texts were first drawn in another order, which can round a pixel of its edge by a
+/// level; what a label draws changes hundreds.
 fn alike(a: &[u8], b: &[u8]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= 2)
 }
@@ -71,11 +94,17 @@ fn nothing_of_the_label_shows_in_a_blind_round() {
     let label = near.app().frame().unwrap().clicks[0].image;
     assert!(label.distance_px(far.app().frame().unwrap().clicks[0].image) > 25.0);
     for at in [label, ImagePoint::new(320.0, 180.0)] {
-        assert!(alike(&seen(&mut near, at), &seen(&mut far, at)), "the label shows with the pointer at {at:?}");
+        assert!(
+            alike(&seen(&mut near, at), &seen(&mut far, at)),
+            "the label shows with the pointer at {at:?}"
+        );
     }
     // Outside of a round the same windows differ.
     for window in [&mut near, &mut far] {
-        window.harness.state_mut().apply([Action::Command(Command::Cancel)]);
+        window
+            .harness
+            .state_mut()
+            .apply([Action::Command(Command::Cancel)]);
         window.harness.run_steps(3);
     }
     assert!(!alike(&seen(&mut near, label), &seen(&mut far, label)));
@@ -88,10 +117,15 @@ fn a_blind_click_is_kept_where_it_was_made() {
     let labels = window.app().frame().unwrap().clicks.clone();
     let place = window.on_screen(at);
     window.press(place);
-    assert!(window.harness.query_by_label("Loupe").is_some(), "as exact as a label");
+    assert!(
+        window.harness.query_by_label("Loupe").is_some(),
+        "as exact as a label"
+    );
     window.release(place);
     let frame = window.app().open().unwrap().frame(asked.frame).unwrap();
-    assert!(frame.repeats[0].image.distance_px(at) < 1.0 && frame.repeats[0].landmark == asked.landmark);
+    assert!(
+        frame.repeats[0].image.distance_px(at) < 1.0 && frame.repeats[0].landmark == asked.landmark
+    );
     assert_eq!(frame.clicks, labels);
     // One on the label's own click takes hold of nothing.
     let second = window.on_screen(labels[1].image);

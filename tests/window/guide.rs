@@ -39,17 +39,28 @@ fn every_dialog_leads_to_its_page_and_back() {
         window.harness.state_mut().apply([Action::Command(command)]);
         window.harness.run_steps(3);
         let before = window.app().session.dialog.clone();
-        window.harness.get_by_label(&format!("Guide: {}", expected.title())).click();
+        window
+            .harness
+            .get_by_label(&format!("Guide: {}", expected.title()))
+            .click();
         // A sheet takes its place in the second picture.
         window.harness.run_steps(6);
         assert_eq!(page(&window), Some(expected), "{}", command.name());
         window.harness.get_by_label("Glossary").click();
         window.harness.run_steps(4);
-        assert_eq!(page(&window), Some(GuidePage::Glossary), "{}", command.name());
+        assert_eq!(
+            page(&window),
+            Some(GuidePage::Glossary),
+            "{}",
+            command.name()
+        );
         window.harness.get_by_label("Back").click();
         window.harness.run_steps(3);
         assert_eq!(window.app().session.dialog, before, "{}", command.name());
-        window.harness.state_mut().apply([Action::View(ViewAction::CloseDialog)]);
+        window
+            .harness
+            .state_mut()
+            .apply([Action::View(ViewAction::CloseDialog)]);
         window.harness.run_steps(2);
     }
 }
@@ -58,19 +69,32 @@ fn the_guide_is_read_from_top_to_bottom_in_the_smallest_window() {
     let mut window = Window::open(2, [900.0, 600.0], 1.0);
     window.key(Key::F1);
     window.harness.run_steps(6);
-    window.snapshot_of("guide", Rect::from_min_max(pos2(70.0, 30.0), pos2(830.0, 330.0)));
+    window.snapshot_of(
+        "guide",
+        Rect::from_min_max(pos2(70.0, 30.0), pos2(830.0, 330.0)),
+    );
     let rect = |text: &str| window.harness.get_by_label_contains(text).rect();
     for name in ["Close: User guide", "Glossary"] {
         let place = rect(name);
-        assert!(Rect::from_min_size(pos2(0.0, 0.0), vec2(900.0, 600.0)).contains_rect(place), "{name}: {place:?}");
+        assert!(
+            Rect::from_min_size(pos2(0.0, 0.0), vec2(900.0, 600.0)).contains_rect(place),
+            "{name}: {place:?}"
+        );
     }
     let (first, second) = (rect("Drop a folder of frames"), rect("Choose the sport."));
-    assert!(second.top() >= first.bottom() && (second.left() - first.left()).abs() < 2.0, "{first:?} {second:?}");
+    assert!(
+        second.top() >= first.bottom() && (second.left() - first.left()).abs() < 2.0,
+        "{first:?} {second:?}"
+    );
 }
 
 fn f1_opens_the_page_of_what_is_shown() {
     let mut window = Window::open(2, [900.0, 600.0], 1.0);
-    for (key, expected) in [(Key::F2, GuidePage::Base), (Key::F4, GuidePage::Review), (Key::F5, GuidePage::Quality)] {
+    for (key, expected) in [
+        (Key::F2, GuidePage::Base),
+        (Key::F4, GuidePage::Review),
+        (Key::F5, GuidePage::Quality),
+    ] {
         window.key(key);
         window.key(Key::F1);
         assert_eq!(page(&window), Some(expected), "{key:?}");
@@ -78,7 +102,9 @@ fn f1_opens_the_page_of_what_is_shown() {
         window.key(key);
     }
     // From a dialog as well; F1 closes it again.
-    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    window
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::E);
     window.harness.run_steps(3);
     window.key(Key::F1);
     assert_eq!(page(&window), Some(GuidePage::Export));

@@ -12,8 +12,8 @@ use touchline::app::session::PictureView;
 use touchline::app::{Action, App, TrainerReport};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{
-    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
-    document_to_string,
+    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
+    SolutionWarning, document_to_string,
 };
 use touchline::field::{FieldModel, Landmark, builtin};
 use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
@@ -35,12 +35,19 @@ pub fn field() -> FieldModel {
 }
 
 fn base() -> CameraBase {
-    CameraBase::new(Vec3::new(1.5, -66.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+    CameraBase::new(
+        Vec3::new(1.5, -66.0, 18.0),
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    )
 }
 
 /// The camera that drew a frame.
 pub fn truth(frame: usize) -> PtzCamera {
-    PtzCamera::new(base(), Ptz::from_degrees(-18.0 + 1.5 * frame as f64, -13.0, 760.0))
+    PtzCamera::new(
+        base(),
+        Ptz::from_degrees(-18.0 + 1.5 * frame as f64, -13.0, 760.0),
+    )
 }
 
 /// Writes a project of plain frames: white lines on green.
@@ -59,32 +66,48 @@ fn write_project(folder: &Path, frames: usize, offscreen: &mut Offscreen) {
     };
     for index in 0..frames {
         let (field, camera) = (field(), truth(index));
-        let scene = OverlayScene { camera: Some(&camera), ..OverlayScene::new(&field, SIZE, &style) };
+        let scene = OverlayScene {
+            camera: Some(&camera),
+            ..OverlayScene::new(&field, SIZE, &style)
+        };
         let lines = Layer::Drawing(Arc::new(field_overlay(&scene)));
         let view = View::one_to_one([SIZE.width, SIZE.height]);
-        let picture = offscreen.render(&view, Colour::rgb(62, 118, 66), &[lines]).unwrap();
+        let picture = offscreen
+            .render(&view, Colour::rgb(62, 118, 66), &[lines])
+            .unwrap();
         let name = format!("{index:04}.png");
         picture.save(folder.join(&name)).unwrap();
-        document.frames.push(Frame::from_image(&name, "main".into(), SIZE).into());
+        document
+            .frames
+            .push(Frame::from_image(&name, "main".into(), SIZE).into());
     }
-    std::fs::write(folder.join("project.json"), document_to_string(&document).unwrap()).unwrap();
+    std::fs::write(
+        folder.join("project.json"),
+        document_to_string(&document).unwrap(),
+    )
+    .unwrap();
 }
 
 /// Exact points on every landmark that a frame shows on the ground.
 fn seen_landmarks(frame: usize) -> Vec<Click> {
     let field = field();
     let seen = |landmark: &Landmark| {
-        let at = truth(frame).image_from_world(field.landmark_in_world(landmark)).ok()?;
-        (SIZE.contains(at) && landmark.nominal_m.z == 0.0).then(|| Click::landmark(landmark.id.clone(), at))
+        let at = truth(frame)
+            .image_from_world(field.landmark_in_world(landmark))
+            .ok()?;
+        (SIZE.contains(at) && landmark.nominal_m.z == 0.0)
+            .then(|| Click::landmark(landmark.id.clone(), at))
     };
     field.landmarks.iter().filter_map(seen).collect()
 }
 
-/// An adapter as the toolkit's tests choose it, but no OpenGL unasked: Mesa's can end the process with a fault when it exits.
+/// An adapter as the toolkit's tests choose it, but no OpenGL unasked: Mesa's can end the process
+/// with a fault when it exits.
 fn graphics() -> WgpuSetup {
     let mut setup = default_wgpu_setup();
     if let WgpuSetup::CreateNew(new) = &mut setup {
-        new.instance_descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
+        new.instance_descriptor.backends =
+            wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
     }
     setup
 }
@@ -117,7 +140,8 @@ impl Window {
         Self::at(around, folder, size, 1.0)
     }
 
-    /// Opens a project of plain frames whose camera is not known, with exact points on every landmark of each.
+    /// Opens a project of plain frames whose camera is not known, with exact points on every
+    /// landmark of each.
     pub fn open_clicked(frames: usize, size: [f32; 2]) -> Self {
         let mut offscreen = Offscreen::new().unwrap();
         let folder = tempfile::tempdir().unwrap();
@@ -129,11 +153,16 @@ impl Window {
             frame.clicks = seen_landmarks(index);
             frame.status = FrameStatus::Draft;
         }
-        std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
+        std::fs::write(
+            folder.path().join("project.json"),
+            document_to_string(&document).unwrap(),
+        )
+        .unwrap();
         Self::on(folder, size, 1.0)
     }
 
-    /// Opens a project of plain references with exact points on every landmark of each, save one point of the fourth.
+    /// Opens a project of plain references with exact points on every landmark of each, save one
+    /// point of the fourth.
     pub fn open_referenced(frames: usize, size: [f32; 2]) -> Self {
         let mut offscreen = Offscreen::new().unwrap();
         let folder = tempfile::tempdir().unwrap();
@@ -142,35 +171,57 @@ impl Window {
         for (index, frame) in document.frames.iter_mut().enumerate() {
             frame.clicks = seen_landmarks(index);
             frame.ptz = Some(FramePtz::new(truth(index).ptz(), None));
-            frame.solution = Some(Solution { source: Some(SolutionSource::Clicks), ..Solution::default() });
+            frame.solution = Some(Solution {
+                source: Some(SolutionSource::Clicks),
+                ..Solution::default()
+            });
             frame.status = FrameStatus::Reference;
         }
-        if let Some(click) = document.frames.get_mut(3).and_then(|frame| frame.clicks.first_mut()) {
+        if let Some(click) = document
+            .frames
+            .get_mut(3)
+            .and_then(|frame| frame.clicks.first_mut())
+        {
             click.image.x += 9.0;
         }
-        std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
+        std::fs::write(
+            folder.path().join("project.json"),
+            document_to_string(&document).unwrap(),
+        )
+        .unwrap();
         Self::on(folder, size, 1.0)
     }
 
-    /// Opens a project of plain frames with a camera proposed for each, as certain as this; none: no answer.
+    /// Opens a project of plain frames with a camera proposed for each, as certain as this; none:
+    /// no answer.
     pub fn open_suggested(confidences: &[Option<f64>], size: [f32; 2]) -> Self {
         let mut offscreen = Offscreen::new().unwrap();
         let folder = tempfile::tempdir().unwrap();
         write_project(folder.path(), confidences.len(), &mut offscreen);
         let (_, mut document, _) = touchline::store::read(folder.path()).unwrap();
-        for (index, (frame, confidence)) in document.frames.iter_mut().zip(confidences).enumerate() {
-            let mut solution =
-                Solution { source: Some(SolutionSource::Forest), confidence: *confidence, ..Solution::default() };
+        for (index, (frame, confidence)) in document.frames.iter_mut().zip(confidences).enumerate()
+        {
+            let mut solution = Solution {
+                source: Some(SolutionSource::Forest),
+                confidence: *confidence,
+                ..Solution::default()
+            };
             if confidence.is_some() {
                 frame.ptz = Some(FramePtz::new(truth(index).ptz(), None));
                 frame.status = FrameStatus::Suggested;
             } else {
                 let reason = "3 features look like the references, 12 are needed".to_owned();
-                solution.warnings.push(SolutionWarning::new("coverage", reason));
+                solution
+                    .warnings
+                    .push(SolutionWarning::new("coverage", reason));
             }
             frame.solution = Some(solution);
         }
-        std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
+        std::fs::write(
+            folder.path().join("project.json"),
+            document_to_string(&document).unwrap(),
+        )
+        .unwrap();
         Self::on(folder, size, 1.0)
     }
 
@@ -190,7 +241,11 @@ impl Window {
             .with_pixels_per_point(pixels_per_point)
             .wgpu_setup(graphics())
             .build_eframe(move |creation| Shell::new(creation, Some(kept), Some(path)).unwrap());
-        let mut window = Self { harness, folder, _settings: settings };
+        let mut window = Self {
+            harness,
+            folder,
+            _settings: settings,
+        };
         window.wait_for(|shell| shell.app().open().is_some() && shell.has_picture());
         window.harness.run_steps(3);
         window
@@ -230,7 +285,9 @@ impl Window {
             outcome: Ok(answer),
             timings: Timings::default(),
         };
-        self.harness.state_mut().apply([Action::Trainer(TrainerReport::Proposals(vec![proposal]))]);
+        self.harness
+            .state_mut()
+            .apply([Action::Trainer(TrainerReport::Proposals(vec![proposal]))]);
         self.harness.run_steps(2);
     }
 
@@ -261,7 +318,9 @@ impl Window {
     pub fn image_of(&self, landmark: &str) -> ImagePoint {
         let field = field();
         let world = field.landmark_in_world(field.landmark(landmark).unwrap());
-        truth(self.app().session.frame).image_from_world(world).unwrap()
+        truth(self.app().session.frame)
+            .image_from_world(world)
+            .unwrap()
     }
 
     /// Presses and releases the button at a point of the picture.
@@ -313,7 +372,8 @@ impl Window {
     /// The window around a point of the picture as it looks, compared with the kept picture.
     pub fn snapshot(&mut self, name: &str, around: ImagePoint, size: [f32; 2]) {
         let viewport = self.harness.get_by_label("Picture").rect();
-        let part = egui::Rect::from_center_size(self.on_screen(around), size.into()).intersect(viewport);
+        let part =
+            egui::Rect::from_center_size(self.on_screen(around), size.into()).intersect(viewport);
         self.snapshot_of(name, part);
     }
 
@@ -322,9 +382,16 @@ impl Window {
         let per_point = self.harness.ctx.pixels_per_point();
         let whole = self.harness.render().unwrap();
         let px = |points: f32| (points * per_point).round().max(0.0) as u32;
-        let (x, y, width, height) = (px(part.left()), px(part.top()), px(part.width()), px(part.height()));
+        let (x, y, width, height) = (
+            px(part.left()),
+            px(part.top()),
+            px(part.width()),
+            px(part.height()),
+        );
         let cut = image::imageops::crop_imm(&whole, x, y, width, height).to_image();
-        let options = SnapshotOptions::new().output_path("tests/window/snapshots").max_failed_pixels(40);
+        let options = SnapshotOptions::new()
+            .output_path("tests/window/snapshots")
+            .max_failed_pixels(40);
         egui_kittest::image_snapshot_options(&cut, name, &options);
     }
 }

@@ -1,6 +1,7 @@
 //! The window, driven through its accessibility nodes and looked at in small pictures.
 //!
-//! It runs without a display on whatever adapter there is; on a machine without any its tests are ignored.
+//! It runs without a display on whatever adapter there is; on a machine without any its tests are
+//! ignored.
 
 mod base;
 mod cameras;

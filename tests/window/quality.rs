@@ -18,13 +18,19 @@ fn the_page_takes_the_window_and_a_click_on_a_point_leads_to_its_frame() {
     let mut window = Window::open_suggested(&[Some(0.9); 9], SIZE);
     window.key(Key::F5);
     assert!(window.harness.query_by_label("Picture").is_none());
-    let plots = window.harness.get_by_label("Pan, tilt and focal length over time: 9 suggestions").rect();
+    let plots = window
+        .harness
+        .get_by_label("Pan, tilt and focal length over time: 9 suggestions")
+        .rect();
     assert!(plots.width() > 1200.0, "{plots:?}");
-    // The pan rises from frame to frame: the last point is at the top of the first plot, on the right.
+    // The pan rises from frame to frame: the last point is at the top of the first plot, on the
+    // right.
     let last = plots.right_top() + egui::vec2(-6.0, 8.0);
     window.harness.hover_at(last);
     window.harness.run_steps(2);
-    window.harness.get_by_label_contains("0008.png, frame 8: pan -6.00°");
+    window
+        .harness
+        .get_by_label_contains("0008.png, frame 8: pan -6.00°");
     window.press(last);
     window.release(last);
     assert_eq!(window.app().session.frame, 8);
@@ -37,12 +43,19 @@ fn the_page_takes_the_window_and_a_click_on_a_point_leads_to_its_frame() {
 fn the_time_is_enlarged_with_ctrl_and_the_wheel_and_moved_by_dragging() {
     let mut window = Window::open_suggested(&[Some(0.9); 9], SIZE);
     window.key(Key::F5);
-    let middle = window.harness.get_by_label_contains("Pan, tilt and focal length over time").rect().center();
+    let middle = window
+        .harness
+        .get_by_label_contains("Pan, tilt and focal length over time")
+        .rect()
+        .center();
     window.harness.hover_at(middle);
     window.harness.event(egui::Event::Zoom(2.0));
     window.harness.run_steps(2);
     let [from, upto] = window.app().session.quality.span.unwrap();
-    assert!((upto - from - 4.0).abs() < 1e-6, "half of 1 to 9: {from} {upto}");
+    assert!(
+        (upto - from - 4.0).abs() < 1e-6,
+        "half of 1 to 9: {from} {upto}"
+    );
     window.press(middle);
     window.drag(middle + egui::vec2(200.0, 0.0));
     window.release(middle + egui::vec2(200.0, 0.0));
@@ -52,7 +65,10 @@ fn the_time_is_enlarged_with_ctrl_and_the_wheel_and_moved_by_dragging() {
     window.harness.get_by_label("All").click();
     window.harness.run_steps(2);
     assert_eq!(window.app().session.quality.span, None);
-    window.harness.get_by_label("Close the quality page").click();
+    window
+        .harness
+        .get_by_label("Close the quality page")
+        .click();
     window.harness.run_steps(2);
     assert!(!window.app().session.quality.open);
 }
@@ -61,24 +77,52 @@ fn errors_landmarks_and_coverage_lead_to_the_frame_that_is_worst() {
     let mut window = Window::open_referenced(6, SIZE);
     // One point of the fourth frame is 9 px off, which is 27 px at 1920 px width.
     window.key(Key::F5);
-    window.harness.get_by_label_contains("Pan, tilt and focal length over time: 6 references");
-    let histogram = window.harness.get_by_label_contains("Histogram. Points: ").rect();
-    window.harness.get_by_label("No check points. K turns a point into one.");
-    window.harness.get_by_label_contains("Map of pan and tilt. No reference sees the field near pan");
+    window
+        .harness
+        .get_by_label_contains("Pan, tilt and focal length over time: 6 references");
+    let histogram = window
+        .harness
+        .get_by_label_contains("Histogram. Points: ")
+        .rect();
+    window
+        .harness
+        .get_by_label("No check points. K turns a point into one.");
+    window
+        .harness
+        .get_by_label_contains("Map of pan and tilt. No reference sees the field near pan");
     let more = histogram.right_bottom() - egui::vec2(10.0, 20.0);
     window.press(more);
     window.release(more);
-    assert_eq!((window.app().session.frame, window.app().session.quality.open), (3, false));
+    assert_eq!(
+        (
+            window.app().session.frame,
+            window.app().session.quality.open
+        ),
+        (3, false)
+    );
     let worst = window.app().session.points.selected;
     assert!(worst.is_some());
     window.key(Key::F5);
     let click = &window.app().frame().unwrap().clicks[worst.unwrap()];
     let target = click.target.clone().unwrap();
-    let clicks = window.app().quality().targets.iter().find(|errors| errors.target == target).unwrap().clicks;
+    let clicks = window
+        .app()
+        .quality()
+        .targets
+        .iter()
+        .find(|errors| errors.target == target)
+        .unwrap()
+        .clicks;
     let row = format!("{clicks} × {}: ", window.app().label(&target));
     window.harness.get_by_label_contains(&row).click();
     window.harness.run_steps(2);
-    assert_eq!((window.app().session.frame, window.app().session.points.selected), (3, worst));
+    assert_eq!(
+        (
+            window.app().session.frame,
+            window.app().session.points.selected
+        ),
+        (3, worst)
+    );
 }
 
 fn without_a_camera_the_page_says_what_will_appear() {

@@ -1,4 +1,5 @@
-//! Suggestions looked through in the window: the panel's list, one after the other, several together.
+//! Suggestions looked through in the window: the panel's list, one after the other, several
+//! together.
 
 use super::harness::Window;
 use crate::parts::{Test, tests};
@@ -22,7 +23,15 @@ pub const TESTS: &[Test] = tests![
 const SIZE: [f32; 2] = [1280.0, 720.0];
 
 fn statuses(window: &Window) -> Vec<FrameStatus> {
-    window.app().open().unwrap().document.frames.iter().map(|frame| frame.status).collect()
+    window
+        .app()
+        .open()
+        .unwrap()
+        .document
+        .frames
+        .iter()
+        .map(|frame| frame.status)
+        .collect()
 }
 
 fn the_list_leads_from_suggestion_to_suggestion() {
@@ -30,45 +39,81 @@ fn the_list_leads_from_suggestion_to_suggestion() {
     let mut window = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93), None], SIZE);
     window.key(Key::F4);
     assert_eq!(window.app().session.panel, SidePanel::Review);
-    window.harness.get_by_label_contains("Suggestion, frame 1, 0001.png, 99 %").click();
+    window
+        .harness
+        .get_by_label_contains("Suggestion, frame 1, 0001.png, 99 %")
+        .click();
     window.harness.run_steps(2);
     assert_eq!(window.app().session.frame, 1);
     window.key(Key::Enter);
     assert_eq!(statuses(&window), [Suggested, Reference, Suggested, New]);
-    assert_eq!(window.app().session.frame, 0, "round and round: the most doubtful");
+    assert_eq!(
+        window.app().session.frame,
+        0,
+        "round and round: the most doubtful"
+    );
     window.harness.get_by_label("Time").click();
     window.harness.run_steps(2);
     window.key(Key::N);
     assert_eq!(window.app().session.frame, 2);
     window
         .harness
-        .get_by_label("1 frame has no answer, 1 proposal is uncertain: label frame 3, near pan\u{a0}−15°.")
+        .get_by_label(
+            "1 frame has no answer, 1 proposal is uncertain: label frame 3, near pan\u{a0}−15°.",
+        )
         .click();
     window.harness.run_steps(2);
     assert_eq!(window.app().session.frame, 3);
-    window.harness.get_by_label("Close the review panel").click();
+    window
+        .harness
+        .get_by_label("Close the review panel")
+        .click();
     window.harness.run_steps(2);
     assert_eq!(window.app().session.panel, SidePanel::Frame);
-    window.harness.get_by_label_contains("No proposal: 3 features look like the references, 12 are needed.");
+    window
+        .harness
+        .get_by_label_contains("No proposal: 3 features look like the references, 12 are needed.");
 }
 
 fn a_row_has_a_menu_of_what_can_be_done_with_its_frame() {
     let mut window = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93)], SIZE);
     window.key(Key::F4);
-    window.harness.get_by_label_contains("Suggestion, frame 2, 0002.png").click_secondary();
+    window
+        .harness
+        .get_by_label_contains("Suggestion, frame 2, 0002.png")
+        .click_secondary();
     window.harness.run_steps(5);
-    assert_eq!(window.app().session.frame, 2, "the menu is about the row's frame, which is shown");
+    assert_eq!(
+        window.app().session.frame,
+        2,
+        "the menu is about the row's frame, which is shown"
+    );
     window.wait_for(|shell| !shell.app().session.video.picture_awaited);
-    window.harness.get_by_label_contains("Accept and stay").click();
+    window
+        .harness
+        .get_by_label_contains("Accept and stay")
+        .click();
     window.harness.run_steps(4);
-    assert_eq!(statuses(&window), [FrameStatus::Suggested, FrameStatus::Suggested, FrameStatus::Reference]);
+    assert_eq!(
+        statuses(&window),
+        [
+            FrameStatus::Suggested,
+            FrameStatus::Suggested,
+            FrameStatus::Reference
+        ]
+    );
 }
 
 fn under_the_pointer_no_row_moves() {
     let mut window = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93), None], SIZE);
     window.key(Key::F4);
-    let top = |window: &Window, label: &str| window.harness.get_by_label_contains(label).rect().top();
-    let labels = ["frame 0, 0000.png", "frame 2, 0002.png", "frame 1, 0001.png"];
+    let top =
+        |window: &Window, label: &str| window.harness.get_by_label_contains(label).rect().top();
+    let labels = [
+        "frame 0, 0000.png",
+        "frame 2, 0002.png",
+        "frame 1, 0001.png",
+    ];
     let before = labels.map(|label| top(&window, label));
     assert!(before.is_sorted());
     let first = window.harness.get_by_label_contains(labels[0]).rect();
@@ -79,14 +124,33 @@ fn under_the_pointer_no_row_moves() {
     window.key(Key::Enter);
     window.propose(3, 0.97);
     window.propose(1, 0.98);
-    assert_eq!(labels.map(|label| top(&window, label)), before, "accepted, proposed, proposed anew");
-    window.harness.get_by_label_contains("No longer a suggestion, frame 0");
-    window.harness.get_by_label("1 new, sorted in when the pointer leaves");
+    assert_eq!(
+        labels.map(|label| top(&window, label)),
+        before,
+        "accepted, proposed, proposed anew"
+    );
+    window
+        .harness
+        .get_by_label_contains("No longer a suggestion, frame 0");
+    window
+        .harness
+        .get_by_label("1 new, sorted in when the pointer leaves");
     assert!(top(&window, "frame 3, 0003.png") > before[2]);
     window.harness.hover_at(egui::pos2(400.0, 300.0));
     window.harness.run_steps(3);
-    let after = ["frame 2, 0002.png", "frame 3, 0003.png", "frame 1, 0001.png"].map(|label| top(&window, label));
-    assert!(after.is_sorted() && window.harness.query_by_label_contains("No longer a suggestion").is_none());
+    let after = [
+        "frame 2, 0002.png",
+        "frame 3, 0003.png",
+        "frame 1, 0001.png",
+    ]
+    .map(|label| top(&window, label));
+    assert!(
+        after.is_sorted()
+            && window
+                .harness
+                .query_by_label_contains("No longer a suggestion")
+                .is_none()
+    );
     assert_eq!(after[0], before[0]);
 }
 
@@ -95,9 +159,12 @@ fn the_panel_and_the_filmstrip_look_like_this() {
     confidences.extend([None; 5]);
     let mut window = Window::open_suggested(&confidences, SIZE);
     window.key(Key::F4);
-    window.harness.get_by_label("5 frames without an answer, 3 to 7");
+    window
+        .harness
+        .get_by_label("5 frames without an answer, 3 to 7");
     let panel = egui::Rect::from_min_max(egui::pos2(980.0, 24.0), egui::pos2(1280.0, 700.0));
-    // The suggestions are checked against the painted lines in the background, which marks the thumbnails.
+    // The suggestions are checked against the painted lines in the background, which marks the
+    // thumbnails.
     let is_checked = |shell: &Shell| (0..3).all(|frame| shell.app().paint_says(frame).is_some());
     window.wait_for(|shell| shell.has_thumbnails() && is_checked(shell));
     window.snapshot_of("review_panel", panel);
@@ -105,50 +172,85 @@ fn the_panel_and_the_filmstrip_look_like_this() {
 
 fn the_pictures_of_many_suggestions_lie_apart() {
     let mut window = Window::open_suggested(&[Some(0.99); 7], SIZE);
-    window.harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Enter);
+    window
+        .harness
+        .key_press_modifiers(egui::Modifiers::COMMAND, Key::Enter);
     window.harness.run_steps(3);
-    let pictures: Vec<_> =
-        window.harness.get_all_by_label_contains("Look at frame").map(|picture| picture.rect()).collect();
+    let pictures: Vec<_> = window
+        .harness
+        .get_all_by_label_contains("Look at frame")
+        .map(|picture| picture.rect())
+        .collect();
     assert!(pictures.len() > 3, "more than one row: {pictures:?}");
     for (index, one) in pictures.iter().enumerate() {
-        assert!(pictures[..index].iter().all(|other| !other.intersects(*one)), "{one:?} lies over another");
+        assert!(
+            pictures[..index]
+                .iter()
+                .all(|other| !other.intersects(*one)),
+            "{one:?} lies over another"
+        );
     }
 }
 
 fn several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back() {
     use FrameStatus::{Reference, Suggested};
     let mut window = Window::open_suggested(&[Some(0.99), Some(0.5), Some(0.97)], SIZE);
-    window.harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Enter);
+    window
+        .harness
+        .key_press_modifiers(egui::Modifiers::COMMAND, Key::Enter);
     window.harness.run_steps(3);
     assert_eq!(window.app().session.dialog, Some(Dialog::AcceptAll));
     window
         .harness
         .get_by_label("2 suggestions, probably at most 1 of them wrong. The most doubtful come first, from 97 % on.");
     window.harness.get_by_label("Look at frame 2, 97 %");
-    let tick = window.harness.get_by_role_and_label(Role::CheckBox, "Accept frame 2");
+    let tick = window
+        .harness
+        .get_by_role_and_label(Role::CheckBox, "Accept frame 2");
     tick.click();
     window.harness.run_steps(2);
-    window.harness.get_by_label_contains("1 suggestion, all probably right.");
-    window.harness.get_by_role_and_label(Role::CheckBox, "Accept frame 2").click();
+    window
+        .harness
+        .get_by_label_contains("1 suggestion, all probably right.");
+    window
+        .harness
+        .get_by_role_and_label(Role::CheckBox, "Accept frame 2")
+        .click();
     window.harness.run_steps(2);
     window.key(Key::Escape);
     assert_eq!(window.app().session.dialog, None);
-    window.harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Enter);
+    window
+        .harness
+        .key_press_modifiers(egui::Modifiers::COMMAND, Key::Enter);
     window.harness.run_steps(3);
     window.key(Key::Enter);
     assert_eq!(statuses(&window), [Reference, Suggested, Reference]);
-    window.harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Z);
+    window
+        .harness
+        .key_press_modifiers(egui::Modifiers::COMMAND, Key::Z);
     window.harness.run_steps(2);
     assert_eq!(statuses(&window), [Suggested; 3]);
 }
 
 fn an_accepted_suggestion_can_be_used_for_training() {
     let mut window = Window::open_suggested(&[Some(0.97)], SIZE);
-    window.harness.get_by_label("Proposed, confidence 97 %. Not reviewed yet.");
-    assert!(window.harness.query_by_role_and_label(Role::CheckBox, "Use for training").is_none());
+    window
+        .harness
+        .get_by_label("Proposed, confidence 97 %. Not reviewed yet.");
+    assert!(
+        window
+            .harness
+            .query_by_role_and_label(Role::CheckBox, "Use for training")
+            .is_none()
+    );
     window.key(Key::Enter);
-    let switch = window.harness.get_by_role_and_label(Role::CheckBox, "Use for training");
-    assert_eq!(switch.accesskit_node().toggled(), Some(egui::accesskit::Toggled::False));
+    let switch = window
+        .harness
+        .get_by_role_and_label(Role::CheckBox, "Use for training");
+    assert_eq!(
+        switch.accesskit_node().toggled(),
+        Some(egui::accesskit::Toggled::False)
+    );
     switch.click();
     window.harness.run_steps(2);
     assert!(window.app().frame().unwrap().is_used_for_training());

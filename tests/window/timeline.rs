@@ -1,4 +1,5 @@
-//! The timeline of a video: going to a frame by the pointer and by its number, moving a cut, playing.
+//! The timeline of a video: going to a frame by the pointer and by its number, moving a cut,
+//! playing.
 #![cfg(feature = "opencv")]
 
 use super::harness::{SIZE, Window};
@@ -7,7 +8,9 @@ use egui::{Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::Queryable as _;
 use std::path::Path;
 use std::process::Command;
-use touchline::document::{Camera, Document, FieldSpec, Frame, ShotKind, VideoFrame, VideoShots, document_to_string};
+use touchline::document::{
+    Camera, Document, FieldSpec, Frame, ShotKind, VideoFrame, VideoShots, document_to_string,
+};
 
 pub const TESTS: &[Test] = tests![
     [Adapter, Ffmpeg] a_click_or_a_drag_on_the_timeline_shows_that_frame;
@@ -28,18 +31,28 @@ fn write_project(folder: &Path) {
     let size = format!("{}x{}", SIZE.width, SIZE.height);
     let input = format!("testsrc2=size={size}:rate=25:duration=2.4");
     let made = Command::new("ffmpeg")
-        .args(["-v", "error", "-f", "lavfi", "-i", &input, "-c:v", "libx264", "-g", "25", VIDEO])
+        .args([
+            "-v", "error", "-f", "lavfi", "-i", &input, "-c:v", "libx264", "-g", "25", VIDEO,
+        ])
         .current_dir(folder)
         .status();
     assert!(made.unwrap().success());
     let mut document = Document::new(FieldSpec::new("soccer"));
-    document.cameras.push(Camera::new("main".into(), SIZE).into());
+    document
+        .cameras
+        .push(Camera::new("main".into(), SIZE).into());
     for index in 0..FRAMES {
         let video = VideoFrame::new(VIDEO, index, Some(index as f64 / 25.0));
-        document.frames.push(Frame::from_video(video, "main".into(), SIZE).into());
+        document
+            .frames
+            .push(Frame::from_video(video, "main".into(), SIZE).into());
     }
     VideoShots::found(&document, VIDEO, FRAMES - 1, &[(CUT, ShotKind::Cut)]).write(&mut document);
-    std::fs::write(folder.join("project.json"), document_to_string(&document).unwrap()).unwrap();
+    std::fs::write(
+        folder.join("project.json"),
+        document_to_string(&document).unwrap(),
+    )
+    .unwrap();
 }
 
 fn open() -> Window {
@@ -58,7 +71,10 @@ fn on_line(window: &Window, frame: u64, below: f32) -> Pos2 {
 /// The edge between a frame and the one before it, at the height of the handles.
 fn handle(window: &Window, frame: u64) -> Pos2 {
     let line = window.harness.get_by_label("Timeline").rect();
-    pos2(line.left() + frame as f32 / FRAMES as f32 * line.width(), line.top() + HANDLE)
+    pos2(
+        line.left() + frame as f32 / FRAMES as f32 * line.width(),
+        line.top() + HANDLE,
+    )
 }
 
 fn shown(window: &Window) -> usize {
@@ -68,7 +84,9 @@ fn shown(window: &Window) -> usize {
 /// The first frames of the shots.
 fn starts(window: &Window) -> Vec<u64> {
     let document = &window.app().open().unwrap().document;
-    VideoShots::of(document, VIDEO).map(|shots| shots.starts().map(|(from, _)| from).collect()).unwrap_or_default()
+    VideoShots::of(document, VIDEO)
+        .map(|shots| shots.starts().map(|(from, _)| from).collect())
+        .unwrap_or_default()
 }
 
 fn a_click_or_a_drag_on_the_timeline_shows_that_frame() {
@@ -81,7 +99,11 @@ fn a_click_or_a_drag_on_the_timeline_shows_that_frame() {
     assert_eq!(shown(&window), 10);
     let to = on_line(&window, 55, 20.0);
     window.drag(to);
-    assert_eq!(shown(&window), 55, "the frame under the pointer is shown while it is dragged");
+    assert_eq!(
+        shown(&window),
+        55,
+        "the frame under the pointer is shown while it is dragged"
+    );
     window.release(to);
     assert_eq!(shown(&window), 55);
     assert_eq!(starts(&window), [0, CUT], "nothing was cut");
@@ -94,10 +116,16 @@ fn the_handle_of_a_cut_moves_it_in_one_step_of_undo() {
     for step in 1..=4 {
         window.drag(from + (to - from) * (step as f32 / 4.0));
     }
-    assert_eq!((starts(&window), shown(&window)), (vec![0, CUT], 0), "it is moved when it is let go");
+    assert_eq!(
+        (starts(&window), shown(&window)),
+        (vec![0, CUT], 0),
+        "it is moved when it is let go"
+    );
     window.release(to);
     assert_eq!((starts(&window), shown(&window)), (vec![0, 20], 0));
-    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::Z);
     window.harness.run_steps(2);
     assert_eq!(starts(&window), [0, CUT]);
 }
@@ -105,7 +133,9 @@ fn the_handle_of_a_cut_moves_it_in_one_step_of_undo() {
 fn a_frame_is_gone_to_by_its_number_or_its_time() {
     let mut window = open();
     for (typed, frame) in [("20", 20), ("0:01.0", 25)] {
-        window.harness.key_press_modifiers(Modifiers::COMMAND, Key::G);
+        window
+            .harness
+            .key_press_modifiers(Modifiers::COMMAND, Key::G);
         window.harness.run_steps(3);
         window.type_text(typed);
         window.key(Key::Enter);
@@ -116,7 +146,9 @@ fn a_frame_is_gone_to_by_its_number_or_its_time() {
     window.key(Key::End);
     assert_eq!(shown(&window) as u64, FRAMES - 1);
     // What is no place is said at the field, and nothing else happens.
-    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::G);
+    window
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::G);
     window.harness.run_steps(3);
     window.type_text("soon");
     window.key(Key::Enter);

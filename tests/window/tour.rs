@@ -14,12 +14,22 @@ pub const TESTS: &[Test] = tests![
 ];
 
 fn step(window: &Window) -> Option<TourStep> {
-    window.app().session.tour.as_ref().map(touchline::app::tour::Tour::step)
+    window
+        .app()
+        .session
+        .tour
+        .as_ref()
+        .map(touchline::app::tour::Tour::step)
 }
 
 /// Places a landmark by its name.
 fn place(window: &mut Window, landmark: &str) {
-    window.harness.state_mut().apply([Action::Edit(EditAction::Pick(Target::Landmark(landmark.into())))]);
+    window
+        .harness
+        .state_mut()
+        .apply([Action::Edit(EditAction::Pick(Target::Landmark(
+            landmark.into(),
+        )))]);
     window.click(window.image_of(landmark));
     window.harness.run_steps(2);
 }
@@ -32,8 +42,14 @@ fn the_tour_goes_on_when_its_step_is_done_and_can_be_left() {
     window.harness.run_steps(3);
     assert_eq!(step(&window), Some(TourStep::FirstPoint));
     window.harness.get_by_label("Step 1 of 5: Place a point");
-    window.snapshot_of("tour", Rect::from_min_max(pos2(0.0, 24.0), pos2(1280.0, 90.0)));
-    assert!(window.harness.get_by_label("Picture").rect().top() > picture.top() + 30.0, "it lies over nothing");
+    window.snapshot_of(
+        "tour",
+        Rect::from_min_max(pos2(0.0, 24.0), pos2(1280.0, 90.0)),
+    );
+    assert!(
+        window.harness.get_by_label("Picture").rect().top() > picture.top() + 30.0,
+        "it lies over nothing"
+    );
 
     // A point without a name is not enough.
     window.click(window.image_of("penalty_area_far_left_front"));
@@ -50,10 +66,17 @@ fn the_tour_goes_on_when_its_step_is_done_and_can_be_left() {
     let at = window.on_screen(window.image_of("centre_circle_halfway_near"));
     window.press(at);
     window.drag(at + egui::vec2(6.0, 0.0));
-    assert_eq!(step(&window), Some(TourStep::Refine), "the point is still held");
+    assert_eq!(
+        step(&window),
+        Some(TourStep::Refine),
+        "the point is still held"
+    );
     window.release(at + egui::vec2(6.0, 0.0));
     assert_eq!(step(&window), Some(TourStep::Accept));
-    window.harness.state_mut().apply([Action::Command(Command::Accept)]);
+    window
+        .harness
+        .state_mut()
+        .apply([Action::Command(Command::Accept)]);
     assert_eq!(step(&window), Some(TourStep::Decide));
     window.key(Key::X);
     window.type_text("2");
@@ -65,9 +88,15 @@ fn the_tour_goes_on_when_its_step_is_done_and_can_be_left() {
     assert_eq!(step(&window), None);
 
     // It can be begun again, and left.
-    window.harness.state_mut().apply([Action::Command(Command::StartTour)]);
+    window
+        .harness
+        .state_mut()
+        .apply([Action::Command(Command::StartTour)]);
     window.harness.run_steps(2);
-    assert_eq!((step(&window), window.app().session.frame), (Some(TourStep::FirstPoint), 2));
+    assert_eq!(
+        (step(&window), window.app().session.frame),
+        (Some(TourStep::FirstPoint), 2)
+    );
     window.harness.get_by_label("Leave the tour").click();
     window.harness.run_steps(3);
     assert_eq!(step(&window), None);
@@ -77,8 +106,14 @@ fn without_a_frame_to_try_the_tour_says_what_to_do() {
     let mut window = Window::open_in("demo", 1, [1280.0, 720.0]);
     window.key(Key::X);
     window.type_text("1");
-    window.harness.state_mut().apply([Action::Command(Command::StartTour)]);
+    window
+        .harness
+        .state_mut()
+        .apply([Action::Command(Command::StartTour)]);
     assert_eq!(step(&window), None);
     let told = &window.app().session.messages.notices.last().unwrap().text;
-    assert!(told.contains("no frame left to try") && told.contains("Delete "), "{told}");
+    assert!(
+        told.contains("no frame left to try") && told.contains("Delete "),
+        "{told}"
+    );
 }

@@ -1,4 +1,5 @@
-//! The trainer panel: what goes on, what the forest learns from and is worth, where a reference is missing.
+//! The trainer panel: what goes on, what the forest learns from and is worth, where a reference is
+//! missing.
 #![cfg(feature = "opencv")]
 
 use super::harness::{Window, truth};
@@ -8,11 +9,15 @@ use egui_kittest::kittest::Queryable as _;
 use std::sync::Arc;
 use std::time::Duration;
 use touchline::app::session::SidePanel;
-use touchline::app::{Action, Command, Doing, ForestFacts, TrainerReport, TrainerStatus, UnusableReference};
+use touchline::app::{
+    Action, Command, Doing, ForestFacts, TrainerReport, TrainerStatus, UnusableReference,
+};
 use touchline::document::Document;
 use touchline::geometry::{Angle, AngleRange};
 use touchline::progress::Share;
-use touchline::proposals::{Coverage, CoverageCell, FoundAgain, LeftOut, LeftOutBy, Quality, TrainingSampleError};
+use touchline::proposals::{
+    Coverage, CoverageCell, FoundAgain, LeftOut, LeftOutBy, Quality, TrainingSampleError,
+};
 
 pub const TESTS: &[Test] = tests![
     [Adapter] the_panel_says_what_is_learnt_and_where_a_reference_is_missing;
@@ -23,13 +28,19 @@ pub const TESTS: &[Test] = tests![
 fn status(document: &Document) -> TrainerStatus {
     let cell = |index: usize| {
         let (column, row) = (index % 10, index / 10);
-        CoverageCell { references: if column < 5 { row as u32 } else { 0 }, field: row > 0 && (1..9).contains(&column) }
+        CoverageCell {
+            references: if column < 5 { row as u32 } else { 0 },
+            field: row > 0 && (1..9).contains(&column),
+        }
     };
     let asked = |frame: usize, found: Option<f64>| LeftOut {
         frame: document.frames[frame].id.clone(),
         pan_deg: truth(frame).ptz().pan.degrees(),
         tilt_deg: -13.0,
-        found: found.map(|error_px| FoundAgain { error_px, confidence: 0.97 }),
+        found: found.map(|error_px| FoundAgain {
+            error_px,
+            confidence: 0.97,
+        }),
     };
     TrainerStatus {
         doing: Doing::Proposing(Share { done: 30, of: 120 }),
@@ -37,8 +48,11 @@ fn status(document: &Document) -> TrainerStatus {
         references: 8,
         training_frames: 6,
         withheld: 2,
-        failed: [UnusableReference { frame: document.frames[2].id.clone(), error: TrainingSampleError::Changed }]
-            .into(),
+        failed: [UnusableReference {
+            frame: document.frames[2].id.clone(),
+            error: TrainingSampleError::Changed,
+        }]
+        .into(),
         forest: Some(ForestFacts {
             generation: 3,
             references: 5,
@@ -73,9 +87,14 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
     let mut window = Window::open(6, [1280.0, 860.0], 1.0);
     window.key(Key::F3);
     assert_eq!(window.app().session.panel, SidePanel::Trainer);
-    window.harness.get_by_label("Waiting for the first reference.");
+    window
+        .harness
+        .get_by_label("Waiting for the first reference.");
     let status = status(&window.app().open().unwrap().document);
-    window.harness.state_mut().apply([Action::Trainer(TrainerReport::Status(Box::new(status)))]);
+    window
+        .harness
+        .state_mut()
+        .apply([Action::Trainer(TrainerReport::Status(Box::new(status)))]);
     window.harness.run_steps(3);
     for said in [
         "Proposing cameras: 30 of 120, about 70\u{a0}s left.",
@@ -85,11 +104,19 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
         "27 cameras proposed.",
         "No reference sees the field near pan\u{a0}40°.",
     ] {
-        assert!(window.harness.query_all_by_label(said).next().is_some(), "{said}");
+        assert!(
+            window.harness.query_all_by_label(said).next().is_some(),
+            "{said}"
+        );
     }
-    window.harness.get_by_label_contains("2 of 3 references found");
+    window
+        .harness
+        .get_by_label_contains("2 of 3 references found");
     window.harness.get_by_label("proposing 30/120");
-    window.snapshot_of("trainer", Rect::from_min_max(pos2(980.0, 24.0), pos2(1280.0, 836.0)));
+    window.snapshot_of(
+        "trainer",
+        Rect::from_min_max(pos2(980.0, 24.0), pos2(1280.0, 836.0)),
+    );
 
     // A reference that was left out leads to its frame.
     window.harness.get_by_label("0003.png: 64 px").click();
@@ -110,9 +137,17 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
 
 fn trouble_is_shown_in_the_menu_row_and_leads_to_the_panel() {
     let mut window = Window::open(2, [1280.0, 720.0], 1.0);
-    let trouble = Some("Internal error while learning (please report it): the saw broke.".to_owned());
-    let status = TrainerStatus { trouble, references: 1, ..TrainerStatus::default() };
-    window.harness.state_mut().apply([Action::Trainer(TrainerReport::Status(Box::new(status)))]);
+    let trouble =
+        Some("Internal error while learning (please report it): the saw broke.".to_owned());
+    let status = TrainerStatus {
+        trouble,
+        references: 1,
+        ..TrainerStatus::default()
+    };
+    window
+        .harness
+        .state_mut()
+        .apply([Action::Trainer(TrainerReport::Status(Box::new(status)))]);
     window.harness.run_steps(2);
     window.harness.get_by_label("trainer: problem").click();
     window.harness.run_steps(2);

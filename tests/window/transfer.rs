@@ -31,33 +31,63 @@ fn exported(app: &App) -> Option<Format> {
 
 fn formats_say_what_they_are_and_what_they_lose_before_anything_is_written() {
     let mut window = Window::open_referenced(4, SIZE);
-    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    window
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::E);
     window.harness.run_steps(2);
     assert_eq!(window.app().session.dialog, Some(Dialog::Transfer));
     looked(&mut window);
     // Further down in the list than a click reaches.
-    window.harness.state_mut().apply([Action::Transfer(TransferAction::Format(Format::Chan))]);
+    window
+        .harness
+        .state_mut()
+        .apply([Action::Transfer(TransferAction::Format(Format::Chan))]);
     window.wait_for(|shell| shell.is_idle() && exported(shell.app()) == Some(Format::Chan));
     window.harness.run_steps(3);
     assert_eq!(window.harness.unnamed_widgets(), Vec::<String>::new());
-    window.snapshot_of("export_formats", egui::Rect::from_min_size(pos2(220.0, 60.0), vec2(840.0, 600.0)));
+    window.snapshot_of(
+        "export_formats",
+        egui::Rect::from_min_size(pos2(220.0, 60.0), vec2(840.0, 600.0)),
+    );
     let file = window.folder.path().join("camera.chan");
-    window.harness.state_mut().apply([Action::Answer(Question::ExportAs(Format::Chan), file.clone())]);
+    window.harness.state_mut().apply([Action::Answer(
+        Question::ExportAs(Format::Chan),
+        file.clone(),
+    )]);
     window.wait_for(|shell| file.exists() && shell.app().session.dialog.is_none());
 }
 
 fn a_dataset_is_shown_before_it_is_written() {
     let mut window = Window::open_referenced(4, SIZE);
-    window.harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
+    window
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     window.harness.run_steps(2);
-    window.harness.get_by_label("split into training, validation and test, %:").click();
+    window
+        .harness
+        .get_by_label("split into training, validation and test, %:")
+        .click();
     window.harness.run_steps(2);
     looked(&mut window);
     assert_eq!(window.harness.unnamed_widgets(), Vec::<String>::new());
-    window.snapshot_of("export_dataset", egui::Rect::from_min_size(pos2(220.0, 60.0), vec2(840.0, 600.0)));
+    window.snapshot_of(
+        "export_dataset",
+        egui::Rect::from_min_size(pos2(220.0, 60.0), vec2(840.0, 600.0)),
+    );
     let folder = window.folder.path().join("set");
-    window.harness.state_mut().apply([Action::Answer(Question::DatasetTo, folder.clone())]);
-    window.wait_for(|shell| folder.join("manifest.sha256").exists() && shell.app().session.dialog.is_none());
-    window.harness.state_mut().apply([Action::Transfer(TransferAction::Stop)]);
-    assert!((!window.app().operations.transfer.is_looking() && window.app().operations.transfer.writing().is_none()));
+    window
+        .harness
+        .state_mut()
+        .apply([Action::Answer(Question::DatasetTo, folder.clone())]);
+    window.wait_for(|shell| {
+        folder.join("manifest.sha256").exists() && shell.app().session.dialog.is_none()
+    });
+    window
+        .harness
+        .state_mut()
+        .apply([Action::Transfer(TransferAction::Stop)]);
+    assert!(
+        (!window.app().operations.transfer.is_looking()
+            && window.app().operations.transfer.writing().is_none())
+    );
 }

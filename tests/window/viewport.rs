@@ -37,7 +37,10 @@ fn a_click_lands_on_the_same_pixel_at_any_density() {
         let at = ImagePoint::new(212.25, 141.5);
         window.click(at);
         let placed = window.app().frame().unwrap().clicks[0].image;
-        assert!(placed.distance_px(at) < 1.0, "{placed:?} at {pixels_per_point}");
+        assert!(
+            placed.distance_px(at) < 1.0,
+            "{placed:?} at {pixels_per_point}"
+        );
     }
 }
 
@@ -49,12 +52,24 @@ fn the_wheel_zooms_to_the_pointer_and_the_view_stays_on_the_next_frame() {
     for _ in 0..8 {
         wheel(&mut window, 1.0);
     }
-    assert!(window.on_screen(held).distance(at) < 4.0, "{:?}", window.on_screen(held));
-    let PictureView::Zoomed { scale, .. } = window.app().session.picture.view else { panic!("enlarged") };
+    assert!(
+        window.on_screen(held).distance(at) < 4.0,
+        "{:?}",
+        window.on_screen(held)
+    );
+    let PictureView::Zoomed { scale, .. } = window.app().session.picture.view else {
+        panic!("enlarged")
+    };
     assert!(scale > 3.0, "{scale}");
     let view = window.app().session.picture.view;
     window.key(Key::Period);
-    assert_eq!((window.app().session.frame, window.app().session.picture.view), (1, view));
+    assert_eq!(
+        (
+            window.app().session.frame,
+            window.app().session.picture.view
+        ),
+        (1, view)
+    );
     window.key(Key::F);
     assert_eq!(window.app().session.picture.view, PictureView::Fit);
 }
@@ -69,15 +84,33 @@ fn the_overlay_follows_a_dragged_point_in_the_same_frame_of_the_window() {
 
     // Pressing selects and moves nothing; the point keeps its distance from the pointer.
     window.press(at + vec2(3.0, 2.0));
-    assert!(matches!(window.app().session.mode, Mode::Dragging { click: 0, placed: false }));
+    assert!(matches!(
+        window.app().session.mode,
+        Mode::Dragging {
+            click: 0,
+            placed: false
+        }
+    ));
     let before = window.app().frame().unwrap().clicks[0].image;
     window.drag(at + vec2(63.0, 42.0));
     let moved = window.app().frame().unwrap().clicks[0].image;
-    assert!(window.on_screen(moved).distance(at + vec2(60.0, 40.0)) < 0.1, "{before:?} {moved:?}");
+    assert!(
+        window.on_screen(moved).distance(at + vec2(60.0, 40.0)) < 0.1,
+        "{before:?} {moved:?}"
+    );
     let picture = window.harness.render().unwrap();
     let arm = at + vec2(60.0 + 7.0, 40.0);
-    let brightest = (-1..=1).map(|dy| picture.get_pixel(arm.x as u32, (arm.y as i32 + dy) as u32).0[0]).max();
-    assert!(brightest > Some(240), "the marker is where the point is: {brightest:?}");
+    let brightest = (-1..=1)
+        .map(|dy| {
+            picture
+                .get_pixel(arm.x as u32, (arm.y as i32 + dy) as u32)
+                .0[0]
+        })
+        .max();
+    assert!(
+        brightest > Some(240),
+        "the marker is where the point is: {brightest:?}"
+    );
     window.harness.get_by_label("Loupe");
     window.snapshot("loupe", moved, [420.0, 420.0]);
 
@@ -91,13 +124,16 @@ fn the_overlay_follows_a_dragged_point_in_the_same_frame_of_the_window() {
 fn masks_are_drawn_and_deleted_on_the_picture() {
     let mut window = Window::open(1, [960.0, 600.0], 1.0);
     window.key(Key::M);
-    let corners = [ImagePoint::new(100.0, 80.0), ImagePoint::new(260.0, 150.0)].map(|corner| window.on_screen(corner));
+    let corners = [ImagePoint::new(100.0, 80.0), ImagePoint::new(260.0, 150.0)]
+        .map(|corner| window.on_screen(corner));
     window.press(corners[0]);
     window.drag(corners[1]);
     window.release(corners[1]);
     let frame = window.app().frame().unwrap();
     assert!(frame.clicks.is_empty() && frame.masks.len() == 1);
-    assert!((frame.masks[0].width - 160.0).abs() < 1.5 && (frame.masks[0].height - 70.0).abs() < 1.5);
+    assert!(
+        (frame.masks[0].width - 160.0).abs() < 1.5 && (frame.masks[0].height - 70.0).abs() < 1.5
+    );
     window.harness.get_by_label("Delete frame mask 1").click();
     window.harness.run_steps(2);
     assert!(window.app().frame().unwrap().masks.is_empty());
@@ -109,14 +145,19 @@ fn a_frame_is_rejected_with_its_reason() {
     window.harness.get_by_label_contains("Replay");
     window.type_text("2");
     window.harness.run_steps(1);
-    assert_eq!(window.app().open().unwrap().frame(0).unwrap().status, FrameStatus::Rejected);
+    assert_eq!(
+        window.app().open().unwrap().frame(0).unwrap().status,
+        FrameStatus::Rejected
+    );
     assert_eq!(window.app().session.frame, 1);
 }
 
 fn nothing_can_be_clicked_where_the_picture_is_missing() {
     let window = Window::open(2, [960.0, 600.0], 1.0);
     std::fs::remove_file(window.folder.path().join("0001.png")).unwrap();
-    let Window { harness, folder, .. } = window;
+    let Window {
+        harness, folder, ..
+    } = window;
     drop(harness);
     let mut window = Window::on(folder, [960.0, 600.0], 1.0);
     window.key(Key::Period);
@@ -128,8 +169,9 @@ fn nothing_can_be_clicked_where_the_picture_is_missing() {
 }
 
 fn without_a_graphics_adapter_the_window_still_runs() {
-    let mut harness =
-        Harness::builder().with_size([960.0, 600.0]).build_eframe(|creation| Shell::new(creation, None, None).unwrap());
+    let mut harness = Harness::builder()
+        .with_size([960.0, 600.0])
+        .build_eframe(|creation| Shell::new(creation, None, None).unwrap());
     harness.run_steps(3);
     assert!(harness.state().app().open().is_none());
 }

@@ -1,5 +1,6 @@
-//! A frame's camera as text to paste elsewhere: JSON, all digits. Pixels are in the document's convention: (0, 0) is the top-left
-//! corner of the top-left pixel; OpenCV's, with (0, 0) in its middle, is half a pixel less.
+//! A frame's camera as text to paste elsewhere: JSON, all digits. Pixels are in the document's
+//! convention: (0, 0) is the top-left corner of the top-left pixel; OpenCV's, with (0, 0) in its
+//! middle, is half a pixel less.
 
 use serde_json::{Value, json};
 use touchline_core::camera::PtzCamera;
@@ -60,7 +61,17 @@ impl CameraText {
         let axis = |unit: Vec3| camera.cam_from_world_point(unit) - translation_m;
         let rotation = Mat3::from_columns(&[axis(Vec3::x()), axis(Vec3::y()), axis(Vec3::z())]);
         let centre = camera.base().principal_point;
-        let k = Mat3::new(ptz.focal_px, 0.0, centre.x, 0.0, ptz.focal_px, centre.y, 0.0, 0.0, 1.0);
+        let k = Mat3::new(
+            ptz.focal_px,
+            0.0,
+            centre.x,
+            0.0,
+            ptz.focal_px,
+            centre.y,
+            0.0,
+            0.0,
+            1.0,
+        );
         let value = match self {
             Self::Ptz => json!({
                 "pan_deg": ptz.pan.degrees(), "tilt_deg": ptz.tilt.degrees(), "focal_px": ptz.focal_px,
@@ -70,12 +81,23 @@ impl CameraText {
                 "k1": camera.lens().k1, "k2": camera.lens().k2,
             }),
             Self::Homography => {
-                let plane = Mat3::from_columns(&[rotation.column(0).into(), rotation.column(1).into(), translation_m]);
+                let plane = Mat3::from_columns(&[
+                    rotation.column(0).into(),
+                    rotation.column(1).into(),
+                    translation_m,
+                ]);
                 rows(&(k * plane))
             }
             Self::Projection => {
                 let (turned, moved) = (k * rotation, k * translation_m);
-                let row = |row: usize| [turned[(row, 0)], turned[(row, 1)], turned[(row, 2)], moved[row]];
+                let row = |row: usize| {
+                    [
+                        turned[(row, 0)],
+                        turned[(row, 1)],
+                        turned[(row, 2)],
+                        moved[row],
+                    ]
+                };
                 json!([row(0), row(1), row(2)])
             }
         };
@@ -85,7 +107,10 @@ impl CameraText {
 
 /// A matrix by its rows.
 fn rows(matrix: &Mat3) -> Value {
-    matrix.row_iter().map(|row| json!([row[0], row[1], row[2]])).collect()
+    matrix
+        .row_iter()
+        .map(|row| json!([row[0], row[1], row[2]]))
+        .collect()
 }
 
 #[cfg(test)]
@@ -95,7 +120,10 @@ mod tests {
     use touchline_core::geometry::{Angle, ImageSize};
 
     fn camera() -> PtzCamera {
-        let down = BaseAngles { pitch: Angle::from_degrees(-2.0), ..BaseAngles::default() };
+        let down = BaseAngles {
+            pitch: Angle::from_degrees(-2.0),
+            ..BaseAngles::default()
+        };
         let centre = ImageSize::new(1280, 720).centre();
         let base = CameraBase::new(Vec3::new(1.0, -60.0, 18.0), down.base_from_world(), centre);
         PtzCamera::new(base, Ptz::from_degrees(7.0, -9.5, 2100.0))
@@ -104,19 +132,28 @@ mod tests {
     #[test]
     fn what_is_copied_projects_as_the_camera_does() {
         let camera = camera();
-        let homography: [[f64; 3]; 3] = serde_json::from_str(&CameraText::Homography.of(&camera)).unwrap();
-        let matrix: [[f64; 4]; 3] = serde_json::from_str(&CameraText::Projection.of(&camera)).unwrap();
+        let homography: [[f64; 3]; 3] =
+            serde_json::from_str(&CameraText::Homography.of(&camera)).unwrap();
+        let matrix: [[f64; 4]; 3] =
+            serde_json::from_str(&CameraText::Projection.of(&camera)).unwrap();
         for point in [Vec3::new(3.0, 4.0, 0.0), Vec3::new(11.0, -20.0, 0.0)] {
             let there = camera.image_from_world(point).unwrap();
             let from_plane = homography.map(|row| row[0] * point.x + row[1] * point.y + row[2]);
-            let from_world = matrix.map(|row| row[0] * point.x + row[1] * point.y + row[2] * point.z + row[3]);
+            let from_world =
+                matrix.map(|row| row[0] * point.x + row[1] * point.y + row[2] * point.z + row[3]);
             for [x, y, w] in [from_plane, from_world] {
-                assert!((x / w - there.x).abs() < 1e-6 && (y / w - there.y).abs() < 1e-6, "{x} {y} {w} {there:?}");
+                assert!(
+                    (x / w - there.x).abs() < 1e-6 && (y / w - there.y).abs() < 1e-6,
+                    "{x} {y} {w} {there:?}"
+                );
             }
         }
         let ptz: Value = serde_json::from_str(&CameraText::Ptz.of(&camera)).unwrap();
         assert!((ptz["pan_deg"].as_f64().unwrap() - 7.0).abs() < 1e-9);
         let parts: Value = serde_json::from_str(&CameraText::KRt.of(&camera)).unwrap();
-        assert_eq!((parts["K"][0][0].as_f64(), parts["K"][1][2].as_f64()), (Some(2100.0), Some(360.0)));
+        assert_eq!(
+            (parts["K"][0][0].as_f64(), parts["K"][1][2].as_f64()),
+            (Some(2100.0), Some(360.0))
+        );
     }
 }

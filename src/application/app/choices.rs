@@ -67,7 +67,8 @@ pub enum MaskScope {
     All,
     /// The shown frame's shot.
     Shot,
-    /// The frames that are selected on the filmstrip; of a video all between the first and the last.
+    /// The frames that are selected on the filmstrip; of a video all between the first and the
+    /// last.
     Selected,
     /// The shown frame of a video and those after it.
     FromHere,
@@ -79,7 +80,14 @@ pub enum MaskScope {
 
 impl MaskScope {
     /// Every scope, the largest first.
-    pub const ALL: [Self; 6] = [Self::All, Self::Shot, Self::Selected, Self::FromHere, Self::UpToHere, Self::Frame];
+    pub const ALL: [Self; 6] = [
+        Self::All,
+        Self::Shot,
+        Self::Selected,
+        Self::FromHere,
+        Self::UpToHere,
+        Self::Frame,
+    ];
 
     /// What a person reads.
     #[must_use]

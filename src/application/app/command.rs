@@ -1,15 +1,18 @@
 //! What a user can ask for: the menu, the keys and the palette all list the same commands.
 //!
-//! A command carries no details ("undo", "next frame"); an [`super::Action`] changes state. Every command has a name, a
-//! sentence for its tooltip, a group and default keys. [`super::App::why_not`] decides whether it is available and gives
-//! the reason if it is not.
+//! A command carries no details ("undo", "next frame"); an [`super::Action`] changes state. Every
+//! command has a name, a sentence for its tooltip, a group and default keys.
+//! [`super::App::why_not`] decides whether it is available and gives the reason if it is not.
 
 use super::command_kind::CommandKind;
 use super::menu_group::MenuGroup;
 
 /// Something a user can ask for by menu, key or palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[allow(missing_docs, reason = "each command is described by `Command::about`, which users read")]
+#[allow(
+    missing_docs,
+    reason = "each command is described by `Command::about`, which users read"
+)]
 pub enum Command {
     OpenProject,
     OpenFolder,
@@ -273,7 +276,9 @@ impl Command {
 
     fn row(self) -> &'static Row {
         // The table is short and may be in another order than the enum.
-        ROWS.iter().find(|row| row.command == self).unwrap_or(&ROWS[0])
+        ROWS.iter()
+            .find(|row| row.command == self)
+            .unwrap_or(&ROWS[0])
     }
 
     /// The stable name in the settings file.
@@ -337,7 +342,10 @@ mod tests {
         for command in Command::all() {
             assert_eq!(command.row().command, command, "{command:?} has no row");
             assert_eq!(Command::from_id(command.id()), Some(command));
-            assert!(command.about().ends_with('.') || command.about().ends_with(')'), "{command:?}");
+            assert!(
+                command.about().ends_with('.') || command.about().ends_with(')'),
+                "{command:?}"
+            );
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What each command acts on.
 
-/// What a command acts on. It decides whether the command is available during a blind round or behind another page.
+/// What a command acts on. It decides whether the command is available during a blind round or
+/// behind another page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CommandKind {
     /// The application itself: shows and changes no label.
@@ -16,7 +17,8 @@ pub enum CommandKind {
 }
 
 impl CommandKind {
-    /// Whether it is available during a blind round: it neither shows the label nor leaves the round.
+    /// Whether it is available during a blind round: it neither shows the label nor leaves the
+    /// round.
     #[must_use]
     pub const fn is_blind(self) -> bool {
         matches!(self, Self::Application | Self::Zoom | Self::Round)

@@ -70,7 +70,8 @@ pub enum Effect {
     Close,
 }
 
-/// A document at one moment, as it is to be written. What it holds is shared with the document that is open.
+/// A document at one moment, as it is to be written. What it holds is shared with the document that
+/// is open.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     /// The document.

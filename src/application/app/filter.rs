@@ -52,8 +52,8 @@ impl Filter {
     }
 }
 
-/// Whether a frame is still to do: it is neither accepted nor rejected. The filmstrip, the keys, every count and every sentence
-/// mean this by it.
+/// Whether a frame is still to do: it is neither accepted nor rejected. The filmstrip, the keys,
+/// every count and every sentence mean this by it.
 #[must_use]
 pub const fn is_to_do(frame: &Frame) -> bool {
     !matches!(frame.status, FrameStatus::Reference | FrameStatus::Rejected)

@@ -18,7 +18,10 @@ pub struct Guidance {
 
 impl Guidance {
     fn say(text: impl Into<String>) -> Self {
-        Self { text: text.into(), offers: Vec::new() }
+        Self {
+            text: text.into(),
+            offers: Vec::new(),
+        }
     }
 
     fn offer(mut self, says: &'static str, command: Command) -> Self {
@@ -39,17 +42,26 @@ pub fn next_step(app: &App) -> Guidance {
     let Some(frame) = app.frame() else {
         return Guidance::say("This document has no frames. Open a folder of frames or a video.");
     };
-    if let Some(under_way) = app.operations.under_way().filter(|_| app.session.mode == Mode::Idle) {
+    if let Some(under_way) = app
+        .operations
+        .under_way()
+        .filter(|_| app.session.mode == Mode::Idle)
+    {
         return Guidance::say(under_way.text).offer("Stop", under_way.stop);
     }
     if app.session.quality.open {
         let key = app.settings.keys.shown(Command::QualityPage);
-        return Guidance::say(format!("Click a point to look at its frame; {key} or Esc goes back to the picture."));
+        return Guidance::say(format!(
+            "Click a point to look at its frame; {key} or Esc goes back to the picture."
+        ));
     }
     begun(app)
         .or_else(|| estimated(app))
         .or_else(|| {
-            app.session.points.next_on_line.then(|| Guidance::say("Click a spot on a line, then name the line."))
+            app.session
+                .points
+                .next_on_line
+                .then(|| Guidance::say("Click a spot on a line, then name the line."))
         })
         .or_else(|| other_picture(app))
         .or_else(|| unnamed(frame))
@@ -63,18 +75,33 @@ pub fn next_step(app: &App) -> Guidance {
 fn begun(app: &App) -> Option<Guidance> {
     Some(Guidance::say(match &app.session.mode {
         Mode::Idle => return None,
-        Mode::Dragging { .. } => "Release the button where the point belongs. Esc puts it back.".to_owned(),
-        Mode::Naming(naming) if naming.offered().is_empty() => {
-            format!("Nothing matches “{}”. Press Backspace or Esc.", naming.typed)
+        Mode::Dragging { .. } => {
+            "Release the button where the point belongs. Esc puts it back.".to_owned()
         }
-        Mode::Naming(_) => "What is it? 1–5 chooses, letters filter, Enter takes the first.".to_owned(),
-        Mode::Placing(target) => format!("Click {} in the picture. Esc cancels.", app.label(target)),
+        Mode::Naming(naming) if naming.offered().is_empty() => {
+            format!(
+                "Nothing matches “{}”. Press Backspace or Esc.",
+                naming.typed
+            )
+        }
+        Mode::Naming(_) => {
+            "What is it? 1–5 chooses, letters filter, Enter takes the first.".to_owned()
+        }
+        Mode::Placing(target) => {
+            format!("Click {} in the picture. Esc cancels.", app.label(target))
+        }
         Mode::Rejecting { whole_shot } => {
-            let what = if *whole_shot { "this shot" } else { "this frame" };
+            let what = if *whole_shot {
+                "this shot"
+            } else {
+                "this frame"
+            };
             format!("Why is {what} not calibratable? Choose with 1–6, Esc cancels.")
         }
         Mode::ClickingAgain(round) => {
-            let asked = round.asked().map(|asked| app.label(&Target::Landmark(asked.landmark.clone())))?;
+            let asked = round
+                .asked()
+                .map(|asked| app.label(&Target::Landmark(asked.landmark.clone())))?;
             let skip = app.settings.keys.shown(Command::SkipAgain);
             format!("Click {asked}, as you would label it. {skip} skips it, Esc ends the round.")
         }
@@ -86,9 +113,13 @@ fn begun(app: &App) -> Option<Guidance> {
 fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
     match frame.status {
         FrameStatus::Rejected => {
-            let why =
-                frame.reason.map(|reason| format!(": {}", reason_label(reason).to_lowercase())).unwrap_or_default();
-            Some(Guidance::say(format!("Not calibratable{why}. X removes the mark, N goes on.")))
+            let why = frame
+                .reason
+                .map(|reason| format!(": {}", reason_label(reason).to_lowercase()))
+                .unwrap_or_default();
+            Some(Guidance::say(format!(
+                "Not calibratable{why}. X removes the mark, N goes on."
+            )))
         }
         FrameStatus::Reference if app.open().is_some_and(|open| open.counts().to_do == 0) => {
             Some(Guidance::say(ALL_DONE).offer("Export…", Command::Export))
@@ -106,22 +137,31 @@ fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
 
 /// The text for a frame that is a reference.
 fn of_reference(app: &App) -> String {
-    let Some(open) = app.open() else { return String::new() };
+    let Some(open) = app.open() else {
+        return String::new();
+    };
     let (left, missing) = (open.counts().to_do, missing_references(open.counts()));
-    let label =
-        app.frame().is_some_and(|frame| frame.status == FrameStatus::Reference && !frame.is_used_for_training());
+    let label = app.frame().is_some_and(|frame| {
+        frame.status == FrameStatus::Reference && !frame.is_used_for_training()
+    });
     match missing {
-        _ if label => format!("Accepted (not used for training). N goes to the next of {left} to do."),
+        _ if label => {
+            format!("Accepted (not used for training). N goes to the next of {left} to do.")
+        }
         0 => format!("Reference. N goes to the next of {left} to do; a click here changes it."),
         missing => {
-            format!("Reference saved. {missing} more, spread left to right, and proposals become useful.")
+            format!(
+                "Reference saved. {missing} more, spread left to right, and proposals become useful."
+            )
         }
     }
 }
 
-/// Whether all that is to do are frames without an answer: a label elsewhere helps more than going through them.
+/// Whether all that is to do are frames without an answer: a label elsewhere helps more than going
+/// through them.
 fn only_labels_help(app: &App) -> bool {
-    app.open().is_some_and(|open| open.counts().to_do == open.counts().unanswered)
+    app.open()
+        .is_some_and(|open| open.counts().to_do == open.counts().unanswered)
 }
 
 /// A picture that is not the one of the frame: whatever is done here is done to another moment.
@@ -134,7 +174,10 @@ fn other_picture(app: &App) -> Option<Guidance> {
 
 fn unnamed(frame: &Frame) -> Option<Guidance> {
     let index = frame.unnamed_click()?;
-    let text = format!("Point {} has no name. Name it, or delete it with Del.", index + 1);
+    let text = format!(
+        "Point {} has no name. Name it, or delete it with Del.",
+        index + 1
+    );
     Some(Guidance::say(text).offer("Name it", Command::NameNext))
 }
 
@@ -148,9 +191,15 @@ fn estimated(app: &App) -> Option<Guidance> {
     let is_drawn = proposal.is_some_and(|proposal| proposal.camera.is_some());
     Some(Guidance::say(match (proposal, app.current().base) {
         (None, _) => "The estimated base is of another camera. Go to one of its frames to see it.",
-        _ if !is_drawn => "This frame has no points to draw the estimated base with. Step to one that has.",
-        (_, Some(_)) => "Lines and numbers are those of the estimated base. Hold B for the current one.",
-        (_, None) => "Lines and numbers are those of the estimated base. Step through the frames and check them.",
+        _ if !is_drawn => {
+            "This frame has no points to draw the estimated base with. Step to one that has."
+        }
+        (_, Some(_)) => {
+            "Lines and numbers are those of the estimated base. Hold B for the current one."
+        }
+        (_, None) => {
+            "Lines and numbers are those of the estimated base. Step through the frames and check them."
+        }
     }))
 }
 
@@ -161,7 +210,10 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
     }
     let ready = app.base_readiness();
     if ready.is_enough() {
-        let text = format!("{} frames are enough to estimate the base. More frames improve it.", ready.wide);
+        let text = format!(
+            "{} frames are enough to estimate the base. More frames improve it.",
+            ready.wide
+        );
         return Some(Guidance::say(text).offer("Estimate the base now", Command::EstimateBase));
     }
     let here = frame.landmark_clicks();
@@ -172,7 +224,10 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
                 ready.describe()
             )
         }
-        0 => format!("This frame has enough points. Now one that looks elsewhere. {}", ready.describe()),
+        0 => format!(
+            "This frame has enough points. Now one that looks elsewhere. {}",
+            ready.describe()
+        ),
         _ => format!("Two clicks need a known camera. {}", ready.describe()),
     };
     let mut guidance = Guidance::say(text);
@@ -200,12 +255,26 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
         return Guidance::say(of_snapped(app, frame));
     }
     match &current.solution {
-        Some(Ok(_)) => Guidance::say(match current.judgement.as_ref().map(|judgement| judgement.verdict) {
-            Some(Verdict::Wrong) => "There is a contradiction: read the verdict before you accept.",
-            Some(Verdict::Check) if current.next_clicks.is_empty() => "Check the lines, then press Enter to accept.",
-            Some(Verdict::Check) => "Check the lines, then press Enter to accept. One more point far away helps.",
-            Some(Verdict::Good) | None => "Press Enter to accept and go on. Drag a point to refine it.",
-        }),
+        Some(Ok(_)) => Guidance::say(
+            match current
+                .judgement
+                .as_ref()
+                .map(|judgement| judgement.verdict)
+            {
+                Some(Verdict::Wrong) => {
+                    "There is a contradiction: read the verdict before you accept."
+                }
+                Some(Verdict::Check) if current.next_clicks.is_empty() => {
+                    "Check the lines, then press Enter to accept."
+                }
+                Some(Verdict::Check) => {
+                    "Check the lines, then press Enter to accept. One more point far away helps."
+                }
+                Some(Verdict::Good) | None => {
+                    "Press Enter to accept and go on. Drag a point to refine it."
+                }
+            },
+        ),
         Some(Err(CalibrationError::Solve(SolveError::TooFewObservations { equations })))
             if proposed(frame).is_none() =>
         {
@@ -215,14 +284,24 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
                 _ => format!("Now one far away: {} px or more.", far_px(frame)),
             })
         }
-        Some(Err(error)) if proposed(frame).is_none() => Guidance::say(format!("No camera yet: {error}.")),
+        Some(Err(error)) if proposed(frame).is_none() => {
+            Guidance::say(format!("No camera yet: {error}."))
+        }
         _ => match proposed(frame) {
-            Some(_) if frame.is_hopeless() => Guidance::say(format!("No proposal that holds. {}", first_point())),
+            Some(_) if frame.is_hopeless() => {
+                Guidance::say(format!("No proposal that holds. {}", first_point()))
+            }
             Some(_) => Guidance::say(format!(
                 "Dashed = proposed{}. Enter takes it, a click corrects it, X rejects it.",
-                if frame.is_snapped_proposal() { " and snapped to the painted lines" } else { "" }
+                if frame.is_snapped_proposal() {
+                    " and snapped to the painted lines"
+                } else {
+                    ""
+                }
             )),
-            None if frame.is_unanswered() => Guidance::say(format!("No proposal here. {}", first_point())),
+            None if frame.is_unanswered() => {
+                Guidance::say(format!("No proposal here. {}", first_point()))
+            }
             None => Guidance::say(first_point()),
         },
     }
@@ -230,19 +309,30 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
 
 /// The text for a frame whose camera lies on the painted lines.
 fn of_snapped(app: &App, frame: &Frame) -> String {
-    let residuals = app.current().residuals.iter().filter_map(ClickResidual::distance_px);
+    let residuals = app
+        .current()
+        .residuals
+        .iter()
+        .filter_map(ClickResidual::distance_px);
     let points = match residuals.max_by(f64::total_cmp) {
         Some(farthest_px) => format!("; points within {farthest_px:.1} px"),
         None => String::new(),
     };
     let (means, then) = match frame.status {
-        FrameStatus::Suggested => {
-            ("Dashed = proposed and snapped", "Enter takes it, a click corrects it, X rejects it.")
-        }
-        _ => ("Snapped", "Enter accepts it, a click solves from the points."),
+        FrameStatus::Suggested => (
+            "Dashed = proposed and snapped",
+            "Enter takes it, a click corrects it, X rejects it.",
+        ),
+        _ => (
+            "Snapped",
+            "Enter accepts it, a click solves from the points.",
+        ),
     };
     let key = app.settings.keys.shown(Command::Snap);
-    let before = app.before_snap().map(|_| format!(" Hold {key}: before.")).unwrap_or_default();
+    let before = app
+        .before_snap()
+        .map(|_| format!(" Hold {key}: before."))
+        .unwrap_or_default();
     format!("{means} to the painted lines{points}. {then}{before}")
 }
 
@@ -258,7 +348,9 @@ fn far_px(frame: &Frame) -> u32 {
 /// Where the frame's camera came from, if nobody clicked or typed it.
 fn proposed(frame: &Frame) -> Option<SolutionSource> {
     frame.ptz.as_ref()?;
-    frame.source().filter(|source| matches!(source, SolutionSource::Forest | SolutionSource::Tracking))
+    frame
+        .source()
+        .filter(|source| matches!(source, SolutionSource::Forest | SolutionSource::Tracking))
 }
 
 #[cfg(test)]
@@ -267,13 +359,25 @@ mod tests {
     use crate::app::{Action, EditAction, Navigation, Opened, PointerAction, Settings};
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec3};
-    use touchline_documents::document::{Camera, Document, FieldSpec, FramePtz, RejectReason, Solution, Target};
+    use touchline_documents::document::{
+        Camera, Document, FieldSpec, FramePtz, RejectReason, Solution, Target,
+    };
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     fn camera(ptz: Ptz) -> PtzCamera {
-        let down = BaseAngles { pitch: Angle::from_degrees(-2.0), ..BaseAngles::default() };
-        PtzCamera::new(CameraBase::new(Vec3::new(0.0, -60.0, 18.0), down.base_from_world(), SIZE.centre()), ptz)
+        let down = BaseAngles {
+            pitch: Angle::from_degrees(-2.0),
+            ..BaseAngles::default()
+        };
+        PtzCamera::new(
+            CameraBase::new(
+                Vec3::new(0.0, -60.0, 18.0),
+                down.base_from_world(),
+                SIZE.centre(),
+            ),
+            ptz,
+        )
     }
 
     fn opened(with_base: bool, frames: usize) -> App {
@@ -284,18 +388,27 @@ mod tests {
         }
         document.cameras.push(main.into());
         for index in 0..frames {
-            document.frames.push(Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE).into());
+            document
+                .frames
+                .push(Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE).into());
         }
         let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        app.update(Action::Opened(Box::new(Opened::new(
+            document,
+            "/match/project.json",
+        ))));
         app
     }
 
     /// Clicks a landmark where a camera shows it.
     fn click(app: &mut App, landmark: &str, pointed: &PtzCamera) {
         let field = app.current().field().unwrap().clone();
-        let at = pointed.image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap())).unwrap();
-        app.update(Action::Edit(EditAction::Pick(Target::Landmark(landmark.into()))));
+        let at = pointed
+            .image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap()))
+            .unwrap();
+        app.update(Action::Edit(EditAction::Pick(Target::Landmark(
+            landmark.into(),
+        ))));
         app.update(Action::Pointer(PointerAction::Press { at, on: None }));
         app.update(Action::Pointer(PointerAction::Release));
     }
@@ -313,15 +426,25 @@ mod tests {
         click(&mut app, "centre_circle_halfway_near", &pointed);
         assert_eq!(said(&app), "Now one far away: 768 px or more.");
         click(&mut app, "penalty_area_far_left_front", &pointed);
-        assert!(app.current().solved().is_some(), "{:?}", app.current().solution);
+        assert!(
+            app.current().solved().is_some(),
+            "{:?}",
+            app.current().solution
+        );
         assert!(said(&app).contains("Enter to accept"), "{}", said(&app));
         app.update(Action::Command(Command::AcceptAndStay));
-        assert_eq!(said(&app), "Reference saved. 2 more, spread left to right, and proposals become useful.");
+        assert_eq!(
+            said(&app),
+            "Reference saved. 2 more, spread left to right, and proposals become useful."
+        );
         app.update(Action::Command(Command::Reject));
         assert!(said(&app).starts_with("Why is this frame not calibratable?"));
         app.update(Action::Edit(EditAction::RejectAs(RejectReason::Blur)));
         app.update(Action::Navigate(Navigation::GoTo(0)));
-        assert_eq!(said(&app), "Not calibratable: blur. X removes the mark, N goes on.");
+        assert_eq!(
+            said(&app),
+            "Not calibratable: blur. X removes the mark, N goes on."
+        );
     }
 
     #[test]
@@ -330,10 +453,23 @@ mod tests {
         let mut app = opened(false, 4);
         let step = next_step(&app);
         assert!(step.text.ends_with("Done: 0 of 3."), "{}", step.text);
-        assert!(step.offers.contains(&("Load a camera", Command::LoadCamera)), "{step:?}");
+        assert!(
+            step.offers
+                .contains(&("Load a camera", Command::LoadCamera)),
+            "{step:?}"
+        );
         let by_itself = ("Find the camera automatically", Command::FindCamera);
-        assert_eq!(step.offers[0] == by_itself, cfg!(feature = "opencv"), "{step:?}");
-        for landmark in ["centre_mark", "halfway_far", "centre_circle_left", "centre_circle_right"] {
+        assert_eq!(
+            step.offers[0] == by_itself,
+            cfg!(feature = "opencv"),
+            "{step:?}"
+        );
+        for landmark in [
+            "centre_mark",
+            "halfway_far",
+            "centre_circle_left",
+            "centre_circle_right",
+        ] {
             click(&mut app, landmark, &pointed);
         }
         assert!(said(&app).ends_with("Done: 1 of 3."), "{}", said(&app));
@@ -342,7 +478,10 @@ mod tests {
     #[test]
     fn an_unnamed_point_comes_before_anything_else() {
         let mut app = opened(true, 1);
-        app.update(Action::Pointer(PointerAction::Press { at: ImagePoint::new(300.0, 400.0), on: None }));
+        app.update(Action::Pointer(PointerAction::Press {
+            at: ImagePoint::new(300.0, 400.0),
+            on: None,
+        }));
         assert!(said(&app).starts_with("Release the button"));
         app.update(Action::Pointer(PointerAction::Release));
         assert!(said(&app).starts_with("What is it?"), "{}", said(&app));
@@ -351,7 +490,10 @@ mod tests {
         app.session.mode = Mode::Idle;
         assert!(said(&app).starts_with("Point 1 has no name"));
         // The point that it speaks of is the one that is named, whichever is selected.
-        app.update(Action::Pointer(PointerAction::Press { at: ImagePoint::new(600.0, 300.0), on: None }));
+        app.update(Action::Pointer(PointerAction::Press {
+            at: ImagePoint::new(600.0, 300.0),
+            on: None,
+        }));
         app.update(Action::Pointer(PointerAction::Release));
         app.session.mode = Mode::Idle;
         app.session.points.selected = Some(1);
@@ -367,8 +509,14 @@ mod tests {
         let mut document = app.open().unwrap().document.clone();
         document.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -9.0, 1800.0), None));
         document.frames[0].status = FrameStatus::Suggested;
-        document.frames[0].solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
-        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        document.frames[0].solution = Some(Solution {
+            source: Some(SolutionSource::Forest),
+            ..Solution::default()
+        });
+        app.update(Action::Opened(Box::new(Opened::new(
+            document,
+            "/match/project.json",
+        ))));
         assert!(said(&app).starts_with("Dashed = proposed."));
     }
 
@@ -380,19 +528,42 @@ mod tests {
         click(&mut app, "penalty_area_far_left_front", &pointed);
         let mut document = app.open().unwrap().document.clone();
         let frame = &mut document.frames[0];
-        // 0.3° to the right of where the points have it: 5 px in the middle, more towards the borders.
+        // 0.3° to the right of where the points have it: 5 px in the middle, more towards the
+        // borders.
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.3, -10.0, 1000.0), None));
-        frame.solution = Some(Solution { source: Some(SolutionSource::Markings), ..Solution::default() });
-        app.update(Action::Opened(Box::new(Opened::new(document.clone(), "/match/project.json"))));
-        let residuals = [0, 1].map(|click| app.current().residual(click).and_then(ClickResidual::distance_px).unwrap());
-        assert!(residuals.iter().all(|px| (5.0..7.0).contains(px)), "{residuals:?}");
+        frame.solution = Some(Solution {
+            source: Some(SolutionSource::Markings),
+            ..Solution::default()
+        });
+        app.update(Action::Opened(Box::new(Opened::new(
+            document.clone(),
+            "/match/project.json",
+        ))));
+        let residuals = [0, 1].map(|click| {
+            app.current()
+                .residual(click)
+                .and_then(ClickResidual::distance_px)
+                .unwrap()
+        });
+        assert!(
+            residuals.iter().all(|px| (5.0..7.0).contains(px)),
+            "{residuals:?}"
+        );
         let farthest_px = residuals[0].max(residuals[1]);
-        let text = format!("Snapped to the painted lines; points within {farthest_px:.1} px. Enter accepts it");
+        let text = format!(
+            "Snapped to the painted lines; points within {farthest_px:.1} px. Enter accepts it"
+        );
         assert!(said(&app).starts_with(&text), "{}", said(&app));
         document.frames[0].clicks.clear();
         document.frames[0].status = FrameStatus::Suggested;
-        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        app.update(Action::Opened(Box::new(Opened::new(
+            document,
+            "/match/project.json",
+        ))));
         let text = said(&app);
-        assert!(text.starts_with("Dashed = proposed and snapped to the painted lines. Enter takes it"), "{text}");
+        assert!(
+            text.starts_with("Dashed = proposed and snapped to the painted lines. Enter takes it"),
+            "{text}"
+        );
     }
 }

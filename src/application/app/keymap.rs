@@ -7,7 +7,8 @@ use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 
-/// A key with its modifiers, written "Ctrl+Shift+Z". Key names are those of the window toolkit ("Period", "F2", "Z").
+/// A key with its modifiers, written "Ctrl+Shift+Z". Key names are those of the window toolkit
+/// ("Period", "F2", "Z").
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Chord {
@@ -42,15 +43,26 @@ impl FromStr for Chord {
 
     fn from_str(text: &str) -> Result<Self, ChordError> {
         let mut parts: Vec<&str> = text.split('+').map(str::trim).collect();
-        let key = parts.pop().filter(|key| !key.is_empty()).ok_or_else(|| ChordError::NoKey(text.to_owned()))?;
-        let mut chord = Self { ctrl: false, shift: false, alt: false, key: key.to_owned() };
+        let key = parts
+            .pop()
+            .filter(|key| !key.is_empty())
+            .ok_or_else(|| ChordError::NoKey(text.to_owned()))?;
+        let mut chord = Self {
+            ctrl: false,
+            shift: false,
+            alt: false,
+            key: key.to_owned(),
+        };
         for modifier in parts {
             match modifier {
                 "Ctrl" | "Cmd" => chord.ctrl = true,
                 "Shift" => chord.shift = true,
                 "Alt" => chord.alt = true,
                 _ => {
-                    return Err(ChordError::UnknownModifier { text: text.to_owned(), modifier: modifier.to_owned() });
+                    return Err(ChordError::UnknownModifier {
+                        text: text.to_owned(),
+                        modifier: modifier.to_owned(),
+                    });
                 }
             }
         }
@@ -69,7 +81,11 @@ impl TryFrom<String> for Chord {
 impl From<Chord> for String {
     fn from(chord: Chord) -> Self {
         let mut text = Self::new();
-        for (held, name) in [(chord.ctrl, "Ctrl+"), (chord.shift, "Shift+"), (chord.alt, "Alt+")] {
+        for (held, name) in [
+            (chord.ctrl, "Ctrl+"),
+            (chord.shift, "Shift+"),
+            (chord.alt, "Alt+"),
+        ] {
             if held {
                 text.push_str(name);
             }
@@ -81,7 +97,11 @@ impl From<Chord> for String {
 impl fmt::Display for Chord {
     /// As a person reads it: "Ctrl+Z", "Shift+.".
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (held, name) in [(self.ctrl, "Ctrl+"), (self.shift, "Shift+"), (self.alt, "Alt+")] {
+        for (held, name) in [
+            (self.ctrl, "Ctrl+"),
+            (self.shift, "Shift+"),
+            (self.alt, "Alt+"),
+        ] {
             if held {
                 f.write_str(name)?;
             }
@@ -113,28 +133,44 @@ impl Keymap {
     pub fn chords(&self, command: Command) -> Vec<Chord> {
         match self.changed.get(command.id()) {
             Some(chords) => chords.clone(),
-            None => command.default_keys().iter().filter_map(|text| text.parse().ok()).collect(),
+            None => command
+                .default_keys()
+                .iter()
+                .filter_map(|text| text.parse().ok())
+                .collect(),
         }
     }
 
     /// The first key of a command as a person reads it; empty if it has none.
     #[must_use]
     pub fn shown(&self, command: Command) -> String {
-        self.chords(command).first().map(ToString::to_string).unwrap_or_default()
+        self.chords(command)
+            .first()
+            .map(ToString::to_string)
+            .unwrap_or_default()
     }
 
     /// The tooltip of a control: what it does, and its key.
     #[must_use]
     pub fn tooltip(&self, command: Command) -> String {
         let key = self.shown(command);
-        if key.is_empty() { command.about().to_owned() } else { format!("{} ({key})", command.about()) }
+        if key.is_empty() {
+            command.about().to_owned()
+        } else {
+            format!("{} ({key})", command.about())
+        }
     }
 
     /// Gives a command one key, taking it from whichever command had it; that command is returned.
     pub fn assign(&mut self, command: Command, chord: Chord) -> Option<Command> {
-        let loser = Command::all().find(|other| *other != command && self.chords(*other).contains(&chord));
+        let loser =
+            Command::all().find(|other| *other != command && self.chords(*other).contains(&chord));
         if let Some(loser) = loser {
-            let kept = self.chords(loser).into_iter().filter(|held| *held != chord).collect();
+            let kept = self
+                .chords(loser)
+                .into_iter()
+                .filter(|held| *held != chord)
+                .collect();
             self.changed.insert(loser.id().to_owned(), kept);
         }
         self.changed.insert(command.id().to_owned(), vec![chord]);
@@ -163,7 +199,11 @@ mod tests {
         let keymap = Keymap::default();
         let mut owners = BTreeMap::new();
         for command in Command::all() {
-            assert_eq!(keymap.chords(command).len(), command.default_keys().len(), "{command:?} has an unreadable key");
+            assert_eq!(
+                keymap.chords(command).len(),
+                command.default_keys().len(),
+                "{command:?} has an unreadable key"
+            );
             for chord in keymap.chords(command) {
                 if let Some(other) = owners.insert(chord.clone(), command) {
                     panic!("{chord} belongs to {other:?} and {command:?}");
@@ -177,8 +217,17 @@ mod tests {
         for text in ["Z", "Ctrl+Z", "Ctrl+Shift+Alt+F2", "?"] {
             assert_eq!(String::from(text.parse::<Chord>().unwrap()), text);
         }
-        assert_eq!("Ctrl+".parse::<Chord>().unwrap_err(), ChordError::NoKey("Ctrl+".into()));
-        assert!("Hyper+Z".parse::<Chord>().unwrap_err().to_string().contains("\"Hyper\" is not a modifier"));
+        assert_eq!(
+            "Ctrl+".parse::<Chord>().unwrap_err(),
+            ChordError::NoKey("Ctrl+".into())
+        );
+        assert!(
+            "Hyper+Z"
+                .parse::<Chord>()
+                .unwrap_err()
+                .to_string()
+                .contains("\"Hyper\" is not a modifier")
+        );
     }
 
     #[test]

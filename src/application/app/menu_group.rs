@@ -14,7 +14,14 @@ pub enum MenuGroup {
 
 impl MenuGroup {
     /// Every menu, in order.
-    pub const ALL: [Self; 6] = [Self::File, Self::Edit, Self::Frame, Self::Camera, Self::View, Self::Help];
+    pub const ALL: [Self; 6] = [
+        Self::File,
+        Self::Edit,
+        Self::Frame,
+        Self::Camera,
+        Self::View,
+        Self::Help,
+    ];
 
     /// The menu's title.
     #[must_use]

@@ -1,8 +1,10 @@
 //! The whole application without a window.
 //!
-//! The window (and every test) passes [`Action`]s to [`App::update`], the only place that changes state; it returns
+//! The window (and every test) passes [`Action`]s to [`App::update`], the only place that changes
+//! state; it returns
 //! [`Effect`]s that the shell carries out through `jobs`; reports come back as actions. [`Current`] is what follows for
-//! the shown frame: derived, never stored. [`scene`](crate::scene) turns it into what is drawn, as plain data.
+//! the shown frame: derived, never stored. [`scene`](crate::scene) turns it into what is drawn, as
+//! plain data.
 
 mod action;
 pub mod camera_text;
@@ -47,7 +49,9 @@ mod versioned;
 pub mod video;
 pub mod where_to_label;
 
-pub use action::{Action, DiskReport, EditAction, Navigation, PointerAction, SettingsAction, ViewAction};
+pub use action::{
+    Action, DiskReport, EditAction, Navigation, PointerAction, SettingsAction, ViewAction,
+};
 pub use choices::{CameraChoice, MaskList, MaskScope};
 pub use command::Command;
 pub use command_kind::CommandKind;
@@ -65,8 +69,8 @@ pub use session::Question;
 pub use settings::{Settings, WindowPlace};
 pub use shown::Shown;
 pub use trainer::{
-    AnswerKey, Doing, ForestFacts, TrainerOrder, TrainerReport, TrainerState, TrainerStatus, UnusableReference,
-    describe_left,
+    AnswerKey, Doing, ForestFacts, TrainerOrder, TrainerReport, TrainerState, TrainerStatus,
+    UnusableReference, describe_left,
 };
 pub use update::MAX_SCALE;
 pub use versioned::Versioned;

@@ -15,9 +15,10 @@
 //!
 //! # Scores
 //!
-//! 0 is a perfect name and 1 the limit up to which a name is plausible. Only the frame's own camera and cameras of neighbouring
-//! frames can make a name plausible. The names of one list are ranked by one kind of evidence, except landmarks that no other shot
-//! shows: these fall back to clicks in neighbouring frames.
+//! 0 is a perfect name and 1 the limit up to which a name is plausible. Only the frame's own camera
+//! and cameras of neighbouring frames can make a name plausible. The names of one list are ranked
+//! by one kind of evidence, except landmarks that no other shot shows: these fall back to clicks in
+//! neighbouring frames.
 
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, Landmark};
@@ -39,7 +40,8 @@ const NO_EVIDENCE_FOR_LINE: f64 = 1e6;
 /// A name is unambiguous if the score of the next one is this many times higher.
 const UNAMBIGUOUS_RATIO: f64 = 3.0;
 
-/// Better scores count as this one there: a name that fits perfectly is not infinitely better than the next.
+/// Better scores count as this one there: a name that fits perfectly is not infinitely better than
+/// the next.
 const BEST_SCORE: f64 = 0.33;
 
 /// A name that a click may get.
@@ -51,7 +53,8 @@ pub struct NameCandidate {
     pub label: String,
     /// What a person types.
     pub code: String,
-    /// How far from the click this lies by the frame's solution, or by its neighbours', px; none where neither says.
+    /// How far from the click this lies by the frame's solution, or by its neighbours', px; none
+    /// where neither says.
     pub distance_px: Option<f64>,
     /// The frame's camera if this name is right; none where it cannot be told yet.
     pub ptz: Option<Ptz>,
@@ -112,15 +115,28 @@ struct Ranking {
 impl Ranking {
     /// By evidence that can make no name plausible.
     fn implausible(score: f64) -> Self {
-        Self { score, plausible: false, distance_px: None, ptz: None }
+        Self {
+            score,
+            plausible: false,
+            distance_px: None,
+            ptz: None,
+        }
     }
 }
 
 /// Every name that a click at `at` may get, best first: landmarks, or with `lines` the lines.
 #[must_use]
 pub fn candidates(scene: &NamingScene<'_>, at: ImagePoint, lines: bool) -> Vec<NameCandidate> {
-    let mut found = if lines { line_candidates(scene, at) } else { landmark_candidates(scene, at) };
-    found.sort_by(|a, b| b.plausible.cmp(&a.plausible).then(a.score.total_cmp(&b.score)));
+    let mut found = if lines {
+        line_candidates(scene, at)
+    } else {
+        landmark_candidates(scene, at)
+    };
+    found.sort_by(|a, b| {
+        b.plausible
+            .cmp(&a.plausible)
+            .then(a.score.total_cmp(&b.score))
+    });
     found
 }
 
@@ -128,7 +144,9 @@ pub fn candidates(scene: &NamingScene<'_>, at: ImagePoint, lines: bool) -> Vec<N
 #[must_use]
 pub fn unambiguous(candidates: &[NameCandidate]) -> Option<&NameCandidate> {
     let best = candidates.first().filter(|best| best.plausible)?;
-    let Some(next) = candidates.get(1) else { return Some(best) };
+    let Some(next) = candidates.get(1) else {
+        return Some(best);
+    };
     let is_clear = !next.plausible && next.score > UNAMBIGUOUS_RATIO * best.score.max(BEST_SCORE);
     is_clear.then_some(best)
 }
@@ -141,19 +159,27 @@ enum TextMatch {
     BeginningsOfWords,
 }
 
-/// The candidates whose code or label matches what was typed, the best matches first. While nothing is typed: all but names in use
-/// and hidden ones.
+/// The candidates whose code or label matches what was typed, the best matches first. While nothing
+/// is typed: all but names in use and hidden ones.
 #[must_use]
 pub fn filter_by_text<'a>(candidates: &'a [NameCandidate], typed: &str) -> Vec<&'a NameCandidate> {
     let typed = typed.trim().to_lowercase();
     if typed.is_empty() {
-        return candidates.iter().filter(|candidate| candidate.in_use.is_none() && !candidate.hidden).collect();
+        return candidates
+            .iter()
+            .filter(|candidate| candidate.in_use.is_none() && !candidate.hidden)
+            .collect();
     }
-    let mut matches: Vec<(TextMatch, &NameCandidate)> =
-        candidates.iter().filter_map(|candidate| Some((match_text(candidate, &typed)?, candidate))).collect();
+    let mut matches: Vec<(TextMatch, &NameCandidate)> = candidates
+        .iter()
+        .filter_map(|candidate| Some((match_text(candidate, &typed)?, candidate)))
+        .collect();
     // A stable sort: equal matches stay ranked by score.
     matches.sort_by_key(|(text_match, _)| *text_match);
-    matches.into_iter().map(|(_, candidate)| candidate).collect()
+    matches
+        .into_iter()
+        .map(|(_, candidate)| candidate)
+        .collect()
 }
 
 /// `typed` is in lower case.
@@ -166,16 +192,26 @@ fn match_text(candidate: &NameCandidate, typed: &str) -> Option<TextMatch> {
         return Some(TextMatch::BeginningOfCode);
     }
     let label = candidate.label.to_lowercase();
-    let begins_a_word =
-        |typed_word: &str| label.split(|c: char| !c.is_alphanumeric()).any(|w| w.starts_with(typed_word));
-    typed.split_whitespace().all(begins_a_word).then_some(TextMatch::BeginningsOfWords)
+    let begins_a_word = |typed_word: &str| {
+        label
+            .split(|c: char| !c.is_alphanumeric())
+            .any(|w| w.starts_with(typed_word))
+    };
+    typed
+        .split_whitespace()
+        .all(begins_a_word)
+        .then_some(TextMatch::BeginningsOfWords)
 }
 
 fn landmark_candidates(scene: &NamingScene<'_>, at: ImagePoint) -> Vec<NameCandidate> {
     let mut candidates = Vec::with_capacity(scene.field.landmarks.len());
     for landmark in &scene.field.landmarks {
         let target = Target::Landmark(landmark.id.clone());
-        let in_use = scene.taken.iter().find(|taken| taken.target == target).map(|taken| taken.click);
+        let in_use = scene
+            .taken
+            .iter()
+            .find(|taken| taken.target == target)
+            .map(|taken| taken.click);
         let hidden = landmark.is_unmarked && scene.base.is_none();
         // Names that cannot be taken as they stand go last, without the cost of a solve.
         let ranking = if in_use.is_some() || hidden {
@@ -206,7 +242,12 @@ fn rank_landmark(scene: &NamingScene<'_>, landmark: &Landmark, at: ImagePoint) -
     if let Some(camera) = scene.camera {
         let distance_px = distance_px(camera, at_in_world, at);
         let score = distance_px.map_or(f64::INFINITY, |px| px / near_px);
-        return Ranking { score, plausible: score <= 1.0, distance_px, ptz: None };
+        return Ranking {
+            score,
+            plausible: score <= 1.0,
+            distance_px,
+            ptz: None,
+        };
     }
     if let Some(base) = scene.base.filter(|_| !scene.named.is_empty()) {
         return rank_as_second_point(scene, base, landmark, at);
@@ -214,41 +255,67 @@ fn rank_landmark(scene: &NamingScene<'_>, landmark: &Landmark, at: ImagePoint) -
     if let Some(camera) = neighbour_camera(scene) {
         let distance_px = distance_px(&camera, at_in_world, at);
         let score = distance_px.map_or(f64::INFINITY, |px| NEIGHBOUR_DISTANCE + px / near_px);
-        return Ranking { distance_px, ..Ranking::implausible(score) };
+        return Ranking {
+            distance_px,
+            ..Ranking::implausible(score)
+        };
     }
     if let Some(px) = distance_in_other_shots_px(scene, at_in_world, at) {
         return Ranking::implausible(OTHER_SHOTS_DISTANCE + px / near_px);
     }
     let target = Target::Landmark(landmark.id.clone());
-    let score = score_by_neighbour_clicks(scene, &target, at).unwrap_or(NO_EVIDENCE + landmark.click_sigma_px);
+    let score = score_by_neighbour_clicks(scene, &target, at)
+        .unwrap_or(NO_EVIDENCE + landmark.click_sigma_px);
     Ranking::implausible(score)
 }
 
-/// Ranks a landmark by the camera that results if it is the second point of the frame: a wrong name mostly gives a camera that looks
-/// where no frame around does.
-fn rank_as_second_point(scene: &NamingScene<'_>, base: &CameraBase, landmark: &Landmark, at: ImagePoint) -> Ranking {
+/// Ranks a landmark by the camera that results if it is the second point of the frame: a wrong name
+/// mostly gives a camera that looks where no frame around does.
+fn rank_as_second_point(
+    scene: &NamingScene<'_>,
+    base: &CameraBase,
+    landmark: &Landmark,
+    at: ImagePoint,
+) -> Ranking {
     /// Its own index is not among the frame's clicks yet.
     const NEW_CLICK: usize = usize::MAX;
     let id = landmark.id.as_str();
     let second = Observation::of_landmark(scene.field, id, at, scene.image_size, NEW_CLICK).ok();
-    let Some((ptz, score)) = second.and_then(|second| solve_with_second_point(scene, base, second)) else {
+    let Some((ptz, score)) = second.and_then(|second| solve_with_second_point(scene, base, second))
+    else {
         return Ranking::implausible(f64::INFINITY);
     };
     let plausible = !scene.neighbours.is_empty() && score <= 1.0;
-    Ranking { score, plausible, distance_px: None, ptz: Some(ptz) }
+    Ranking {
+        score,
+        plausible,
+        distance_px: None,
+        ptz: Some(ptz),
+    }
 }
 
 /// The camera if the frame has `second` as a click, with its score.
-fn solve_with_second_point(scene: &NamingScene<'_>, base: &CameraBase, second: Observation) -> Option<(Ptz, f64)> {
+fn solve_with_second_point(
+    scene: &NamingScene<'_>,
+    base: &CameraBase,
+    second: Observation,
+) -> Option<(Ptz, f64)> {
     let observations: Vec<_> = scene.named.iter().copied().chain([second]).collect();
-    let context = SolveContext { neighbours: scene.neighbours.to_vec(), ..SolveContext::new(scene.image_size) };
+    let context = SolveContext {
+        neighbours: scene.neighbours.to_vec(),
+        ..SolveContext::new(scene.image_size)
+    };
     let solved = solve_frame(base, &observations, &context).ok()?;
 
     let motion_from = |other: &Ptz| motion_between(other, &solved.ptz, scene.image_size);
     let score = if let Some(neighbour) = scene.neighbours.first() {
         motion_from(neighbour)
     } else if !scene.other_shots.is_empty() {
-        let least_motion = scene.other_shots.iter().map(motion_from).min_by(f64::total_cmp);
+        let least_motion = scene
+            .other_shots
+            .iter()
+            .map(motion_from)
+            .min_by(f64::total_cmp);
         OTHER_SHOTS_MOTION + least_motion.unwrap_or(f64::INFINITY)
     } else if PtzRanges::for_width(scene.image_size.width).contains(&solved.ptz) {
         OTHER_SHOTS_MOTION + distance_from_broadcast_view(&solved.ptz, base, scene.image_size)
@@ -256,16 +323,24 @@ fn solve_with_second_point(scene: &NamingScene<'_>, base: &CameraBase, second: O
         NO_EVIDENCE
     };
     // More than two clicks are over-determined. A misfit of 1 is their usual noise.
-    let excess_misfit = solved.misfit().map_or(0.0, |misfit| (misfit - 1.0).max(0.0));
+    let excess_misfit = solved
+        .misfit()
+        .map_or(0.0, |misfit| (misfit - 1.0).max(0.0));
     Some((solved.ptz, score + excess_misfit))
 }
 
 fn line_candidates(scene: &NamingScene<'_>, at: ImagePoint) -> Vec<NameCandidate> {
     let near_px = NEAR_PX * scene.image_size.scale_from_1920();
-    // Without a camera of its own the frame borrows a neighbour's: that orders the lines, but makes none plausible.
+    // Without a camera of its own the frame borrows a neighbour's: that orders the lines, but makes
+    // none plausible.
     let camera = scene.camera.copied().or_else(|| neighbour_camera(scene));
     let projected = camera.map_or_else(Vec::new, |camera| {
-        markings::project_lines(scene.field, &camera, scene.image_size, &MarkingOptions::default())
+        markings::project_lines(
+            scene.field,
+            &camera,
+            scene.image_size,
+            &MarkingOptions::default(),
+        )
     });
 
     let mut candidates = Vec::with_capacity(scene.field.lines.len());
@@ -295,11 +370,18 @@ fn line_candidates(scene: &NamingScene<'_>, at: ImagePoint) -> Vec<NameCandidate
     candidates
 }
 
-/// The distance of a click from a line as a camera shows it, px; none where the line is out of the picture.
-fn distance_from_line_px(projected: &[MarkingPolyline], line: usize, click: ImagePoint) -> Option<f64> {
+/// The distance of a click from a line as a camera shows it, px; none where the line is out of the
+/// picture.
+fn distance_from_line_px(
+    projected: &[MarkingPolyline],
+    line: usize,
+    click: ImagePoint,
+) -> Option<f64> {
     let parts = projected.iter().filter(|marking| marking.line == line);
     let segments = parts.flat_map(|marking| marking.points.windows(2));
-    segments.map(|ends| click.distance_from_segment_px(ends[0], ends[1])).min_by(f64::total_cmp)
+    segments
+        .map(|ends| click.distance_from_segment_px(ends[0], ends[1]))
+        .min_by(f64::total_cmp)
 }
 
 /// The camera of the nearest neighbouring frame, as a guess of this frame's.
@@ -309,24 +391,47 @@ fn neighbour_camera(scene: &NamingScene<'_>) -> Option<PtzCamera> {
 
 /// How far from a click a camera sees a point, px; none where it cannot see it.
 fn distance_px(camera: &PtzCamera, point_in_world: Vec3, click: ImagePoint) -> Option<f64> {
-    Some(camera.image_from_world(point_in_world).ok()?.distance_px(click))
+    Some(
+        camera
+            .image_from_world(point_in_world)
+            .ok()?
+            .distance_px(click),
+    )
 }
 
 /// How near to a click this camera has seen a point in other shots, px.
-fn distance_in_other_shots_px(scene: &NamingScene<'_>, point_in_world: Vec3, click: ImagePoint) -> Option<f64> {
+fn distance_in_other_shots_px(
+    scene: &NamingScene<'_>,
+    point_in_world: Vec3,
+    click: ImagePoint,
+) -> Option<f64> {
     let base = scene.base?;
-    let cameras = scene.other_shots.iter().map(|ptz| PtzCamera::new(*base, *ptz));
-    cameras.filter_map(|camera| distance_px(&camera, point_in_world, click)).min_by(f64::total_cmp)
+    let cameras = scene
+        .other_shots
+        .iter()
+        .map(|ptz| PtzCamera::new(*base, *ptz));
+    cameras
+        .filter_map(|camera| distance_px(&camera, point_in_world, click))
+        .min_by(f64::total_cmp)
 }
 
 /// How near to a click the same name was clicked in neighbouring frames, in units of 100 px.
-fn score_by_neighbour_clicks(scene: &NamingScene<'_>, target: &Target, click: ImagePoint) -> Option<f64> {
-    let same_name = scene.neighbour_clicks.iter().filter(|other| other.target == *target);
-    same_name.map(|other| other.image.distance_px(click) / 100.0).min_by(f64::total_cmp)
+fn score_by_neighbour_clicks(
+    scene: &NamingScene<'_>,
+    target: &Target,
+    click: ImagePoint,
+) -> Option<f64> {
+    let same_name = scene
+        .neighbour_clicks
+        .iter()
+        .filter(|other| other.target == *target);
+    same_name
+        .map(|other| other.image.distance_px(click) / 100.0)
+        .min_by(f64::total_cmp)
 }
 
-/// How far one camera is from another. 1 is a pan by a third of the picture's width, a tilt by a sixth of it, or a zoom by a fifth; up
-/// to there a neighbouring frame vouches for a camera.
+/// How far one camera is from another. 1 is a pan by a third of the picture's width, a tilt by a
+/// sixth of it, or a zoom by a fifth; up to there a neighbouring frame vouches for a camera.
 fn motion_between(from: &Ptz, to: &Ptz, image_size: ImageSize) -> f64 {
     let third_px = f64::from(image_size.width) / 3.0;
     let pan = to.pan.turn_from(from.pan).radians() * from.focal_px / third_px;
@@ -335,8 +440,9 @@ fn motion_between(from: &Ptz, to: &Ptz, image_size: ImageSize) -> f64 {
     pan.hypot(2.0 * tilt).hypot(zoom)
 }
 
-/// How far a camera is from an ordinary broadcast view: pan within 60° of the field's centre, wherever the camera stands, tilt
-/// between −25° and −3°, focal length 0.8 to 4 picture widths. Zero within; beyond, 1 is 20° of pan, 5° of tilt, or a factor of 1.4.
+/// How far a camera is from an ordinary broadcast view: pan within 60° of the field's centre,
+/// wherever the camera stands, tilt between −25° and −3°, focal length 0.8 to 4 picture widths.
+/// Zero within; beyond, 1 is 20° of pan, 5° of tilt, or a factor of 1.4.
 fn distance_from_broadcast_view(ptz: &Ptz, base: &CameraBase, image_size: ImageSize) -> f64 {
     let field_centre = PanTilt::from_direction(base.base_from_world_point(Vec3::zeros()));
     let usual_pan = AngleRange::around(field_centre.pan, Angle::from_degrees(60.0));

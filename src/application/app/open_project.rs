@@ -7,11 +7,14 @@ use super::prepared::Prepared;
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
-use touchline_calibration::proposals::{BatchId, CarriedProposal, Discarded, Finder, Offer, Project, Proposal};
+use touchline_calibration::proposals::{
+    BatchId, CarriedProposal, Discarded, Finder, Offer, Project, Proposal,
+};
 use touchline_core::field::{FieldError, FieldModel, Template};
 use touchline_core::solve::FrameSolution;
 use touchline_documents::document::{
-    Document, DocumentAt, Edit, EditKind, Fields, Frame, FrameStatus, History, Shared, Step, VideoShots,
+    Document, DocumentAt, Edit, EditKind, Fields, Frame, FrameStatus, History, Shared, Step,
+    VideoShots,
 };
 
 /// The document that is open.
@@ -41,16 +44,22 @@ impl OpenProject {
     /// The number of the frame at a position, as people see it: [`Frame::number_at`].
     #[must_use]
     pub fn frame_number(&self, position: usize) -> u64 {
-        self.frame(position).map_or(position as u64, |frame| frame.number_at(position))
+        self.frame(position)
+            .map_or(position as u64, |frame| frame.number_at(position))
     }
 
-    /// The frames of the video that a position belongs to, in the document's order: their positions and numbers. Images are all
-    /// of one.
-    pub(super) fn numbered_beside(&self, position: usize) -> impl Iterator<Item = (usize, u64)> + '_ {
+    /// The frames of the video that a position belongs to, in the document's order: their positions
+    /// and numbers. Images are all of one.
+    pub(super) fn numbered_beside(
+        &self,
+        position: usize,
+    ) -> impl Iterator<Item = (usize, u64)> + '_ {
         let video_of = |frame: &Frame| frame.video.as_ref().map(|video| video.path.clone());
         let here = self.frame(position).and_then(video_of);
         let frames = self.document.frames.iter().enumerate();
-        let alike = frames.filter(move |(_, frame)| frame.video.as_ref().map(|video| &video.path) == here.as_ref());
+        let alike = frames.filter(move |(_, frame)| {
+            frame.video.as_ref().map(|video| &video.path) == here.as_ref()
+        });
         alike.map(|(at, frame)| (at, frame.number_at(at)))
     }
 
@@ -58,17 +67,30 @@ impl OpenProject {
     #[must_use]
     pub fn numbers_beside(&self, position: usize) -> (u64, u64) {
         let numbers = self.numbered_beside(position).map(|(_, number)| number);
-        numbers.fold((u64::MAX, 0), |(least, most), number| (least.min(number), most.max(number)))
+        numbers.fold((u64::MAX, 0), |(least, most), number| {
+            (least.min(number), most.max(number))
+        })
     }
 
-    /// A document to which nothing has been done yet, its file and its folder, and why it can only be looked at, if so.
+    /// A document to which nothing has been done yet, its file and its folder, and why it can only
+    /// be looked at, if so.
     #[must_use]
-    pub fn new(document: Document, file: PathBuf, folder: PathBuf, read_only: Option<String>) -> Self {
+    pub fn new(
+        document: Document,
+        file: PathBuf,
+        folder: PathBuf,
+        read_only: Option<String>,
+    ) -> Self {
         Self::of(Prepared::of(document), file, folder, read_only)
     }
 
     /// The same, for a document that has been made ready.
-    pub(super) fn of(prepared: Prepared, file: PathBuf, folder: PathBuf, read_only: Option<String>) -> Self {
+    pub(super) fn of(
+        prepared: Prepared,
+        file: PathBuf,
+        folder: PathBuf,
+        read_only: Option<String>,
+    ) -> Self {
         let Prepared { project, derived } = prepared;
         Self {
             document: Versioned::new(project.view().clone()),
@@ -95,13 +117,16 @@ impl OpenProject {
         self.document.frames.get(index).map(|frame| &**frame)
     }
 
-    /// What has changed since the last time this was asked, to be journalled; none if nothing has. `kind` is what it is to
-    /// undo and redo.
+    /// What has changed since the last time this was asked, to be journalled; none if nothing has.
+    /// `kind` is what it is to undo and redo.
     pub(super) fn take_edit(&mut self, name: &str, kind: EditKind) -> Option<Edit> {
         for (position, frame) in self.project.not_shown_in(&self.document) {
             self.document.frames[position] = frame;
         }
-        let edit = self.project.take_in(self.document.keeping_version(), name)?.of_kind(kind);
+        let edit = self
+            .project
+            .take_in(self.document.keeping_version(), name)?
+            .of_kind(kind);
         self.revision += 1;
         Some(edit)
     }
@@ -109,11 +134,15 @@ impl OpenProject {
     /// The document as the journal has it, with its history.
     pub(super) fn snapshot(&self) -> Snapshot {
         let (document, history) = (self.project.view().clone(), self.history.committed());
-        Snapshot { document, history, revision: self.revision }
+        Snapshot {
+            document,
+            history,
+            revision: self.revision,
+        }
     }
 
-    /// Takes in what forests answered, to be journalled; none if nothing new is seen. Answers of an older forest than the last
-    /// one are dropped.
+    /// Takes in what forests answered, to be journalled; none if nothing new is seen. Answers of an
+    /// older forest than the last one are dropped.
     pub(super) fn take_proposals(&mut self, proposals: &[Proposal]) -> Option<Edit> {
         let newest = proposals.iter().map(|proposal| proposal.generation).max()?;
         self.forest_generation = self.forest_generation.max(newest);
@@ -126,8 +155,14 @@ impl OpenProject {
 
     /// Takes in cameras that were carried from what forests answered, the `newest` of them among
     /// these, in the same way.
-    pub(super) fn take_carried(&mut self, carried: &[CarriedProposal], newest: u64) -> Option<Edit> {
-        let current = carried.iter().filter(|carried| carried.generation >= self.forest_generation);
+    pub(super) fn take_carried(
+        &mut self,
+        carried: &[CarriedProposal],
+        newest: u64,
+    ) -> Option<Edit> {
+        let current = carried
+            .iter()
+            .filter(|carried| carried.generation >= self.forest_generation);
         let offers: Vec<_> = current.map(CarriedProposal::offer).collect();
         let batch = self.batch_of_forest(newest);
         self.suggest(batch, &offers)
@@ -181,7 +216,11 @@ impl OpenProject {
     }
 
     /// A field template was read, or cannot be.
-    pub(super) fn template_read(&mut self, name: &str, template: Result<Box<Template>, FieldError>) {
+    pub(super) fn template_read(
+        &mut self,
+        name: &str,
+        template: Result<Box<Template>, FieldError>,
+    ) {
         self.derived.template_read(name, template);
         self.document.raise_version();
     }
@@ -198,9 +237,12 @@ impl OpenProject {
         self.derived.last_counts()
     }
 
-    /// What a frame's clicks say, another camera that fits better among the warnings. None where there is no such frame or
-    /// its field is not valid.
-    pub(super) fn solve(&mut self, index: usize) -> Option<Result<FrameSolution, CalibrationError>> {
+    /// What a frame's clicks say, another camera that fits better among the warnings. None where
+    /// there is no such frame or its field is not valid.
+    pub(super) fn solve(
+        &mut self,
+        index: usize,
+    ) -> Option<Result<FrameSolution, CalibrationError>> {
         let field = self.field_of(index).ok()?;
         let lookup = self.derived.lookup(&self.document);
         let frame = self.document.frames.get(index)?;
@@ -214,7 +256,11 @@ impl OpenProject {
     }
 
     /// A camera that fits a solved frame better than its own.
-    pub(super) fn better_camera(&mut self, index: usize, solved: &FrameSolution) -> Option<BetterCamera> {
+    pub(super) fn better_camera(
+        &mut self,
+        index: usize,
+        solved: &FrameSolution,
+    ) -> Option<BetterCamera> {
         if self.document.cameras.len() < 2 {
             return None;
         }
@@ -225,14 +271,28 @@ impl OpenProject {
     /// How many frames have each status.
     #[must_use]
     pub fn count(&self, status: FrameStatus) -> usize {
-        self.document.frames.iter().filter(|frame| frame.status == status).count()
+        self.document
+            .frames
+            .iter()
+            .filter(|frame| frame.status == status)
+            .count()
     }
 
-    /// The next frame from `from` (not itself) in a direction for which `wanted` holds; the search does not wrap.
+    /// The next frame from `from` (not itself) in a direction for which `wanted` holds; the search
+    /// does not wrap.
     #[must_use]
-    pub fn find(&self, from: usize, forward: bool, wanted: impl Fn(&Frame) -> bool) -> Option<usize> {
+    pub fn find(
+        &self,
+        from: usize,
+        forward: bool,
+        wanted: impl Fn(&Frame) -> bool,
+    ) -> Option<usize> {
         let frames = &self.document.frames;
-        let is_wanted = |index: &usize| frames.get(*index).is_some_and(|frame: &Shared<Frame>| wanted(frame));
+        let is_wanted = |index: &usize| {
+            frames
+                .get(*index)
+                .is_some_and(|frame: &Shared<Frame>| wanted(frame))
+        };
         if forward {
             (from + 1..frames.len()).find(is_wanted)
         } else {
@@ -242,12 +302,14 @@ impl OpenProject {
 
     /// Begins a step of undo.
     pub(super) fn begin(&mut self, step: Step) {
-        self.history.begin(&self.project.edits_in(&self.document), step);
+        self.history
+            .begin(&self.project.edits_in(&self.document), step);
     }
 
     /// Begins the last step of undo again, if it is this one and none is open.
     pub(super) fn resume(&mut self, step: &Step) -> bool {
-        self.history.resume(&self.project.edits_in(&self.document), step)
+        self.history
+            .resume(&self.project.edits_in(&self.document), step)
     }
 
     /// Closes the step of undo.
@@ -263,11 +325,13 @@ impl OpenProject {
         }
     }
 
-    /// Marks shots that were looked for when `num_below` steps could be undone. True where a person did or undid something since:
-    /// then the step lies beneath that, and the history as a whole has changed.
+    /// Marks shots that were looked for when `num_below` steps could be undone. True where a person
+    /// did or undid something since: then the step lies beneath that, and the history as a whole
+    /// has changed.
     pub(super) fn mark_shots(&mut self, shots: VideoShots, step: Step, num_below: usize) -> bool {
         let before = self.project.edits_in(&self.document);
-        let goes_beneath = num_below < self.history.num_done() || self.history.next_redo().is_some();
+        let goes_beneath =
+            num_below < self.history.num_done() || self.history.next_redo().is_some();
         if !goes_beneath {
             self.history.begin(&before, step);
             shots.write(&mut self.document);
@@ -283,7 +347,11 @@ impl OpenProject {
     /// Takes the last step back, or does it again, and says which it was.
     pub(super) fn undo(&mut self, back: bool) -> Option<Step> {
         let mut edited = self.project.edits_in(&self.document);
-        let step = if back { self.history.undo(&mut edited) } else { self.history.redo(&mut edited) }?;
+        let step = if back {
+            self.history.undo(&mut edited)
+        } else {
+            self.history.redo(&mut edited)
+        }?;
         self.project.keep_answers_not_in(&edited);
         *self.document = self.project.view_with(&edited);
         Some(step)

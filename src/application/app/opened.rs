@@ -39,8 +39,8 @@ pub struct Opened {
 }
 
 impl Opened {
-    /// A writable document without notices; its folder is the file's. All frames are looked at: to be made where a document is
-    /// opened in the background.
+    /// A writable document without notices; its folder is the file's. All frames are looked at: to
+    /// be made where a document is opened in the background.
     #[must_use]
     pub fn new(document: Document, file: impl Into<PathBuf>) -> Self {
         let file = file.into();

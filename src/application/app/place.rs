@@ -19,7 +19,8 @@ pub struct NoPlace(pub String);
 impl std::str::FromStr for Place {
     type Err = NoPlace;
 
-    /// `500` is a frame, `1:23.4` minutes and seconds, `1:02:03.4` with hours, `83.4` or `83 s` seconds.
+    /// `500` is a frame, `1:23.4` minutes and seconds, `1:02:03.4` with hours, `83.4` or `83 s`
+    /// seconds.
     fn from_str(text: &str) -> Result<Self, NoPlace> {
         let wrong = || NoPlace(text.trim().to_owned());
         let typed = text.trim();
@@ -27,16 +28,24 @@ impl std::str::FromStr for Place {
             return Ok(Self::Frame(frame));
         }
         let typed = typed.trim_end_matches('s').trim_end();
-        let is_plain = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+        let is_plain = |part: &str| {
+            !part.is_empty()
+                && part
+                    .bytes()
+                    .all(|byte| byte.is_ascii_digit() || byte == b'.')
+        };
         let mut seconds = 0.0;
         let parts: Vec<&str> = typed.split(':').collect();
         if parts.len() > 3 {
             return Err(wrong());
         }
         for (at, part) in parts.iter().enumerate() {
-            let number: f64 =
-                Some(*part).filter(|part| is_plain(part)).and_then(|part| part.parse().ok()).ok_or_else(wrong)?;
-            // Below the highest unit minutes and seconds end at 60, and only seconds have a fraction.
+            let number: f64 = Some(*part)
+                .filter(|part| is_plain(part))
+                .and_then(|part| part.parse().ok())
+                .ok_or_else(wrong)?;
+            // Below the highest unit minutes and seconds end at 60, and only seconds have a
+            // fraction.
             if at > 0 && number >= 60.0 || at + 1 < parts.len() && number.fract() != 0.0 {
                 return Err(wrong());
             }
@@ -52,7 +61,11 @@ pub fn time_code(seconds: f64) -> String {
     let hundredths = (100.0 * seconds.max(0.0)).round() as u64;
     let (hours, minutes) = (hundredths / 360_000, hundredths / 6_000 % 60);
     let rest = format!("{:02}.{:02}", hundredths / 100 % 60, hundredths % 100);
-    if hours > 0 { format!("{hours}:{minutes:02}:{rest}") } else { format!("{minutes}:{rest}") }
+    if hours > 0 {
+        format!("{hours}:{minutes:02}:{rest}")
+    } else {
+        format!("{minutes}:{rest}")
+    }
 }
 
 #[cfg(test)]
@@ -70,13 +83,19 @@ mod tests {
             ("12 s", Place::Time(12.0)),
             ("75:00", Place::Time(4500.0)),
         ] {
-            let Ok(found) = text.parse() else { panic!("{text} is a place") };
+            let Ok(found) = text.parse() else {
+                panic!("{text} is a place")
+            };
             match (found, place) {
-                (Place::Time(found), Place::Time(wanted)) => assert!((found - wanted).abs() < 1e-9, "{text}: {found}"),
+                (Place::Time(found), Place::Time(wanted)) => {
+                    assert!((found - wanted).abs() < 1e-9, "{text}: {found}")
+                }
                 (found, place) => assert_eq!(found, place, "{text}"),
             }
         }
-        for text in ["", "kick-off", "-3", "1:75", "1.5:20", "1:2:3:4", "1:", "1e3:2", "inf"] {
+        for text in [
+            "", "kick-off", "-3", "1:75", "1.5:20", "1:2:3:4", "1:", "1e3:2", "inf",
+        ] {
             assert_eq!(text.parse::<Place>(), Err(NoPlace(text.to_owned())));
         }
     }

@@ -24,18 +24,30 @@ impl PlayClock {
     /// Starts with a frame that is shown now.
     #[must_use]
     pub const fn start(now_s: f64, frame: usize, speed: f64) -> Self {
-        Self { started_s: now_s, from: frame, speed, shown: frame }
+        Self {
+            started_s: now_s,
+            from: frame,
+            speed,
+            shown: frame,
+        }
     }
 
-    /// Whether it still speaks of the frame that is shown at this speed: somebody may have gone elsewhere.
+    /// Whether it still speaks of the frame that is shown at this speed: somebody may have gone
+    /// elsewhere.
     #[must_use]
     pub fn follows(&self, frame: usize, speed: f64) -> bool {
         self.shown == frame && self.speed == speed
     }
 
-    /// The frame to show now, at most the last of those after the shown one that `is_there` says are decoded without a gap. Where
-    /// decoding falls behind, the clock waits: no frame is jumped to that cannot be shown.
-    pub fn frame_at(&mut self, now_s: f64, open: &OpenProject, is_there: impl Fn(usize) -> bool) -> usize {
+    /// The frame to show now, at most the last of those after the shown one that `is_there` says
+    /// are decoded without a gap. Where decoding falls behind, the clock waits: no frame is jumped
+    /// to that cannot be shown.
+    pub fn frame_at(
+        &mut self,
+        now_s: f64,
+        open: &OpenProject,
+        is_there: impl Fn(usize) -> bool,
+    ) -> usize {
         let elapsed_s = (now_s - self.started_s) * self.speed;
         let last = open.document.frames.len().saturating_sub(1);
         let mut due = self.shown;
@@ -58,9 +70,12 @@ impl PlayClock {
     }
 }
 
-/// When a frame is shown, s from the start of its video. Another video goes on where the one before ends.
+/// When a frame is shown, s from the start of its video. Another video goes on where the one before
+/// ends.
 fn time_s(open: &OpenProject, frame: usize) -> f64 {
-    let known = open.frame(frame).and_then(|frame| frame.video.as_ref()?.pts_s);
+    let known = open
+        .frame(frame)
+        .and_then(|frame| frame.video.as_ref()?.pts_s);
     known.unwrap_or(frame as f64 * UNKNOWN_SPACING_S)
 }
 
@@ -76,9 +91,16 @@ mod tests {
         for index in 0..10_u64 {
             let time = index as f64 / 25.0 + if index > 4 { 1.0 } else { 0.0 };
             let video = VideoFrame::new("match.mp4", index, Some(time));
-            document.frames.push(Frame::from_video(video, "main".into(), ImageSize::new(64, 36)).into());
+            document
+                .frames
+                .push(Frame::from_video(video, "main".into(), ImageSize::new(64, 36)).into());
         }
-        OpenProject::new(document, "/match/project.json".into(), "/match".into(), None)
+        OpenProject::new(
+            document,
+            "/match/project.json".into(),
+            "/match".into(),
+            None,
+        )
     }
 
     #[test]
@@ -88,7 +110,11 @@ mod tests {
         assert_eq!(clock.frame_at(100.03, &open, |_| true), 1);
         assert!((clock.until_next_s(100.03, &open) - 0.01).abs() < 1e-9);
         assert_eq!(clock.frame_at(100.09, &open, |_| true), 3);
-        assert_eq!(clock.frame_at(100.9, &open, |_| true), 4, "the next one is a second away");
+        assert_eq!(
+            clock.frame_at(100.9, &open, |_| true),
+            4,
+            "the next one is a second away"
+        );
         assert_eq!(clock.frame_at(200.0, &open, |_| true), 9, "the end");
         let mut slow = PlayClock::start(0.0, 0, 0.5);
         assert_eq!(slow.frame_at(0.13, &open, |_| true), 1);
@@ -100,7 +126,11 @@ mod tests {
         let mut clock = PlayClock::start(0.0, 0, 1.0);
         assert_eq!(clock.frame_at(0.121, &open, |frame| frame < 2), 1);
         assert!(clock.follows(1, 1.0) && !clock.follows(2, 1.0) && !clock.follows(1, 2.0));
-        assert_eq!(clock.frame_at(0.13, &open, |_| true), 1, "it was started again at 0.121 s");
+        assert_eq!(
+            clock.frame_at(0.13, &open, |_| true),
+            1,
+            "it was started again at 0.121 s"
+        );
         assert_eq!(clock.frame_at(0.17, &open, |_| true), 2);
     }
 }

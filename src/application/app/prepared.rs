@@ -5,8 +5,8 @@ use super::derived::Derived;
 use touchline_calibration::proposals::Project;
 use touchline_documents::document::Document;
 
-/// A document split into what people did and what is suggested, and what the window derives from all frames of it: with 100,000
-/// frames that takes a good part of a second.
+/// A document split into what people did and what is suggested, and what the window derives from
+/// all frames of it: with 100,000 frames that takes a good part of a second.
 #[derive(Clone, Debug)]
 pub(super) struct Prepared {
     pub(super) project: Project,
@@ -20,7 +20,10 @@ impl Prepared {
         let document = Versioned::new(document);
         derived.counts(&document);
         derived.lookup(&document);
-        Self { project: Project::from_document(document.clone()), derived }
+        Self {
+            project: Project::from_document(document.clone()),
+            derived,
+        }
     }
 
     /// The document as a reader sees it.
@@ -49,17 +52,32 @@ mod tests {
         let mut document = Document::new(FieldSpec::new("soccer"));
         for name in ["a.jpg", "b.jpg"] {
             let mut frame = Frame::from_image(name, "main".into(), ImageSize::new(64, 36));
-            (frame.status, frame.ptz) =
-                (FrameStatus::Suggested, Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None)));
+            (frame.status, frame.ptz) = (
+                FrameStatus::Suggested,
+                Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None)),
+            );
             document.frames.push(frame.into());
         }
         let prepared = Prepared::of(document.clone());
-        let mut open = OpenProject::of(prepared, "/match/project.json".into(), "/match".into(), None);
+        let mut open = OpenProject::of(
+            prepared,
+            "/match/project.json".into(),
+            "/match".into(),
+            None,
+        );
         assert_eq!(*open.document, document);
-        assert_eq!(open.counts().of_status(FrameStatus::Suggested), 2, "counted before anybody asks");
-        let editions = |open: &mut OpenProject| open.derived.counts(&open.document).suggestions_edition();
+        assert_eq!(
+            open.counts().of_status(FrameStatus::Suggested),
+            2,
+            "counted before anybody asks"
+        );
+        let editions =
+            |open: &mut OpenProject| open.derived.counts(&open.document).suggestions_edition();
         let before = editions(&mut open);
         open.document.frames[0].status = FrameStatus::Reference;
-        assert!(editions(&mut open) > before, "and counted again once the document has changed");
+        assert!(
+            editions(&mut open) > before,
+            "and counted again once the document has changed"
+        );
     }
 }

@@ -17,14 +17,21 @@ pub fn just_accepted(counts: &FrameCounts, used_for_training: bool) -> String {
         _ if !used_for_training => format!("Accepted (not used for training), {left} to do."),
         (_, 0) => format!("Reference saved: {references} reference{plural}, {left} to do."),
         (_, missing) => {
-            format!("Reference saved. {missing} more, spread left to right, and proposals become useful.")
+            format!(
+                "Reference saved. {missing} more, spread left to right, and proposals become useful."
+            )
         }
     }
 }
 
-/// How many references are missing before proposals become useful; none once there are any proposals.
+/// How many references are missing before proposals become useful; none once there are any
+/// proposals.
 #[must_use]
 pub fn missing_references(counts: &FrameCounts) -> usize {
     let has_proposals = counts.of_status(FrameStatus::Suggested) > 0;
-    if has_proposals { 0 } else { WIDE_FRAMES.saturating_sub(counts.used_for_training) }
+    if has_proposals {
+        0
+    } else {
+        WIDE_FRAMES.saturating_sub(counts.used_for_training)
+    }
 }

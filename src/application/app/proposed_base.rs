@@ -25,19 +25,43 @@ pub struct WithProposal {
 }
 
 impl WithProposal {
-    pub(super) fn derive(open: &mut OpenProject, index: usize, found: &EstimatedBase) -> Option<Self> {
-        let frame = open.document.frames.get(index).filter(|frame| frame.camera == found.camera)?;
+    pub(super) fn derive(
+        open: &mut OpenProject,
+        index: usize,
+        found: &EstimatedBase,
+    ) -> Option<Self> {
+        let frame = open
+            .document
+            .frames
+            .get(index)
+            .filter(|frame| frame.camera == found.camera)?;
         let mut document = open.document.clone();
         found.write_camera(&mut document);
         let field = open.derived.field_in(&document, frame).ok()?;
         let base = document.camera_of(frame)?.base_for(frame)?;
         let is_named = frame.clicks.iter().any(|click| click.target.is_some());
-        let solution =
-            is_named.then(|| calibrate(&document, open.derived.lookup(&open.document), frame, &field, index));
-        let solved = solution.as_ref().and_then(|solution| solution.as_ref().ok());
+        let solution = is_named.then(|| {
+            calibrate(
+                &document,
+                open.derived.lookup(&open.document),
+                frame,
+                &field,
+                index,
+            )
+        });
+        let solved = solution
+            .as_ref()
+            .and_then(|solution| solution.as_ref().ok());
         let camera = solved.map(|solved| PtzCamera::new(base, solved.ptz));
         let judgement = solved.map(|solved| judge(solved, frame.image_size));
         let disputed = solved.map(FrameSolution::disputed).unwrap_or_default();
-        Some(Self { field: Arc::new(field), base, camera, solution, judgement, disputed })
+        Some(Self {
+            field: Arc::new(field),
+            base,
+            camera,
+            solution,
+            judgement,
+            disputed,
+        })
     }
 }

@@ -1,4 +1,5 @@
-//! A blind round: the landmarks of the gold frames are clicked again, without a look at the label, its lines or a proposal.
+//! A blind round: the landmarks of the gold frames are clicked again, without a look at the label,
+//! its lines or a proposal.
 
 use touchline_core::field::LandmarkId;
 use touchline_core::geometry::ImagePoint;
@@ -34,9 +35,17 @@ impl Reclick {
     pub fn of(document: &Document) -> Self {
         let frames = document.frames.iter().enumerate();
         let gold = frames.filter(|(_, frame)| frame.gold && frame.status == FrameStatus::Reference);
-        let asked = gold
-            .flat_map(|(index, frame)| frame.asked_again().map(move |id| Asked { frame: index, landmark: id.clone() }));
-        Self { asked: asked.collect(), round: document.next_round(), ..Self::default() }
+        let asked = gold.flat_map(|(index, frame)| {
+            frame.asked_again().map(move |id| Asked {
+                frame: index,
+                landmark: id.clone(),
+            })
+        });
+        Self {
+            asked: asked.collect(),
+            round: document.next_round(),
+            ..Self::default()
+        }
     }
 
     /// What is asked for now; none at the end.

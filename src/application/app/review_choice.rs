@@ -33,7 +33,9 @@ impl ReviewOrder {
             Self::Confidence => {
                 "Lowest confidence first: look at these. Those above a threshold can be accepted at once."
             }
-            Self::Disagreement => "Those most out of line with the frames before and after come first.",
+            Self::Disagreement => {
+                "Those most out of line with the frames before and after come first."
+            }
             Self::Time => "In the order of the frames.",
         }
     }

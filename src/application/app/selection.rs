@@ -1,4 +1,5 @@
-//! Several frames at once: which are selected, and what a wish that concerns more than one frame is about.
+//! Several frames at once: which are selected, and what a wish that concerns more than one frame is
+//! about.
 
 use super::OpenProject;
 pub use super::choices::{Scope, Selecting};
@@ -10,11 +11,16 @@ impl Scope {
     /// The frames, by their places in the document.
     #[must_use]
     pub fn frames(self, open: &OpenProject, session: &Session) -> Vec<usize> {
-        let Some(shown) = open.frame(session.frame) else { return Vec::new() };
+        let Some(shown) = open.frame(session.frame) else {
+            return Vec::new();
+        };
         let of_camera = |frame: &Frame| frame.camera == shown.camera;
         let all = |wanted: &dyn Fn(usize, &Frame) -> bool| {
             let frames = open.document.frames.iter().enumerate();
-            frames.filter(|(index, frame)| wanted(*index, frame)).map(|(index, _)| index).collect()
+            frames
+                .filter(|(index, frame)| wanted(*index, frame))
+                .map(|(index, _)| index)
+                .collect()
         };
         match self {
             Self::Frame => vec![session.frame],
@@ -26,13 +32,22 @@ impl Scope {
     }
 }
 
-/// The selection after a click on a frame of the filmstrip. A lone frame is no selection: it is the shown one.
-pub(super) fn after_click(open: &OpenProject, session: &Session, frame: usize, how: Selecting) -> BTreeSet<usize> {
+/// The selection after a click on a frame of the filmstrip. A lone frame is no selection: it is the
+/// shown one.
+pub(super) fn after_click(
+    open: &OpenProject,
+    session: &Session,
+    frame: usize,
+    how: Selecting,
+) -> BTreeSet<usize> {
     let mut selected = session.frames_selected.clone();
     match how {
         Selecting::Range => {
             let (first, last) = (session.frame.min(frame), session.frame.max(frame));
-            let shown = |index: &usize| open.frame(*index).is_some_and(|frame| session.filter.shows(frame));
+            let shown = |index: &usize| {
+                open.frame(*index)
+                    .is_some_and(|frame| session.filter.shows(frame))
+            };
             selected = (first..=last).filter(shown).collect();
         }
         Selecting::Toggle => {
@@ -61,15 +76,24 @@ mod tests {
     fn app() -> App {
         let size = ImageSize::new(64, 36);
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(Camera::new("main".into(), size).into());
+        document
+            .cameras
+            .push(Camera::new("main".into(), size).into());
         for index in 0..8 {
             let mut frame = Frame::from_image("a.jpg", "main".into(), size);
             frame.clip = Some(Clip::Number(i64::from(index >= 5)));
-            frame.status = if index == 3 { FrameStatus::Rejected } else { FrameStatus::New };
+            frame.status = if index == 3 {
+                FrameStatus::Rejected
+            } else {
+                FrameStatus::New
+            };
             document.frames.push(frame.into());
         }
         let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        app.update(Action::Opened(Box::new(Opened::new(
+            document,
+            "/match/project.json",
+        ))));
         app
     }
 
@@ -81,19 +105,44 @@ mod tests {
     fn shift_takes_a_range_and_ctrl_one_more_or_less() {
         let mut app = app();
         app.update(Action::Navigate(Navigation::GoTo(1)));
-        app.update(Action::Navigate(Navigation::SelectFrame { frame: 4, how: Selecting::Range }));
+        app.update(Action::Navigate(Navigation::SelectFrame {
+            frame: 4,
+            how: Selecting::Range,
+        }));
         assert_eq!(selected(&app), [1, 2, 3, 4]);
-        app.update(Action::Navigate(Navigation::SelectFrame { frame: 2, how: Selecting::Toggle }));
-        app.update(Action::Navigate(Navigation::SelectFrame { frame: 6, how: Selecting::Toggle }));
+        app.update(Action::Navigate(Navigation::SelectFrame {
+            frame: 2,
+            how: Selecting::Toggle,
+        }));
+        app.update(Action::Navigate(Navigation::SelectFrame {
+            frame: 6,
+            how: Selecting::Toggle,
+        }));
         assert_eq!(selected(&app), [1, 3, 4, 6]);
-        app.update(Action::Navigate(Navigation::SelectFrame { frame: 0, how: Selecting::Range }));
+        app.update(Action::Navigate(Navigation::SelectFrame {
+            frame: 0,
+            how: Selecting::Range,
+        }));
         assert_eq!(selected(&app), [0, 1]);
-        app.update(Action::Navigate(Navigation::SelectFrame { frame: 0, how: Selecting::Toggle }));
+        app.update(Action::Navigate(Navigation::SelectFrame {
+            frame: 0,
+            how: Selecting::Toggle,
+        }));
         assert!(selected(&app).is_empty(), "a lone frame is no selection");
         app.update(Action::View(ViewAction::SetFilter(Filter::ToDo)));
-        app.update(Action::Navigate(Navigation::SelectFrame { frame: 4, how: Selecting::Range }));
-        assert_eq!(selected(&app), [1, 2, 4], "what the filter hides is not meant");
-        app.update(Action::Navigate(Navigation::SelectFrame { frame: 99, how: Selecting::Toggle }));
+        app.update(Action::Navigate(Navigation::SelectFrame {
+            frame: 4,
+            how: Selecting::Range,
+        }));
+        assert_eq!(
+            selected(&app),
+            [1, 2, 4],
+            "what the filter hides is not meant"
+        );
+        app.update(Action::Navigate(Navigation::SelectFrame {
+            frame: 99,
+            how: Selecting::Toggle,
+        }));
         assert_eq!(selected(&app), [1, 2, 4]);
     }
 
@@ -102,6 +151,9 @@ mod tests {
         let mut app = app();
         app.update(Action::Navigate(Navigation::GoTo(5)));
         let frames = |scope: Scope| scope.frames(app.open().unwrap(), &app.session);
-        assert_eq!(Scope::ALL.map(frames), [vec![5], vec![], vec![5, 6, 7], vec![5, 6, 7]]);
+        assert_eq!(
+            Scope::ALL.map(frames),
+            [vec![5], vec![], vec![5, 6, 7], vec![5, 6, 7]]
+        );
     }
 }

@@ -45,7 +45,8 @@ pub struct Session {
     pub quality: QualityChoice,
     /// What the background trainer is doing.
     pub trainer: TrainerState,
-    /// The frame, as it was, of which it was asked whether it is to be accepted although its verdict is wrong.
+    /// The frame, as it was, of which it was asked whether it is to be accepted although its
+    /// verdict is wrong.
     pub doubted: Option<Doubted>,
     /// What is done with the video of the shown frame.
     pub video: VideoState,
@@ -70,7 +71,8 @@ pub struct PointState {
     pub hover: Option<ImagePoint>,
     /// The click that was just placed and named without asking, until something else is done.
     pub named_unasked: Option<usize>,
-    /// The clicks of the shown frame that were just moved onto the paint, until something else is done.
+    /// The clicks of the shown frame that were just moved onto the paint, until something else is
+    /// done.
     pub just_snapped: Vec<usize>,
     /// The next click is a point on a line.
     pub next_on_line: bool,
@@ -81,7 +83,8 @@ pub struct PointState {
 pub struct PictureDisplay {
     /// How the picture is shown; kept from frame to frame.
     pub view: PictureView,
-    /// The scale at which the picture fits its canvas, physical px of the screen per px of the picture; the viewport keeps it true.
+    /// The scale at which the picture fits its canvas, physical px of the screen per px of the
+    /// picture; the viewport keeps it true.
     pub fit_scale: f64,
     /// Commands that act while their key is down.
     pub held: Held,
@@ -102,7 +105,8 @@ pub struct DiskState {
     pub opening: Option<String>,
     /// What is done once everything is on disk and nobody else has changed the document.
     pub leaving: Option<Leaving>,
-    /// Another program changed this file of the document, and the user has not decided what to do about it.
+    /// Another program changed this file of the document, and the user has not decided what to do
+    /// about it.
     pub changed_outside: Option<PathBuf>,
     /// Where what the window holds is kept until then.
     pub own_version: Option<PathBuf>,
@@ -212,17 +216,23 @@ impl Session {
         text: impl Into<String>,
         offers: impl IntoIterator<Item = (&'static str, Command)>,
     ) {
-        self.messages.show(level, text.into(), offers.into_iter().collect());
+        self.messages
+            .show(level, text.into(), offers.into_iter().collect());
     }
 
     /// Whether a message offers a command.
     #[must_use]
     pub fn offers(&self, command: Command) -> bool {
-        self.messages.notices.iter().any(|notice| notice.offers(command))
+        self.messages
+            .notices
+            .iter()
+            .any(|notice| notice.offers(command))
     }
 
     /// Takes back the messages that offer a command: it has been done, or makes no sense any more.
     pub fn retract(&mut self, command: Command) {
-        self.messages.notices.retain(|notice| !notice.offers(command));
+        self.messages
+            .notices
+            .retain(|notice| !notice.offers(command));
     }
 }

@@ -14,7 +14,8 @@ pub const MAX_RECENT: usize = 12;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
-    /// How the field's lines are drawn over the picture; their colour is that of fields of no known sport.
+    /// How the field's lines are drawn over the picture; their colour is that of fields of no known
+    /// sport.
     pub overlay: OverlayStyle,
     /// The colours of the lines that a person chose, by [`Sport::id`].
     pub line_colours: BTreeMap<String, [u8; 3]>,
@@ -42,11 +43,13 @@ pub struct Settings {
     pub field_map: bool,
     /// The inspector's details are unfolded.
     pub details: bool,
-    /// A point that is placed or dropped goes to the painted corner, crossing or spot that it names.
+    /// A point that is placed or dropped goes to the painted corner, crossing or spot that it
+    /// names.
     pub snap_points: bool,
     /// The base of a camera is estimated from the painted lines of its frames as well.
     pub base_on_paint: bool,
-    /// What the forest proposes is snapped to the painted lines before it is shown, where they decide.
+    /// What the forest proposes is snapped to the painted lines before it is shown, where they
+    /// decide.
     pub snap_suggestions: bool,
     /// The note that drawing runs on the processor has been shown for this adapter.
     pub told_about_adapter: String,
@@ -88,11 +91,19 @@ impl Loupe {
     pub fn within_limits(self) -> Self {
         let default = Self::default();
         let within = |value: f32, range: std::ops::RangeInclusive<f32>, default: f32| {
-            if value.is_finite() { value.clamp(*range.start(), *range.end()) } else { default }
+            if value.is_finite() {
+                value.clamp(*range.start(), *range.end())
+            } else {
+                default
+            }
         };
         Self {
             shown: self.shown,
-            magnification: within(self.magnification, Self::MAGNIFICATION, default.magnification),
+            magnification: within(
+                self.magnification,
+                Self::MAGNIFICATION,
+                default.magnification,
+            ),
             side: within(self.side, Self::SIDE, default.side),
         }
     }
@@ -100,7 +111,11 @@ impl Loupe {
 
 impl Default for Loupe {
     fn default() -> Self {
-        Self { shown: true, magnification: 8.0, side: 160.0 }
+        Self {
+            shown: true,
+            magnification: 8.0,
+            side: 160.0,
+        }
     }
 }
 
@@ -113,7 +128,11 @@ pub const TEXT_SIZE: std::ops::RangeInclusive<f32> = 0.75..=2.0;
 /// A size of texts, brought into its range.
 #[must_use]
 pub const fn text_size_within_limits(size: f32) -> f32 {
-    if size.is_finite() { size.clamp(*TEXT_SIZE.start(), *TEXT_SIZE.end()) } else { 1.0 }
+    if size.is_finite() {
+        size.clamp(*TEXT_SIZE.start(), *TEXT_SIZE.end())
+    } else {
+        1.0
+    }
 }
 
 /// Where a window is on the screen, and its size, points.
@@ -134,10 +153,19 @@ impl WindowPlace {
     /// A place from a file edited by hand; none where it is none.
     fn within_limits(self) -> Option<Self> {
         let size = self.size;
-        let is_usable = size.iter().all(|side| side.is_finite() && *side <= 20_000.0);
-        let position = self.position.filter(|at| at.iter().all(|side| side.is_finite() && side.abs() <= 20_000.0));
+        let is_usable = size
+            .iter()
+            .all(|side| side.is_finite() && *side <= 20_000.0);
+        let position = self.position.filter(|at| {
+            at.iter()
+                .all(|side| side.is_finite() && side.abs() <= 20_000.0)
+        });
         let size = [size[0].max(Self::LEAST[0]), size[1].max(Self::LEAST[1])];
-        is_usable.then_some(Self { position, size, ..self })
+        is_usable.then_some(Self {
+            position,
+            size,
+            ..self
+        })
     }
 }
 
@@ -178,9 +206,16 @@ impl Settings {
     /// How the lines of a field are drawn over the picture: in the colour of its sport.
     #[must_use]
     pub fn overlay_of(&self, template: &str) -> OverlayStyle {
-        let colour = Sport::of_template(template)
-            .map_or(self.overlay.colour, |sport| self.line_colours.get(sport.id).copied().unwrap_or(sport.colour));
-        OverlayStyle { colour, ..self.overlay }
+        let colour = Sport::of_template(template).map_or(self.overlay.colour, |sport| {
+            self.line_colours
+                .get(sport.id)
+                .copied()
+                .unwrap_or(sport.colour)
+        });
+        OverlayStyle {
+            colour,
+            ..self.overlay
+        }
     }
 
     /// Chooses the colour of a sport's lines.
@@ -203,13 +238,19 @@ impl Settings {
     fn within_limits(mut self) -> Self {
         let style = OverlayStyle::default();
         let within = |value: f32, low: f32, high: f32, default: f32| {
-            if value.is_finite() { value.clamp(low, high) } else { default }
+            if value.is_finite() {
+                value.clamp(low, high)
+            } else {
+                default
+            }
         };
         self.overlay.width = within(self.overlay.width, 0.5, 12.0, style.width);
         self.overlay.opacity = within(self.overlay.opacity, 0.05, 1.0, style.opacity);
         self.overlay.outline = within(self.overlay.outline, 0.0, 4.0, style.outline);
         self.loupe = self.loupe.within_limits();
-        self.picture_memory_mib = self.picture_memory_mib.clamp(*PICTURE_MEMORY_MIB.start(), *PICTURE_MEMORY_MIB.end());
+        self.picture_memory_mib = self
+            .picture_memory_mib
+            .clamp(*PICTURE_MEMORY_MIB.start(), *PICTURE_MEMORY_MIB.end());
         self.text_size = text_size_within_limits(self.text_size);
         self.picture = self.picture.within_limits();
         self.side_width = self.side_width.filter(|width| width.is_finite());
@@ -228,9 +269,10 @@ mod tests {
     fn numbers_out_of_their_range_are_brought_into_it() {
         let mended = Settings::from_json(r#"{"overlay": {"width": -4}}"#).unwrap();
         assert!((mended.overlay.width - 0.5).abs() < 1e-6);
-        let mended =
-            Settings::from_json(r#"{"picture": {"gamma": 0}, "window": {"size": [10, 700], "maximized": false}}"#)
-                .unwrap();
+        let mended = Settings::from_json(
+            r#"{"picture": {"gamma": 0}, "window": {"size": [10, 700], "maximized": false}}"#,
+        )
+        .unwrap();
         assert!((mended.picture.gamma - 0.25).abs() < 1e-6);
         assert_eq!(mended.window.unwrap().size, [900.0, 700.0]);
     }

@@ -1,5 +1,6 @@
-//! What the window shows of the frame's camera. While an estimated base waits for a decision, lines, residuals, verdict and numbers
-//! are all those of that base; nothing of the current base stands beside them.
+//! What the window shows of the frame's camera. While an estimated base waits for a decision,
+//! lines, residuals, verdict and numbers are all those of that base; nothing of the current base
+//! stands beside them.
 
 use super::App;
 use touchline_calibration::calibrate::CalibrationError;
@@ -34,7 +35,9 @@ impl<'a> Shown<'a> {
     /// Where a click lies as seen from the camera; none for check clicks of a solution from clicks.
     #[must_use]
     pub fn residual(&self, click: usize) -> Option<&'a ClickResidual> {
-        let residuals = self.solved().map_or(self.residuals, |solved| &solved.residuals);
+        let residuals = self
+            .solved()
+            .map_or(self.residuals, |solved| &solved.residuals);
         residuals.iter().find(|residual| residual.click == click)
     }
 }
@@ -44,14 +47,20 @@ impl App {
     #[must_use]
     pub fn decides_about_base(&self) -> bool {
         let proposed = self.operations.proposed_base();
-        proposed.zip(self.frame()).is_some_and(|(found, frame)| found.camera == frame.camera)
+        proposed
+            .zip(self.frame())
+            .is_some_and(|(found, frame)| found.camera == frame.camera)
     }
 
     /// What is shown of the frame's camera: of one base, whichever it is.
     #[must_use]
     pub fn shown(&self) -> Shown<'_> {
         let current = self.current();
-        match current.proposal.as_ref().filter(|_| !self.session.picture.held.compare) {
+        match current
+            .proposal
+            .as_ref()
+            .filter(|_| !self.session.picture.held.compare)
+        {
             Some(proposal) => Shown {
                 base: Some(proposal.base),
                 camera: proposal.camera,

@@ -29,7 +29,9 @@ pub const fn synonyms(command: Command) -> &'static str {
         }
         C::DiscardBatch => "remove delete proposals suggested reject all",
         C::FindCamera => "automatic zero clicks",
-        C::Snap | C::SearchLines | C::SnapPoints | C::SnapSuggestions => "refine lines paint register",
+        C::Snap | C::SearchLines | C::SnapPoints | C::SnapSuggestions => {
+            "refine lines paint register"
+        }
         C::Export => "save as format JSON CSV SoccerNet COCO",
         C::ExportDataset => "training set images splits",
         C::Import => "load annotations labels",

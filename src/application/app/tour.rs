@@ -1,4 +1,5 @@
-//! A tour of five steps on the demo match. Each step is done by the person; it is over when the document shows so.
+//! A tour of five steps on the demo match. Each step is done by the person; it is over when the
+//! document shows so.
 
 use super::{Command, Keymap};
 use touchline_core::geometry::ImagePoint;
@@ -23,12 +24,21 @@ pub enum TourStep {
 
 impl TourStep {
     /// The steps that a person does, in order.
-    pub const ALL: [Self; 5] = [Self::FirstPoint, Self::SecondPoint, Self::Refine, Self::Accept, Self::Decide];
+    pub const ALL: [Self; 5] = [
+        Self::FirstPoint,
+        Self::SecondPoint,
+        Self::Refine,
+        Self::Accept,
+        Self::Decide,
+    ];
 
     /// Its place among the steps, from 1; none once all are done.
     #[must_use]
     pub fn number(self) -> Option<usize> {
-        Self::ALL.iter().position(|step| *step == self).map(|place| place + 1)
+        Self::ALL
+            .iter()
+            .position(|step| *step == self)
+            .map(|place| place + 1)
     }
 
     /// What the person does, in a few words.
@@ -99,11 +109,15 @@ pub(super) struct Sight {
 impl Sight {
     /// What a document shows.
     pub fn of(document: &Document, shown: Option<&Frame>, solved: bool) -> Self {
-        let count = |wanted: &dyn Fn(&Frame) -> bool| document.frames.iter().filter(|frame| wanted(frame)).count();
+        let count = |wanted: &dyn Fn(&Frame) -> bool| {
+            document.frames.iter().filter(|frame| wanted(frame)).count()
+        };
         let references = count(&|frame| frame.status == FrameStatus::Reference);
         Self {
             frame: shown.map(|frame| frame.id.clone()),
-            points: shown.map(|frame| frame.clicks.iter().map(|click| click.image).collect()).unwrap_or_default(),
+            points: shown
+                .map(|frame| frame.clicks.iter().map(|click| click.image).collect())
+                .unwrap_or_default(),
             solved,
             named: document
                 .frames
@@ -130,7 +144,11 @@ pub struct Tour {
 impl Tour {
     /// The first step.
     pub(super) const fn begin(seen: Sight) -> Self {
-        Self { step: TourStep::FirstPoint, since: seen, took_point: false }
+        Self {
+            step: TourStep::FirstPoint,
+            since: seen,
+            took_point: false,
+        }
     }
 
     /// What is to be done.
@@ -152,7 +170,10 @@ impl Tour {
             TourStep::SecondPoint => (seen.named > since.named && seen.solved, TourStep::Refine),
             TourStep::Refine => {
                 let same = seen.frame == since.frame && seen.points.len() == since.points.len();
-                (same && self.took_point && seen.points != since.points, TourStep::Accept)
+                (
+                    same && self.took_point && seen.points != since.points,
+                    TourStep::Accept,
+                )
             }
             TourStep::Accept => (seen.references > since.references, TourStep::Decide),
             TourStep::Decide => (seen.decided > since.decided, TourStep::Finished),
@@ -161,7 +182,9 @@ impl Tour {
         // Another frame was gone to, or a point came or went: what is moved from here on counts.
         // So does what snapping did to the points before anybody took hold of one.
         let begins_anew = self.step == TourStep::Refine
-            && (!self.took_point || seen.frame != since.frame || seen.points.len() != since.points.len());
+            && (!self.took_point
+                || seen.frame != since.frame
+                || seen.points.len() != since.points.len());
         if done || begins_anew {
             self.since = seen;
             self.took_point = false;

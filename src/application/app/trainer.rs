@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 use touchline_calibration::proposals::{
-    CarriedProposal, Coverage, Proposal, Quality, RefusedForests, Suspect, TrainingSampleError, UsedFeatures,
+    CarriedProposal, Coverage, Proposal, Quality, RefusedForests, Suspect, TrainingSampleError,
+    UsedFeatures,
 };
 use touchline_core::progress::Share;
 use touchline_documents::document::{Document, FrameId};
@@ -38,7 +39,8 @@ pub struct TrainerStatus {
     pub references: usize,
     /// Those that are used for training.
     pub training_frames: usize,
-    /// Those that are left out by choice, such as accepted suggestions. The rest waits for the base of its camera.
+    /// Those that are left out by choice, such as accepted suggestions. The rest waits for the base
+    /// of its camera.
     pub withheld: usize,
     /// Training frames that cannot be used.
     pub failed: Arc<[UnusableReference]>,
@@ -137,7 +139,8 @@ pub enum TrainerOrder {
     Features(bool),
     /// It rests, or goes on.
     Pause(bool),
-    /// Proposals are snapped to the painted lines before they are shown, or left as the forest gives them.
+    /// Proposals are snapped to the painted lines before they are shown, or left as the forest
+    /// gives them.
     Snap(bool),
 }
 
@@ -172,8 +175,9 @@ impl Doing {
         })
     }
 
-    /// How much longer it takes at the pace at which it came here from an earlier state, some time ago; none where they are not
-    /// parts of the same, or so little was done since that it says nothing.
+    /// How much longer it takes at the pace at which it came here from an earlier state, some time
+    /// ago; none where they are not parts of the same, or so little was done since that it says
+    /// nothing.
     #[must_use]
     pub fn left_since(self, earlier: Self, elapsed: Duration) -> Option<Duration> {
         /// A pace is that of some seconds.
@@ -240,15 +244,21 @@ mod tests {
     #[test]
     fn what_is_left_follows_from_the_pace() {
         let at = |done: usize| Doing::Proposing(Share { done, of: 100 });
-        let left = |now: Doing, then: Doing, seconds: u64| now.left_since(then, Duration::from_secs(seconds));
+        let left = |now: Doing, then: Doing, seconds: u64| {
+            now.left_since(then, Duration::from_secs(seconds))
+        };
         assert_eq!(left(at(30), at(10), 10), Some(Duration::from_secs(35)));
         assert_eq!(left(at(100), at(10), 10), Some(Duration::ZERO));
         assert_eq!(left(at(30), at(10), 2), None, "two seconds are no pace");
         assert_eq!(left(at(10), at(10), 10), None);
         assert_eq!(left(at(5), at(10), 10), None);
-        assert_eq!(left(at(30), Doing::Carrying(Share { done: 10, of: 100 }), 10), None);
+        assert_eq!(
+            left(at(30), Doing::Carrying(Share { done: 10, of: 100 }), 10),
+            None
+        );
         assert_eq!(left(Doing::Nothing, at(10), 10), None);
-        let words = [3, 41, 119, 3600, 7200].map(|seconds| describe_left(Duration::from_secs(seconds)));
+        let words =
+            [3, 41, 119, 3600, 7200].map(|seconds| describe_left(Duration::from_secs(seconds)));
         let expected = [
             "a few seconds left",
             "about 50\u{a0}s left",

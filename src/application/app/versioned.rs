@@ -2,8 +2,9 @@
 
 use std::ops::{Deref, DerefMut};
 
-/// A value with a version: whoever takes it to write to it raises the version, so what was derived from one version holds
-/// until there is another. A copy of the value is a plain one: it has no version.
+/// A value with a version: whoever takes it to write to it raises the version, so what was derived
+/// from one version holds until there is another. A copy of the value is a plain one: it has no
+/// version.
 #[derive(Debug)]
 pub struct Versioned<T> {
     value: T,

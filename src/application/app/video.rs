@@ -7,7 +7,8 @@ pub struct VideoState {
     pub playing: bool,
     /// At this multiple of its own speed.
     pub speed: PlaySpeed,
-    /// The picture of the shown frame is on its way: what is on the screen belongs to another frame.
+    /// The picture of the shown frame is on its way: what is on the screen belongs to another
+    /// frame.
     pub picture_awaited: bool,
 }
 

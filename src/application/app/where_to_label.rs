@@ -4,16 +4,19 @@ use super::App;
 use touchline_calibration::proposals::{LabelAdvice, LabelNext};
 
 impl App {
-    /// What the forest has no answer for, and which frame to label next: the one that "Where to label next" goes to.
+    /// What the forest has no answer for, and which frame to label next: the one that "Where to
+    /// label next" goes to.
     #[must_use]
     pub fn where_to_label(&self) -> Option<String> {
         let open = self.open()?;
-        where_to_label(&self.review().advice, |frame| format!("frame {}", open.frame_number(frame)))
+        where_to_label(&self.review().advice, |frame| {
+            format!("frame {}", open.frame_number(frame))
+        })
     }
 }
 
-/// What the forest has no answer for, or no sure one, and which frame to label; none where every frame has its answer. `name` is
-/// what a frame is called, by its place.
+/// What the forest has no answer for, or no sure one, and which frame to label; none where every
+/// frame has its answer. `name` is what a frame is called, by its place.
 #[must_use]
 pub fn where_to_label(advice: &LabelAdvice, name: impl Fn(usize) -> String) -> Option<String> {
     let without = match advice.unanswered {
@@ -32,15 +35,32 @@ pub fn where_to_label(advice: &LabelAdvice, name: impl Fn(usize) -> String) -> O
         (Some(which), None) | (None, Some(which)) => which,
         (Some(without), Some(unsure)) => format!("{without}, {unsure}"),
     };
-    let Some(LabelNext { frame, pan_deg, shared_by, missing_pan_deg }) = advice.next else {
-        let whose = if all == 1 { "its picture" } else { "their pictures" };
+    let Some(LabelNext {
+        frame,
+        pan_deg,
+        shared_by,
+        missing_pan_deg,
+    }) = advice.next
+    else {
+        let whose = if all == 1 {
+            "its picture"
+        } else {
+            "their pictures"
+        };
         return Some(format!("{which}: {whose} cannot be read."));
     };
     let name = name(frame);
     Some(match (pan_deg, missing_pan_deg) {
         (Some(pan_deg), _) => {
-            let one_of = if (2..all).contains(&shared_by) { format!("one of {shared_by} ") } else { String::new() };
-            format!("{which}: label {name}, {one_of}near pan\u{a0}{}.", whole_degrees(pan_deg))
+            let one_of = if (2..all).contains(&shared_by) {
+                format!("one of {shared_by} ")
+            } else {
+                String::new()
+            };
+            format!(
+                "{which}: label {name}, {one_of}near pan\u{a0}{}.",
+                whole_degrees(pan_deg)
+            )
         }
         (None, Some(pan_deg)) if all > 1 => {
             let pan = whole_degrees(pan_deg);
@@ -63,20 +83,47 @@ mod tests {
 
     #[test]
     fn where_to_label_says_how_many_wait_and_where_they_look() {
-        let next = |pan_deg, shared_by| LabelNext { frame: 3, pan_deg, shared_by, missing_pan_deg: Some(-31.4) };
+        let next = |pan_deg, shared_by| LabelNext {
+            frame: 3,
+            pan_deg,
+            shared_by,
+            missing_pan_deg: Some(-31.4),
+        };
         let said = |unanswered, uncertain, next| {
-            where_to_label(&LabelAdvice { unanswered, uncertain, next }, |frame| format!("frame {frame}"))
+            where_to_label(
+                &LabelAdvice {
+                    unanswered,
+                    uncertain,
+                    next,
+                },
+                |frame| format!("frame {frame}"),
+            )
         };
         let near = Some(next(Some(40.2), 12));
-        assert_eq!(said(14, 0, near).unwrap(), "14 frames have no answer: label frame 3, one of 12 near pan\u{a0}40°.");
-        assert_eq!(said(12, 0, near).unwrap(), "12 frames have no answer: label frame 3, near pan\u{a0}40°.");
+        assert_eq!(
+            said(14, 0, near).unwrap(),
+            "14 frames have no answer: label frame 3, one of 12 near pan\u{a0}40°."
+        );
+        assert_eq!(
+            said(12, 0, near).unwrap(),
+            "12 frames have no answer: label frame 3, near pan\u{a0}40°."
+        );
         assert_eq!(
             said(14, 2, Some(next(None, 9))).unwrap(),
             "14 frames have no answer, 2 proposals are uncertain: label frame 3. No reference looks near pan\u{a0}−31°."
         );
-        assert_eq!(said(0, 1, near).unwrap(), "1 proposal is uncertain: label frame 3, near pan\u{a0}40°.");
-        assert_eq!(said(1, 0, Some(next(None, 1))).unwrap(), "1 frame has no answer: label frame 3.");
-        assert_eq!(said(2, 0, None).unwrap(), "2 frames have no answer: their pictures cannot be read.");
+        assert_eq!(
+            said(0, 1, near).unwrap(),
+            "1 proposal is uncertain: label frame 3, near pan\u{a0}40°."
+        );
+        assert_eq!(
+            said(1, 0, Some(next(None, 1))).unwrap(),
+            "1 frame has no answer: label frame 3."
+        );
+        assert_eq!(
+            said(2, 0, None).unwrap(),
+            "2 frames have no answer: their pictures cannot be read."
+        );
         assert_eq!(said(0, 0, None), None);
     }
 }

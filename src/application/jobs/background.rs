@@ -33,7 +33,8 @@ impl<P, T> Reporter<P, T> {
 
     /// Reports progress; dropped when the last reports have not been polled yet.
     pub fn progress(&self, progress: P) {
-        self.mailbox.report_if_room(BackgroundReport::Progress(progress));
+        self.mailbox
+            .report_if_room(BackgroundReport::Progress(progress));
     }
 }
 
@@ -48,16 +49,26 @@ impl<P: Send + 'static, T: Send + 'static> Background<P, T> {
     ///
     /// # Errors
     /// The operating system gives no thread.
-    pub fn spawn(name: &str, wake: Wake, task: impl FnOnce(&Reporter<P, T>) -> T + Send + 'static) -> io::Result<Self> {
+    pub fn spawn(
+        name: &str,
+        wake: Wake,
+        task: impl FnOnce(&Reporter<P, T>) -> T + Send + 'static,
+    ) -> io::Result<Self> {
         let mailbox = Mailbox::new((), MOST_REPORTS, wake);
         let worker = Worker::spawn(name, mailbox, BackgroundReport::Panicked, move |mailbox| {
-            let result = task(&Reporter { mailbox: Arc::clone(mailbox) });
+            let result = task(&Reporter {
+                mailbox: Arc::clone(mailbox),
+            });
             mailbox.report(BackgroundReport::Done(result));
         })?;
-        Ok(Self { worker, is_over: false })
+        Ok(Self {
+            worker,
+            is_over: false,
+        })
     }
 
-    /// The next report, if one has arrived; [`BackgroundReport::Done`] or [`BackgroundReport::Panicked`] is the last.
+    /// The next report, if one has arrived; [`BackgroundReport::Done`] or
+    /// [`BackgroundReport::Panicked`] is the last.
     pub fn poll(&mut self) -> Option<BackgroundReport<P, T>> {
         let report = self.worker.mailbox().take_report()?;
         self.is_over = !matches!(report, BackgroundReport::Progress(_));
@@ -106,9 +117,13 @@ mod tests {
     #[test]
     fn a_panic_is_a_report() {
         let (wake, woken) = wake();
-        let mut job = Background::<(), ()>::spawn("test", wake, |_| panic!("out of {}", "grass")).unwrap();
+        let mut job =
+            Background::<(), ()>::spawn("test", wake, |_| panic!("out of {}", "grass")).unwrap();
         woken.recv().unwrap();
-        assert_eq!(job.poll(), Some(BackgroundReport::Panicked("out of grass".to_owned())));
+        assert_eq!(
+            job.poll(),
+            Some(BackgroundReport::Panicked("out of grass".to_owned()))
+        );
     }
 
     #[test]

@@ -17,7 +17,9 @@ pub struct DecoderOptions {
 
 impl Default for DecoderOptions {
     fn default() -> Self {
-        Self { cache_bytes: 512 << 20 }
+        Self {
+            cache_bytes: 512 << 20,
+        }
     }
 }
 
@@ -31,14 +33,16 @@ pub enum DecoderReport {
         /// Its pixels.
         picture: Picture,
     },
-    /// The current frame could not be had. Neighbours that fail are not reported before the user comes to them.
+    /// The current frame could not be had. Neighbours that fail are not reported before the user
+    /// comes to them.
     Failed {
         /// Which frame.
         frame: FrameRef,
         /// Why.
         error: MediaError,
     },
-    /// An internal error of this program or of a library stopped the decoding of a frame; the decoder goes on with others.
+    /// An internal error of this program or of a library stopped the decoding of a frame; the
+    /// decoder goes on with others.
     Panicked {
         /// Which frame.
         frame: FrameRef,
@@ -93,33 +97,50 @@ impl Decoder {
         let pictures = SharedPictures::new(options.cache_bytes);
         let shared = pictures.clone();
         let make_reader: MakeReader = Box::new(move |counting| {
-            Box::new(SharedReader::new(Box::new(FrameReader::with_progress(counting)), shared.clone()))
+            Box::new(SharedReader::new(
+                Box::new(FrameReader::with_progress(counting)),
+                shared.clone(),
+            ))
         });
         Self::sharing(pictures, wake, make_reader)
     }
 
     /// Starts a decoder that reads frames in a way of its own.
     #[cfg(test)]
-    pub(super) fn with_reader(options: DecoderOptions, wake: Wake, make_reader: MakeReader) -> io::Result<Self> {
+    pub(super) fn with_reader(
+        options: DecoderOptions,
+        wake: Wake,
+        make_reader: MakeReader,
+    ) -> io::Result<Self> {
         Self::sharing(SharedPictures::new(options.cache_bytes), wake, make_reader)
     }
 
     fn sharing(pictures: SharedPictures, wake: Wake, make_reader: MakeReader) -> io::Result<Self> {
         Ok(Self {
             worker: FrameWorker::spawn("decoder", wake, None, make_reader)?,
-            memory: Memory { current: None, cache: pictures, failures: BTreeMap::new(), unpolled: Vec::new() },
+            memory: Memory {
+                current: None,
+                cache: pictures,
+                failures: BTreeMap::new(),
+                unpolled: Vec::new(),
+            },
             asked: None,
         })
     }
 
-    /// Asks for the current frame and then, in this order, for others; what was asked before and is not in here is
-    /// given up. Frames of a video that lie shortly before another one asked for are taken along on the way to it.
-    /// Frames that are kept are not decoded again. Asking the same again costs nothing, so that this can be
-    /// called whenever the window is drawn.
+    /// Asks for the current frame and then, in this order, for others; what was asked before and is
+    /// not in here is given up. Frames of a video that lie shortly before another one asked for are
+    /// taken along on the way to it. Frames that are kept are not decoded again. Asking the same
+    /// again costs nothing, so that this can be called whenever the window is drawn.
     ///
-    /// A frame that failed is tried again when it becomes the current one: its file may have been mended.
+    /// A frame that failed is tried again when it becomes the current one: its file may have been
+    /// mended.
     pub fn request(&mut self, current: &FrameRef, prefetch: &[FrameRef]) {
-        if self.asked.as_ref().is_some_and(|(before, others)| before == current && others == prefetch) {
+        if self
+            .asked
+            .as_ref()
+            .is_some_and(|(before, others)| before == current && others == prefetch)
+        {
             return;
         }
         let is_new = self.memory.current.as_ref() != Some(current);
@@ -133,19 +154,28 @@ impl Decoder {
                 memory.failures.remove(current);
             }
             let wanted: Vec<FrameRef> = std::iter::once(current).chain(prefetch).cloned().collect();
-            let missing = wanted.iter().filter(|frame| memory.lacks(frame)).cloned().collect();
+            let missing = wanted
+                .iter()
+                .filter(|frame| memory.lacks(frame))
+                .cloned()
+                .collect();
             Choice { wanted, missing }
         });
         self.asked = Some((current.clone(), prefetch.to_vec()));
     }
 
-    /// Gives up everything asked for, as when a document is closed; kept frames and failures are forgotten.
+    /// Gives up everything asked for, as when a document is closed; kept frames and failures are
+    /// forgotten.
     pub fn clear(&mut self) {
         self.worker.replace_queue(|_| Choice::default());
         self.asked = None;
         self.memory.cache.clear();
-        self.memory =
-            Memory { current: None, cache: self.memory.cache.clone(), failures: BTreeMap::new(), unpolled: Vec::new() };
+        self.memory = Memory {
+            current: None,
+            cache: self.memory.cache.clone(),
+            failures: BTreeMap::new(),
+            unpolled: Vec::new(),
+        };
     }
 
     /// What has happened since the last call. To be called whenever the window is drawn.
@@ -209,7 +239,13 @@ impl Memory {
             }
             WorkReport::Panicked(frame, message) => {
                 let path = frame.path().to_path_buf();
-                self.failures.insert(frame.clone(), MediaError::Panicked { path, message: message.clone() });
+                self.failures.insert(
+                    frame.clone(),
+                    MediaError::Panicked {
+                        path,
+                        message: message.clone(),
+                    },
+                );
                 DecoderReport::Panicked { frame, message }
             }
             WorkReport::Broken(message) => DecoderReport::Broken { message },
@@ -239,7 +275,10 @@ mod tests {
 
     fn held_decoder() -> (Decoder, Controller) {
         let (make_reader, wake, controller) = stand_in();
-        (Decoder::with_reader(DecoderOptions::default(), wake, make_reader).unwrap(), controller)
+        (
+            Decoder::with_reader(DecoderOptions::default(), wake, make_reader).unwrap(),
+            controller,
+        )
     }
 
     fn frames(indices: &[usize]) -> Vec<FrameRef> {
@@ -247,7 +286,10 @@ mod tests {
     }
 
     fn ready(index: usize) -> DecoderReport {
-        DecoderReport::Ready { frame: frame(index), picture: picture(index) }
+        DecoderReport::Ready {
+            frame: frame(index),
+            picture: picture(index),
+        }
     }
 
     #[test]
@@ -260,7 +302,10 @@ mod tests {
         for _ in 0..4 {
             order.push(controller.next_begun());
             controller.let_out(Reply::Picture);
-            assert_eq!(controller.poll_until(|| decoder.poll()), [ready(*order.last().unwrap())]);
+            assert_eq!(
+                controller.poll_until(|| decoder.poll()),
+                [ready(*order.last().unwrap())]
+            );
         }
         assert_eq!(order, [5, 6, 7, 50]);
         assert_eq!(decoder.state(&frame(50)), FrameState::Ready(picture(50)));
@@ -279,7 +324,11 @@ mod tests {
         while reports.len() < 3 {
             reports.extend(controller.poll_until(|| decoder.poll()));
         }
-        assert_eq!(reports, [ready(0), ready(50), ready(51)], "what had been begun is kept all the same");
+        assert_eq!(
+            reports,
+            [ready(0), ready(50), ready(51)],
+            "what had been begun is kept all the same"
+        );
         assert!(controller.begun.try_recv().is_err());
     }
 
@@ -291,7 +340,11 @@ mod tests {
         assert_eq!([controller.next_begun(), controller.next_begun()], [0, 1]);
         // 0 waits to be polled, 1 is being read.
         decoder.request(&frame(1), &frames(&[0, 2]));
-        assert_eq!(decoder.picture(&frame(0)), Some(picture(0)), "taken in with the request");
+        assert_eq!(
+            decoder.picture(&frame(0)),
+            Some(picture(0)),
+            "taken in with the request"
+        );
         controller.let_out_pictures(2);
         assert_eq!(controller.next_begun(), 2);
         let mut reports = Vec::new();
@@ -307,7 +360,9 @@ mod tests {
     #[test]
     fn a_neighbour_that_fails_is_reported_when_the_user_comes_to_it() {
         let (mut decoder, controller) = held_decoder();
-        let error = MediaError::Missing { path: Path::new("match.mp4").to_path_buf() };
+        let error = MediaError::Missing {
+            path: Path::new("match.mp4").to_path_buf(),
+        };
         decoder.request(&frame(0), &frames(&[1]));
         controller.let_out(Reply::Picture);
         controller.let_out(Reply::Missing);
@@ -320,7 +375,10 @@ mod tests {
         // The user comes to it: it is tried again, and fails again.
         controller.let_out(Reply::Missing);
         decoder.request(&frame(1), &frames(&[0]));
-        let failed = DecoderReport::Failed { frame: frame(1), error };
+        let failed = DecoderReport::Failed {
+            frame: frame(1),
+            error,
+        };
         assert_eq!(controller.poll_until(|| decoder.poll()), [failed]);
         // The same request again is no new try; coming back to it is.
         decoder.request(&frame(1), &frames(&[0]));
@@ -328,7 +386,10 @@ mod tests {
         controller.let_out(Reply::Picture);
         decoder.request(&frame(1), &[]);
         assert_eq!(controller.poll_until(|| decoder.poll()), [ready(1)]);
-        assert_eq!(controller.begun.try_iter().collect::<Vec<_>>(), [0, 1, 1, 1]);
+        assert_eq!(
+            controller.begun.try_iter().collect::<Vec<_>>(),
+            [0, 1, 1, 1]
+        );
     }
 
     #[test]
@@ -342,8 +403,19 @@ mod tests {
             reports.extend(controller.poll_until(|| decoder.poll()));
         }
         let message = "frame 0 is cursed".to_owned();
-        assert_eq!(reports, [DecoderReport::Panicked { frame: frame(0), message }, ready(1)]);
-        let FrameState::Failed(error) = decoder.state(&frame(0)) else { panic!("not failed") };
+        assert_eq!(
+            reports,
+            [
+                DecoderReport::Panicked {
+                    frame: frame(0),
+                    message
+                },
+                ready(1)
+            ]
+        );
+        let FrameState::Failed(error) = decoder.state(&frame(0)) else {
+            panic!("not failed")
+        };
         assert_eq!(
             error.to_string(),
             "match.mp4: internal error while reading it (frame 0 is cursed); please report it together with the file"
@@ -356,13 +428,19 @@ mod tests {
         decoder.request(&frame(0), &[]);
         controller.let_out(Reply::Count);
         let reports = controller.poll_until(|| decoder.poll());
-        assert!(matches!(reports[0], DecoderReport::Counting(CountProgress { stated: 9, .. })));
+        assert!(matches!(
+            reports[0],
+            DecoderReport::Counting(CountProgress { stated: 9, .. })
+        ));
         let elsewhere = FrameRef::video(Path::new("other.mp4"), 3);
         decoder.request(&elsewhere, &[]);
         controller.let_out(Reply::Picture);
-        let is_ready =
-            |report: &DecoderReport| matches!(report, DecoderReport::Ready { frame, .. } if *frame == elsewhere);
-        while !controller.poll_until(|| decoder.poll()).iter().any(is_ready) {}
+        let is_ready = |report: &DecoderReport| matches!(report, DecoderReport::Ready { frame, .. } if *frame == elsewhere);
+        while !controller
+            .poll_until(|| decoder.poll())
+            .iter()
+            .any(is_ready)
+        {}
         assert_eq!(decoder.state(&frame(0)), FrameState::Absent);
     }
 
@@ -378,7 +456,10 @@ mod tests {
         controller.let_out_pictures(100);
         while controller.next_begun() < 32 {}
         drop(decoder);
-        assert!(controller.begun.try_recv().is_err(), "the worker pauses when nobody polls");
+        assert!(
+            controller.begun.try_recv().is_err(),
+            "the worker pauses when nobody polls"
+        );
     }
 
     #[test]
@@ -397,7 +478,9 @@ mod tests {
     #[test]
     fn a_small_cache_keeps_the_current_frame() {
         let (make_reader, wake, controller) = stand_in();
-        let options = DecoderOptions { cache_bytes: 2 * picture(0).bytes() };
+        let options = DecoderOptions {
+            cache_bytes: 2 * picture(0).bytes(),
+        };
         let mut decoder = Decoder::with_reader(options, wake, make_reader).unwrap();
         decoder.request(&frame(0), &frames(&[1, 2, 3]));
         controller.let_out_pictures(4);

@@ -9,7 +9,8 @@ use touchline_core::progress::Progress;
 use touchline_documents::store::{Location, PROJECT_FILE, Store};
 use touchline_vision::media::MediaError;
 
-/// The user's copy of the demo match. It is made when there is none yet: from the one that came with the program, or else drawn.
+/// The user's copy of the demo match. It is made when there is none yet: from the one that came
+/// with the program, or else drawn.
 ///
 /// # Errors
 /// It cannot be written, or `progress` cancelled it.
@@ -25,16 +26,27 @@ pub fn fresh_copy(progress: &Progress<'_, String>) -> Result<PathBuf, JobError> 
     Ok(own)
 }
 
-/// Draws a match into a folder. Its project comes last: as long as it is not there, the match is drawn again.
-fn draw(order: &MatchOrder, folder: &Path, progress: &Progress<'_, String>) -> Result<(), JobError> {
+/// Draws a match into a folder. Its project comes last: as long as it is not there, the match is
+/// drawn again.
+fn draw(
+    order: &MatchOrder,
+    folder: &Path,
+    progress: &Progress<'_, String>,
+) -> Result<(), JobError> {
     std::fs::create_dir_all(folder.join("images")).map_err(JobError::io(folder))?;
     let drawn = draw_match(order, &mut |picture: DrawnPicture| {
         let file = folder.join(&picture.image);
         std::fs::write(&file, &picture.jpeg).map_err(JobError::io(&file))?;
-        let step = format!("Drawing the demo match: {} of {} frames…", picture.index + 1, picture.of);
+        let step = format!(
+            "Drawing the demo match: {} of {} frames…",
+            picture.index + 1,
+            picture.of
+        );
         match progress.report(step) {
             ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(JobError::from(MediaError::Stopped { path: folder.to_path_buf() })),
+            ControlFlow::Break(()) => Err(JobError::from(MediaError::Stopped {
+                path: folder.to_path_buf(),
+            })),
         }
     })?;
     Store::create(&Location::for_new_document(folder)?, &drawn.project)?;
@@ -46,7 +58,12 @@ fn delivered() -> Option<PathBuf> {
     let program = std::env::current_exe().ok()?;
     let beside = program.ancestors().skip(1).take(4);
     beside
-        .flat_map(|folder| [folder.join("share/touchline/demo"), folder.join("projects/demo")])
+        .flat_map(|folder| {
+            [
+                folder.join("share/touchline/demo"),
+                folder.join("projects/demo"),
+            ]
+        })
         .find(|folder| folder.join(PROJECT_FILE).exists())
 }
 
@@ -92,9 +109,20 @@ mod tests {
     #[test]
     fn without_a_demo_beside_the_program_one_is_drawn_that_opens_and_can_be_stopped() {
         let place = tempfile::tempdir().unwrap();
-        let order = MatchOrder { frames: 3, image_size: ImageSize::new(320, 180), ..MatchOrder::demo() };
-        let stopped = draw(&order, place.path(), &Progress::new(|_| ControlFlow::Break(())));
-        assert!(matches!(stopped, Err(JobError::Media(MediaError::Stopped { .. }))), "{stopped:?}");
+        let order = MatchOrder {
+            frames: 3,
+            image_size: ImageSize::new(320, 180),
+            ..MatchOrder::demo()
+        };
+        let stopped = draw(
+            &order,
+            place.path(),
+            &Progress::new(|_| ControlFlow::Break(())),
+        );
+        assert!(
+            matches!(stopped, Err(JobError::Media(MediaError::Stopped { .. }))),
+            "{stopped:?}"
+        );
         assert!(!place.path().join(PROJECT_FILE).exists());
         let told = std::sync::Mutex::new(Vec::new());
         let progress = Progress::new(|text| {
@@ -103,12 +131,18 @@ mod tests {
         });
         draw(&order, place.path(), &progress).unwrap();
         drop(progress);
-        assert_eq!(told.into_inner().unwrap().last().unwrap(), "Drawing the demo match: 3 of 3 frames…");
+        assert_eq!(
+            told.into_inner().unwrap().last().unwrap(),
+            "Drawing the demo match: 3 of 3 frames…"
+        );
         let (_, document, _) = touchline_documents::store::read(place.path()).unwrap();
         assert_eq!(document.frames.len(), 3);
         for frame in &document.frames {
             let file = frame.image_path(place.path()).unwrap();
-            assert_eq!(touchline_vision::media::sha256_of_file(&file).ok(), frame.sha256);
+            assert_eq!(
+                touchline_vision::media::sha256_of_file(&file).ok(),
+                frame.sha256
+            );
         }
     }
 }

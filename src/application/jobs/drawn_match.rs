@@ -1,4 +1,5 @@
-//! A match drawn with exact truth, as documents and encoded pictures: for `touchline synth` and for the demo.
+//! A match drawn with exact truth, as documents and encoded pictures: for `touchline synth` and for
+//! the demo.
 
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ImageError, ImageFormat};
@@ -13,14 +14,15 @@ use touchline_documents::document::{
 };
 use touchline_vision::media::sha256_of_bytes;
 use touchline_vision::synthetic::{
-    ClickOptions, ClickTarget, FrameOptions, Graphics, Mover, PathStep, Preset, RenderedFrame, ShootOptions, Side,
-    Stadium, StadiumOptions, camera_path, drawn_clicks, stadium,
+    ClickOptions, ClickTarget, FrameOptions, Graphics, Mover, PathStep, Preset, RenderedFrame,
+    ShootOptions, Side, Stadium, StadiumOptions, camera_path, drawn_clicks, stadium,
 };
 
 /// How far a mask reaches beyond the score graphic, px.
 const MASK_MARGIN_PX: f64 = 4.0;
 
-/// How many landmarks the demo's annotator clicks, from reference to reference: two are enough, more are a check.
+/// How many landmarks the demo's annotator clicks, from reference to reference: two are enough,
+/// more are a check.
 const LANDMARKS_A_REFERENCE: [usize; 6] = [4, 2, 3, 6, 2, 5];
 
 /// Everything that decides what is drawn.
@@ -45,20 +47,35 @@ pub struct MatchOrder {
 }
 
 impl MatchOrder {
-    /// The committed demo: a lens that a person sees bending, an ordinary sensor, frames some seconds apart.
+    /// The committed demo: a lens that a person sees bending, an ordinary sensor, frames some
+    /// seconds apart.
     #[must_use]
     pub fn demo() -> Self {
         let shoot = ShootOptions {
             step_s: 4.7,
             focal_px_at_1280: [1200.0, 3200.0],
-            distortion_at_1280: FocalCurve { at_focal_px: 1500.0, value: -0.03, per_1000_px: 0.08, ..FocalCurve::NONE },
+            distortion_at_1280: FocalCurve {
+                at_focal_px: 1500.0,
+                value: -0.03,
+                per_1000_px: 0.08,
+                ..FocalCurve::NONE
+            },
             noise_levels: 0.7,
             jpeg_quality: 76,
             ..Preset::Paper.shoot()
         };
         let image_size = ImageSize::new(1280, 720);
         let graphics = Graphics::default();
-        Self { frames: 27, seed: 5, image_size, shoot, masks: false, graphics, unmasked: false, references: 1.0 / 3.0 }
+        Self {
+            frames: 27,
+            seed: 5,
+            image_size,
+            shoot,
+            masks: false,
+            graphics,
+            unmasked: false,
+            references: 1.0 / 3.0,
+        }
     }
 }
 
@@ -82,11 +99,13 @@ pub struct DrawnPicture {
 pub struct DrawnMatch {
     /// The camera's base is known; the order's share of frames are references.
     pub project: Document,
-    /// The same with the exact pan, tilt and focal length of every frame and the boxes of the players.
+    /// The same with the exact pan, tilt and focal length of every frame and the boxes of the
+    /// players.
     pub truth: Document,
 }
 
-/// Draws a match; `take` is given every picture in turn and may end it with an error. The same order gives the same bytes.
+/// Draws a match; `take` is given every picture in turn and may end it with an error. The same
+/// order gives the same bytes.
 ///
 /// # Errors
 /// The field or a picture cannot be made, or what `take` says.
@@ -96,24 +115,38 @@ pub fn draw_match<E: From<FieldError> + From<ImageError>>(
 ) -> Result<DrawnMatch, E> {
     let spec = FieldSpec::new("soccer");
     let field = builtin(&spec.template)?.default_model()?;
-    let scene = stadium(&StadiumOptions { daylight: order.shoot.daylight, ..StadiumOptions::new(field, order.seed) });
+    let scene = stadium(&StadiumOptions {
+        daylight: order.shoot.daylight,
+        ..StadiumOptions::new(field, order.seed)
+    });
     let base = order.shoot.main_camera(order.image_size);
     let mut project = Document::new(spec);
-    let masked = if order.unmasked { Graphics::NONE } else { order.graphics };
-    project.cameras.push(main_camera(&base, order.image_size, masked).into());
+    let masked = if order.unmasked {
+        Graphics::NONE
+    } else {
+        order.graphics
+    };
+    project
+        .cameras
+        .push(main_camera(&base, order.image_size, masked).into());
     let mut truth = project.clone();
     let path = camera_path(&scene, &base, order.image_size, &order.shoot, order.frames);
     let mut references = 0;
     for (index, step) in path.iter().enumerate() {
         let options = order.shoot.frame(index, step, order.image_size, order.seed);
-        let options = FrameOptions { graphics: order.graphics, ..options };
+        let options = FrameOptions {
+            graphics: order.graphics,
+            ..options
+        };
         let camera = PtzCamera::new(base, step.ptz);
         let drawn = scene.render(&camera, order.image_size, &options);
         let image = format!("images/{:04}.jpg", index + 1);
         let jpeg = jpeg(&drawn, order.shoot.jpeg_quality)?;
         let mut frame = Frame::from_image(&image, CameraId::from("main"), order.image_size);
         frame.sha256 = Some(sha256_of_bytes(&jpeg));
-        truth.frames.push(true_frame(&frame, &camera, step, &drawn).into());
+        truth
+            .frames
+            .push(true_frame(&frame, &camera, step, &drawn).into());
         let due = order.references * (index + 1) as f64 > f64::from(references);
         if due && solve_as_reference(&mut frame, &project, &scene, &camera, &drawn, index) {
             references += 1;
@@ -121,7 +154,13 @@ pub fn draw_match<E: From<FieldError> + From<ImageError>>(
         project.frames.push(frame.into());
         let mask = order.masks.then(|| mask(&drawn)).transpose()?;
         let mask = mask.map(|png| (format!("masks/{:04}.png", index + 1), png));
-        take(DrawnPicture { image, jpeg, mask, index, of: path.len() })?;
+        take(DrawnPicture {
+            image,
+            jpeg,
+            mask,
+            index,
+            of: path.len(),
+        })?;
     }
     Ok(DrawnMatch { project, truth })
 }
@@ -135,7 +174,11 @@ fn main_camera(base: &CameraBase, image_size: ImageSize, masked: Graphics) -> Ca
         width: (graphic.width + 2.0 * MASK_MARGIN_PX).ceil(),
         height: (graphic.height + 2.0 * MASK_MARGIN_PX).ceil(),
     };
-    camera.masks = masked.boxes(image_size, 0.0).into_iter().map(with_margin).collect();
+    camera.masks = masked
+        .boxes(image_size, 0.0)
+        .into_iter()
+        .map(with_margin)
+        .collect();
     camera
 }
 
@@ -145,8 +188,15 @@ fn true_frame(frame: &Frame, camera: &PtzCamera, step: &PathStep, drawn: &Render
     frame.status = FrameStatus::Reference;
     frame.ptz = Some(FramePtz::new(camera.ptz(), Some(camera.lens())));
     frame.masks = drawn.movers.iter().map(|mover| mover.area).collect();
-    let movers: Vec<Value> = drawn.movers.iter().map(|mover| json!(mover_name(mover.mover))).collect();
-    frame.extra.insert("truth".to_owned(), json!({ "time_s": step.time_s, "masks": movers }));
+    let movers: Vec<Value> = drawn
+        .movers
+        .iter()
+        .map(|mover| json!(mover_name(mover.mover)))
+        .collect();
+    frame.extra.insert(
+        "truth".to_owned(),
+        json!({ "time_s": step.time_s, "masks": movers }),
+    );
     frame
 }
 
@@ -161,7 +211,8 @@ fn mover_name(mover: Mover) -> &'static str {
     }
 }
 
-/// Clicks a frame as a person would and accepts what the clicks give; false where too little of the field is in view.
+/// Clicks a frame as a person would and accepts what the clicks give; false where too little of the
+/// field is in view.
 fn solve_as_reference(
     frame: &mut Frame,
     project: &Document,
@@ -171,8 +222,12 @@ fn solve_as_reference(
     index: usize,
 ) -> bool {
     let field: &FieldModel = scene.field();
-    let hidden: Vec<PixelBox> =
-        drawn.movers.iter().map(|mover| mover.area).chain(drawn.graphics.iter().copied()).collect();
+    let hidden: Vec<PixelBox> = drawn
+        .movers
+        .iter()
+        .map(|mover| mover.area)
+        .chain(drawn.graphics.iter().copied())
+        .collect();
     let options = ClickOptions {
         landmarks: LANDMARKS_A_REFERENCE[index / 3 % LANDMARKS_A_REFERENCE.len()],
         lines: usize::from(index % 4 == 3),
@@ -187,7 +242,13 @@ fn solve_as_reference(
             ClickTarget::Line(id) => Click::new(Target::Line(id), click.image),
         })
         .collect();
-    let Ok(solved) = calibrate(project, &FrameLookup::default(), &clicked, field, project.frames.len()) else {
+    let Ok(solved) = calibrate(
+        project,
+        &FrameLookup::default(),
+        &clicked,
+        field,
+        project.frames.len(),
+    ) else {
         return false;
     };
     clicked.record(&solved);

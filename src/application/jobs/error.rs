@@ -88,5 +88,7 @@ impl JobError {
 }
 
 fn in_brackets(reason: Option<&str>) -> String {
-    reason.map(|reason| format!(" ({reason})")).unwrap_or_default()
+    reason
+        .map(|reason| format!(" ({reason})"))
+        .unwrap_or_default()
 }

@@ -55,13 +55,19 @@ impl FrameOrders {
         let is_new = |frame: &FrameRef| reading != Some(frame) && chosen.insert(frame.clone());
         self.queue = missing.into_iter().filter(is_new).collect();
         if let Some(reading) = &mut self.reading {
-            reading.is_wanted = wanted.iter().any(|frame| frame.path() == reading.frame.path());
+            reading.is_wanted = wanted
+                .iter()
+                .any(|frame| frame.path() == reading.frame.path());
         }
     }
 
     /// Whether a frame is being read or waits to be.
     pub(super) fn is_pending(&self, frame: &FrameRef) -> bool {
-        self.queue.contains(frame) || self.reading.as_ref().is_some_and(|reading| reading.frame == *frame)
+        self.queue.contains(frame)
+            || self
+                .reading
+                .as_ref()
+                .is_some_and(|reading| reading.frame == *frame)
     }
 
     /// Whether nothing waits to be read.
@@ -79,7 +85,10 @@ impl FrameOrders {
         let place = next_place(&self.queue, self.last_read.as_ref())?;
         let frame = self.queue.remove(place)?;
         self.last_read = Some(frame.clone());
-        self.reading = Some(Reading { frame: frame.clone(), is_wanted: true });
+        self.reading = Some(Reading {
+            frame: frame.clone(),
+            is_wanted: true,
+        });
         Some(frame)
     }
 
@@ -88,7 +97,8 @@ impl FrameOrders {
         self.reading = None;
     }
 
-    /// Leaves the frame being read unread; it comes first again if somebody has asked for it meanwhile.
+    /// Leaves the frame being read unread; it comes first again if somebody has asked for it
+    /// meanwhile.
     pub(super) fn give_up(&mut self) {
         if let Some(reading) = self.reading.take().filter(|reading| reading.is_wanted) {
             self.queue.push_front(reading.frame);
@@ -97,6 +107,8 @@ impl FrameOrders {
 
     /// Whether the frame being read may take longer.
     pub(super) fn is_reading_wanted(&self) -> bool {
-        self.reading.as_ref().is_none_or(|reading| reading.is_wanted)
+        self.reading
+            .as_ref()
+            .is_none_or(|reading| reading.is_wanted)
     }
 }

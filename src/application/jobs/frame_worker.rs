@@ -1,4 +1,5 @@
-//! A thread that reads frames in the order of a queue, which its owner replaces whenever the user moves.
+//! A thread that reads frames in the order of a queue, which its owner replaces whenever the user
+//! moves.
 
 use super::frame_orders::{Choice, FrameMailbox, FrameOrders, WorkReport};
 use super::worker::{Mailbox, Waited, Worker};
@@ -13,8 +14,10 @@ use touchline_vision::media::{CountProgress, FrameRef, MediaError, Picture, Read
 /// How many reports may wait to be fetched before the worker pauses.
 const MAX_REPORTS: usize = 32;
 
-/// Makes the reader of a worker's thread, again after a panic. The progress decides whether a long count goes on.
-pub(super) type MakeReader = Box<dyn Fn(Progress<'static, CountProgress>) -> Box<dyn ReadFrames> + Send>;
+/// Makes the reader of a worker's thread, again after a panic. The progress decides whether a long
+/// count goes on.
+pub(super) type MakeReader =
+    Box<dyn Fn(Progress<'static, CountProgress>) -> Box<dyn ReadFrames> + Send>;
 
 /// A thread that reads frames. Dropping it stops and joins the thread.
 pub(super) struct FrameWorker {
@@ -25,18 +28,28 @@ pub(super) struct FrameWorker {
 
 impl FrameWorker {
     /// Starts the thread. While `yields_to` has something to do, this worker starts no frame.
-    pub(super) fn spawn(name: &str, wake: Wake, yields_to: Option<&Self>, make_reader: MakeReader) -> io::Result<Self> {
+    pub(super) fn spawn(
+        name: &str,
+        wake: Wake,
+        yields_to: Option<&Self>,
+        make_reader: MakeReader,
+    ) -> io::Result<Self> {
         let yields_to = yields_to.map(|first| Arc::clone(first.worker.mailbox()));
         let first = yields_to.clone();
         let mailbox = Mailbox::new(FrameOrders::default(), MAX_REPORTS, wake);
         let worker = Worker::spawn(name, mailbox, WorkReport::Broken, move |mailbox| {
-            WorkerThread { mailbox, yields_to: first, make_reader }.work();
+            WorkerThread {
+                mailbox,
+                yields_to: first,
+                make_reader,
+            }
+            .work();
         })?;
         Ok(Self { worker, yields_to })
     }
 
-    /// Replaces the queue. `choose` is given the reports that have arrived and returns the frames wanted and, of these,
-    /// the ones to be read.
+    /// Replaces the queue. `choose` is given the reports that have arrived and returns the frames
+    /// wanted and, of these, the ones to be read.
     pub(super) fn replace_queue(&self, choose: impl FnOnce(Vec<WorkReport>) -> Choice) {
         self.worker.mailbox().update(|state| {
             let choice = choose(state.reports.drain(..).collect());
@@ -46,7 +59,9 @@ impl FrameWorker {
 
     /// Whether a frame is being read or waits to be.
     pub(super) fn is_pending(&self, frame: &FrameRef) -> bool {
-        self.worker.mailbox().look(|orders| orders.is_pending(frame))
+        self.worker
+            .mailbox()
+            .look(|orders| orders.is_pending(frame))
     }
 
     /// The reports that have arrived since they were fetched last.
@@ -78,7 +93,9 @@ impl WorkerThread<'_> {
     fn work(self) {
         let mut reader = (self.make_reader)(self.counting());
         while let Some(frame) = self.next() {
-            match catch_unwind(AssertUnwindSafe(|| (reader.read(&frame), reader.take_notices()))) {
+            match catch_unwind(AssertUnwindSafe(|| {
+                (reader.read(&frame), reader.take_notices())
+            })) {
                 Ok((result, notices)) => {
                     for notice in notices {
                         self.mailbox.report(WorkReport::Notice(notice));
@@ -94,12 +111,17 @@ impl WorkerThread<'_> {
         }
     }
 
-    /// The next frame to read: waits for one, and for the worker that goes first. None when it is time to end.
+    /// The next frame to read: waits for one, and for the worker that goes first. None when it is
+    /// time to end.
     fn next(&self) -> Option<FrameRef> {
         loop {
-            let is_there = self.mailbox.wait_for(None, |orders| (!orders.is_empty()).then_some(()));
+            let is_there = self
+                .mailbox
+                .wait_for(None, |orders| (!orders.is_empty()).then_some(()));
             if let (Waited::Order(()), Some(first)) = (is_there, &self.yields_to) {
-                first.wait_for(None, |orders| (!orders.is_busy() || self.mailbox.is_closing()).then_some(()));
+                first.wait_for(None, |orders| {
+                    (!orders.is_busy() || self.mailbox.is_closing()).then_some(())
+                });
             }
             if self.mailbox.is_closing() {
                 return None;
@@ -114,7 +136,9 @@ impl WorkerThread<'_> {
     fn finish(&self, frame: FrameRef, result: Result<Picture, MediaError>) {
         match result {
             Err(MediaError::Stopped { .. }) => self.mailbox.update(|state| state.orders.give_up()),
-            result => self.mailbox.report_done(WorkReport::Frame(frame, result), FrameOrders::finish),
+            result => self
+                .mailbox
+                .report_done(WorkReport::Frame(frame, result), FrameOrders::finish),
         }
     }
 
@@ -125,7 +149,9 @@ impl WorkerThread<'_> {
             if mailbox.is_closing() || !mailbox.look(FrameOrders::is_reading_wanted) {
                 return ControlFlow::Break(());
             }
-            mailbox.report_instead(WorkReport::Counting(progress), |before| matches!(before, WorkReport::Counting(_)));
+            mailbox.report_instead(WorkReport::Counting(progress), |before| {
+                matches!(before, WorkReport::Counting(_))
+            });
             ControlFlow::Continue(())
         })
     }

@@ -1,8 +1,9 @@
 //! The only detached threads: decoding, thumbnails, saving, training, and slow work in general.
 //!
-//! There is one mechanism, `worker`: a handle that owns a thread and shares a mailbox with it. Orders go in, a bounded number
-//! of reports wait until the owner polls, once per shown frame, after the [`Wake`] callback said that there are some. A panic
-//! becomes a report that the user sees. Dropping the handle ends and joins the thread. On it stand:
+//! There is one mechanism, `worker`: a handle that owns a thread and shares a mailbox with it.
+//! Orders go in, a bounded number of reports wait until the owner polls, once per shown frame,
+//! after the [`Wake`] callback said that there are some. A panic becomes a report that the user
+//! sees. Dropping the handle ends and joins the thread. On it stand:
 //!
 //! | job | its orders |
 //! |---|---|

@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FieldSpec, document_from_frames};
-use touchline_documents::store::{self, Access, Location, PROJECT_FILE, PROJECT_SUFFIX, Store, orphans, read};
+use touchline_documents::store::{
+    self, Access, Location, PROJECT_FILE, PROJECT_SUFFIX, Store, orphans, read,
+};
 use touchline_vision::media::{CountProgress, FrameSource, MediaError, sha256_of_bytes};
 
 /// More frames than this are thinned out: a match of 90 minutes has 135,000.
@@ -28,16 +30,26 @@ pub struct Ready {
     pub store: Option<Store>,
 }
 
-/// Opens a project, a dataset, a folder of frames or a video. Frames without a project get one beside them, or where
-/// that cannot be written in the user's data folder. `held` is what this window has open: it is not opened again.
+/// Opens a project, a dataset, a folder of frames or a video. Frames without a project get one
+/// beside them, or where that cannot be written in the user's data folder. `held` is what this
+/// window has open: it is not opened again.
 ///
 /// # Errors
-/// It is not there, cannot be read or made, is open here already, or `progress` cancelled it; its steps are words for the user.
-pub fn open_anything(path: &Path, held: Option<&Location>, progress: &Progress<'_, String>) -> Result<Ready, JobError> {
+/// It is not there, cannot be read or made, is open here already, or `progress` cancelled it; its
+/// steps are words for the user.
+pub fn open_anything(
+    path: &Path,
+    held: Option<&Location>,
+    progress: &Progress<'_, String>,
+) -> Result<Ready, JobError> {
     if !path.exists() {
-        return Err(JobError::Missing { path: path.to_path_buf() });
+        return Err(JobError::Missing {
+            path: path.to_path_buf(),
+        });
     }
-    let is_document = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+    let is_document = path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
         || path.join(PROJECT_FILE).exists();
     if is_document {
         return open_document(path, held, Vec::new());
@@ -46,7 +58,8 @@ pub fn open_anything(path: &Path, held: Option<&Location>, progress: &Progress<'
     if let Some(folder) = find_project(&path) {
         return open_document(&folder, held, Vec::new());
     }
-    let counting = progress.part(|step: CountProgress| format!("Counting frames: {}…", step.counted));
+    let counting =
+        progress.part(|step: CountProgress| format!("Counting frames: {}…", step.counted));
     let source = FrameSource::open_with_progress(&path, &counting)?;
     let every = NonZeroUsize::new(source.len().div_ceil(MOST_FRAMES)).unwrap_or(NonZeroUsize::MIN);
     let read = AtomicUsize::new(0);
@@ -59,27 +72,52 @@ pub fn open_anything(path: &Path, held: Option<&Location>, progress: &Progress<'
             }
             progress.check()
         });
-        let made = document_from_frames(&source, &folder, FieldSpec::new(DEFAULT_FIELD), every, &reading);
-        if progress.report("Writing the project…".to_owned()).is_break() {
+        let made = document_from_frames(
+            &source,
+            &folder,
+            FieldSpec::new(DEFAULT_FIELD),
+            every,
+            &reading,
+        );
+        if progress
+            .report("Writing the project…".to_owned())
+            .is_break()
+        {
             return Err(MediaError::Stopped { path }.into());
         }
         let said = source.notices().iter().map(ToString::to_string);
-        let left_out = made.left_out.iter().map(|(name, error)| format!("Left out: {name}: {error}"));
-        let mut notices: Vec<_> = said.chain(left_out).map(|text| (Level::Warning, text)).collect();
+        let left_out = made
+            .left_out
+            .iter()
+            .map(|(name, error)| format!("Left out: {name}: {error}"));
+        let mut notices: Vec<_> = said
+            .chain(left_out)
+            .map(|text| (Level::Warning, text))
+            .collect();
         if made.document.frames.is_empty() {
-            return Err(JobError::NoFrames { path, reason: notices.pop().map(|(_, text)| text) });
+            return Err(JobError::NoFrames {
+                path,
+                reason: notices.pop().map(|(_, text)| text),
+            });
         }
         if every > NonZeroUsize::MIN {
             let text = format!("There are {} frames: one in {every} is used.", source.len());
             notices.push((Level::Warning, text));
         }
         if let Some(unwritable) = made.document.unwritable_path(&folder) {
-            let reason = format!("{unwritable}: a folder's name in it is not UTF-8; rename the folder");
-            return Err(JobError::NoFrames { path, reason: Some(reason) });
+            let reason =
+                format!("{unwritable}: a folder's name in it is not UTF-8; rename the folder");
+            return Err(JobError::NoFrames {
+                path,
+                reason: Some(reason),
+            });
         }
         match write_project(&folder, &made.document) {
             Ok(()) => {
-                notices.push((Level::Info, format!("The project is kept in {}.", folder.display())));
+                notices.push((
+                    Level::Info,
+                    format!("The project is kept in {}.", folder.display()),
+                ));
                 let mut ready = open_document(&folder, held, notices)?;
                 ready.opened.is_new = true;
                 return Ok(ready);
@@ -96,19 +134,25 @@ fn write_project(folder: &Path, document: &Document) -> Result<(), JobError> {
     Ok(())
 }
 
-/// The project of a folder of frames or of a video. One in the user's own folder counts only if its frames are these: two matches may
-/// have the same names.
+/// The project of a folder of frames or of a video. One in the user's own folder counts only if its
+/// frames are these: two matches may have the same names.
 fn find_project(path: &Path) -> Option<PathBuf> {
     let is_there = |folder: &PathBuf| folder.join(PROJECT_FILE).exists();
-    let own = user_projects().into_iter().flat_map(|projects| [own_place(&projects, path), old_place(&projects, path)]);
-    beside(path)
-        .filter(is_there)
-        .or_else(|| own.into_iter().find(|folder| is_there(folder) && is_of_frames(folder, path)))
+    let own = user_projects()
+        .into_iter()
+        .flat_map(|projects| [own_place(&projects, path), old_place(&projects, path)]);
+    beside(path).filter(is_there).or_else(|| {
+        own.into_iter()
+            .find(|folder| is_there(folder) && is_of_frames(folder, path))
+    })
 }
 
 /// Where the project of a folder of frames or of a video is made, the better place first.
 fn project_folders(path: &Path) -> Vec<PathBuf> {
-    beside(path).into_iter().chain(user_projects().map(|projects| own_place(&projects, path))).collect()
+    beside(path)
+        .into_iter()
+        .chain(user_projects().map(|projects| own_place(&projects, path)))
+        .collect()
 }
 
 fn beside(path: &Path) -> Option<PathBuf> {
@@ -121,8 +165,8 @@ fn project_name(path: &Path) -> OsString {
     name
 }
 
-/// The place among the user's own projects: the frames' last folder, so that people find it, and a digest of the whole path, since
-/// cameras call their folders alike.
+/// The place among the user's own projects: the frames' last folder, so that people find it, and a
+/// digest of the whole path, since cameras call their folders alike.
 fn own_place(projects: &Path, path: &Path) -> PathBuf {
     const DIGITS: usize = 12;
     let digest = sha256_of_bytes(path.as_os_str().as_encoded_bytes());
@@ -138,30 +182,58 @@ fn old_place(projects: &Path, path: &Path) -> PathBuf {
 }
 
 fn last_folder(path: &Path) -> OsString {
-    path.parent().and_then(Path::file_name).map_or_else(OsString::new, ToOwned::to_owned)
+    path.parent()
+        .and_then(Path::file_name)
+        .map_or_else(OsString::new, ToOwned::to_owned)
 }
 
 /// Whether a project's frames are those of a folder or of a video.
 fn is_of_frames(project: &Path, path: &Path) -> bool {
-    let Ok((location, document, _)) = read(project) else { return false };
-    let is_below = |file: PathBuf| std::fs::canonicalize(file).is_ok_and(|file| file.starts_with(path));
+    let Ok((location, document, _)) = read(project) else {
+        return false;
+    };
+    let is_below =
+        |file: PathBuf| std::fs::canonicalize(file).is_ok_and(|file| file.starts_with(path));
     document.frames.iter().any(|frame| {
-        let video = frame.video.as_ref().map(|video| video.file_path(location.folder()));
-        frame.image_path(location.folder()).into_iter().chain(video).any(is_below)
+        let video = frame
+            .video
+            .as_ref()
+            .map(|video| video.file_path(location.folder()));
+        frame
+            .image_path(location.folder())
+            .into_iter()
+            .chain(video)
+            .any(is_below)
     })
 }
 
 /// The folder of this user's own projects.
 pub(super) fn user_projects() -> Option<PathBuf> {
-    Some(directories::ProjectDirs::from("", "", "touchline")?.data_dir().join("projects"))
+    Some(
+        directories::ProjectDirs::from("", "", "touchline")?
+            .data_dir()
+            .join("projects"),
+    )
 }
 
-fn open_document(path: &Path, held: Option<&Location>, mut notices: Vec<(Level, String)>) -> Result<Ready, JobError> {
+fn open_document(
+    path: &Path,
+    held: Option<&Location>,
+    mut notices: Vec<(Level, String)>,
+) -> Result<Ready, JobError> {
     let found = Location::find(path)?;
     if held.is_some_and(|held| held.is_same_document(&found)) {
-        return Err(JobError::AlreadyOpen { file: found.file().to_path_buf() });
+        return Err(JobError::AlreadyOpen {
+            file: found.file().to_path_buf(),
+        });
     }
-    let store::Opened { location, document, history, access, recovery } = store::open(path)?;
+    let store::Opened {
+        location,
+        document,
+        history,
+        access,
+        recovery,
+    } = store::open(path)?;
     notices.extend(recovery.message().map(|text| (Level::Warning, text)));
     let (store, read_only) = match access {
         Access::Writable(store) => (Some(store), None),
@@ -188,17 +260,42 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let frames = root.path().join("first half");
         std::fs::create_dir(&frames).unwrap();
-        image::RgbImage::new(64, 36).save(frames.join("1.png")).unwrap();
+        image::RgbImage::new(64, 36)
+            .save(frames.join("1.png"))
+            .unwrap();
         let ready = open(&frames).unwrap();
-        assert_eq!(ready.opened.document().frames[0].name(), "../first half/1.png");
-        assert!(ready.opened.file.ends_with("first half.touchline/project.json"), "{:?}", ready.opened.file);
-        assert!(ready.opened.notices.iter().any(|(_, text)| text.starts_with("The project is kept in")));
+        assert_eq!(
+            ready.opened.document().frames[0].name(),
+            "../first half/1.png"
+        );
+        assert!(
+            ready
+                .opened
+                .file
+                .ends_with("first half.touchline/project.json"),
+            "{:?}",
+            ready.opened.file
+        );
+        assert!(
+            ready
+                .opened
+                .notices
+                .iter()
+                .any(|(_, text)| text.starts_with("The project is kept in"))
+        );
         drop(ready);
         let again = open(&frames).unwrap();
-        assert!(again.opened.notices.is_empty(), "{:?}", again.opened.notices);
+        assert!(
+            again.opened.notices.is_empty(),
+            "{:?}",
+            again.opened.notices
+        );
         assert!(again.store.is_some());
         let second = open(&frames).unwrap();
-        assert!(second.store.is_none() && second.opened.read_only.is_some(), "two at once: the second only looks");
+        assert!(
+            second.store.is_none() && second.opened.read_only.is_some(),
+            "two at once: the second only looks"
+        );
     }
 
     #[test]
@@ -209,16 +306,26 @@ mod tests {
         let [red, blue] = ["red", "blue"].map(|card| root.join(card).join("DCIM/clip"));
         for frames in [&red, &blue] {
             std::fs::create_dir_all(frames).unwrap();
-            image::RgbImage::new(64, 36).save(frames.join("1.png")).unwrap();
+            image::RgbImage::new(64, 36)
+                .save(frames.join("1.png"))
+                .unwrap();
         }
         assert_ne!(own_place(&projects, &red), own_place(&projects, &blue));
-        assert_eq!(own_place(&projects, &red).file_name().unwrap(), "clip.touchline");
+        assert_eq!(
+            own_place(&projects, &red).file_name().unwrap(),
+            "clip.touchline"
+        );
         // Where an earlier version kept the one of the red card.
         let old = old_place(&projects, &red);
         assert_eq!(old, old_place(&projects, &blue));
         let source = FrameSource::open(&red).unwrap();
-        let made =
-            document_from_frames(&source, &old, FieldSpec::new(DEFAULT_FIELD), NonZeroUsize::MIN, &Progress::default());
+        let made = document_from_frames(
+            &source,
+            &old,
+            FieldSpec::new(DEFAULT_FIELD),
+            NonZeroUsize::MIN,
+            &Progress::default(),
+        );
         write_project(&old, &made.document).unwrap();
         assert!(is_of_frames(&old, &red) && !is_of_frames(&old, &blue));
     }
@@ -230,8 +337,16 @@ mod tests {
         assert!(error.contains("there is no such file or folder"), "{error}");
         let empty = root.path().join("empty");
         std::fs::create_dir(&empty).unwrap();
-        assert!(open(&empty).unwrap_err().to_string().contains("there is no frame that can be read"));
-        assert!(!root.path().join("empty.touchline").exists(), "nothing is left behind");
+        assert!(
+            open(&empty)
+                .unwrap_err()
+                .to_string()
+                .contains("there is no frame that can be read")
+        );
+        assert!(
+            !root.path().join("empty.touchline").exists(),
+            "nothing is left behind"
+        );
         let text = root.path().join("notes.json");
         std::fs::write(&text, "[1, 2]").unwrap();
         assert!(open(&text).is_err());
@@ -242,7 +357,9 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let frames = root.path().join("frames");
         std::fs::create_dir(&frames).unwrap();
-        image::RgbImage::new(64, 36).save(frames.join("1.png")).unwrap();
+        image::RgbImage::new(64, 36)
+            .save(frames.join("1.png"))
+            .unwrap();
         assert!(open_anything(&frames, None, &Progress::new(|_| ControlFlow::Break(()))).is_err());
         assert!(!root.path().join("frames.touchline").exists());
     }

@@ -16,7 +16,8 @@ pub struct Panicked {
     pub place: String,
 }
 
-/// Does something on this thread; a panic in it is an error and prints nothing. Other threads' are printed as ever.
+/// Does something on this thread; a panic in it is an error and prints nothing. Other threads' are
+/// printed as ever.
 ///
 /// # Errors
 /// It panicked.
@@ -31,7 +32,8 @@ pub fn until_it_panics<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
         if !IS_HERE.get() {
             before(panicked);
         } else if let Some(location) = panicked.location() {
-            *noted.lock().unwrap_or_else(PoisonError::into_inner) = format!("{}:{}", location.file(), location.line());
+            *noted.lock().unwrap_or_else(PoisonError::into_inner) =
+                format!("{}:{}", location.file(), location.line());
         }
     }));
     catch_unwind(AssertUnwindSafe(work)).map_err(|payload| Panicked {
@@ -49,8 +51,15 @@ mod tests {
         assert_eq!(until_it_panics(|| 5), Ok(5));
         let panicked = until_it_panics(|| -> u8 { panic!("the display\nwent away") }).unwrap_err();
         assert_eq!(panicked.message, "the display went away");
-        assert!(panicked.place.contains("panicked.rs:"), "{}", panicked.place);
-        assert!(panicked.to_string().starts_with("the display went away ("), "{panicked}");
+        assert!(
+            panicked.place.contains("panicked.rs:"),
+            "{}",
+            panicked.place
+        );
+        assert!(
+            panicked.to_string().starts_with("the display went away ("),
+            "{panicked}"
+        );
         let silent = until_it_panics(|| std::panic::panic_any(7_u8)).unwrap_err();
         assert_eq!(silent.message, "without a message");
     }

@@ -1,6 +1,10 @@
-//! The pictures of the open document as somebody who looks at it needs them: the shown one, its neighbours, thumbnails.
+//! The pictures of the open document as somebody who looks at it needs them: the shown one, its
+//! neighbours, thumbnails.
 
-use super::{Decoder, DecoderOptions, DecoderReport, FrameState, SharedPictures, ThumbnailReport, Thumbnails, Wake};
+use super::{
+    Decoder, DecoderOptions, DecoderReport, FrameState, SharedPictures, ThumbnailReport,
+    Thumbnails, Wake,
+};
 use crate::app::session::Level;
 use crate::app::{Action, App, OpenProject, ViewAction};
 use std::collections::BTreeMap;
@@ -47,7 +51,8 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// Starts the decoder and the maker of thumbnails; `wake` is called when there is something to take in.
+    /// Starts the decoder and the maker of thumbnails; `wake` is called when there is something to
+    /// take in.
     ///
     /// # Errors
     /// The operating system gives no thread.
@@ -82,15 +87,21 @@ impl Pictures {
     #[must_use]
     pub fn decoded(&self) -> Vec<usize> {
         let kept = self.decoder.pictures();
-        self.places.iter().filter(|(frame, _)| kept.contains(frame)).map(|(_, place)| *place).collect()
+        self.places
+            .iter()
+            .filter(|(frame, _)| kept.contains(frame))
+            .map(|(_, place)| *place)
+            .collect()
     }
 
-    /// The decoded picture of the frame that stands nearest to a place, to be shown until the frame's own is there, and the
-    /// number that tells pictures apart.
+    /// The decoded picture of the frame that stands nearest to a place, to be shown until the
+    /// frame's own is there, and the number that tells pictures apart.
     pub fn nearest(&mut self, place: usize) -> Option<(u64, Picture)> {
         let kept = self.decoder.pictures();
         let decoded = self.places.iter().filter(|(frame, _)| kept.contains(frame));
-        let frame = decoded.min_by_key(|(_, other)| other.abs_diff(place)).map(|(frame, _)| frame.clone())?;
+        let frame = decoded
+            .min_by_key(|(_, other)| other.abs_diff(place))
+            .map(|(frame, _)| frame.clone())?;
         Some((self.key(&frame), kept.get(&frame)?))
     }
 
@@ -111,25 +122,37 @@ impl Pictures {
         for report in self.decoder.poll() {
             match report {
                 DecoderReport::Notice(notice) => {
-                    news.actions.push(Action::View(ViewAction::Notify(Level::Warning, notice.to_string())));
+                    news.actions.push(Action::View(ViewAction::Notify(
+                        Level::Warning,
+                        notice.to_string(),
+                    )));
                 }
                 DecoderReport::Panicked { frame, message } => {
                     let text = format!("{frame}: internal error (please report it): {message}");
-                    news.actions.push(Action::View(ViewAction::Notify(Level::Error, text)));
+                    news.actions
+                        .push(Action::View(ViewAction::Notify(Level::Error, text)));
                 }
-                DecoderReport::Broken { message } => news.actions.push(broke_down("frames", &message)),
-                DecoderReport::Ready { .. } | DecoderReport::Failed { .. } | DecoderReport::Counting(_) => {}
+                DecoderReport::Broken { message } => {
+                    news.actions.push(broke_down("frames", &message))
+                }
+                DecoderReport::Ready { .. }
+                | DecoderReport::Failed { .. }
+                | DecoderReport::Counting(_) => {}
             }
         }
         for report in self.thumbnails.poll() {
             match report {
                 ThumbnailReport::Ready { frame, picture } => news.thumbnails.push((frame, picture)),
-                ThumbnailReport::Broken { message } => news.actions.push(broke_down("thumbnails", &message)),
+                ThumbnailReport::Broken { message } => {
+                    news.actions.push(broke_down("thumbnails", &message))
+                }
                 // The reason is said when somebody comes to the frame.
                 ThumbnailReport::Failed { .. } | ThumbnailReport::Panicked { .. } => {}
             }
         }
-        self.decoder.pictures().set_budget((app.settings.picture_memory_mib as usize) << 20);
+        self.decoder
+            .pictures()
+            .set_budget((app.settings.picture_memory_mib as usize) << 20);
         news.forget = self.follow(app.open());
         if news.forget {
             news.thumbnails.clear();
@@ -157,7 +180,8 @@ impl Pictures {
     }
 
     fn ask(&mut self, open: Option<&OpenProject>, index: usize) {
-        let Some((open, frame)) = open.and_then(|open| Some((open, picture_source(open, index)?))) else {
+        let Some((open, frame)) = open.and_then(|open| Some((open, picture_source(open, index)?)))
+        else {
             self.shown = None;
             self.state = PictureState::None;
             return;
@@ -169,16 +193,23 @@ impl Pictures {
         }
         self.shown = Some(index);
         let in_blocks = matches!(frame, FrameRef::Video { .. });
-        let picture_bytes =
-            open.frame(index).map_or(0, |frame| 4 * frame.image_size.width as usize * frame.image_size.height as usize);
-        let options = PrefetchOptions { in_blocks, ..PrefetchOptions::default() }
-            .within(self.decoder.cache_bytes(), picture_bytes);
+        let picture_bytes = open.frame(index).map_or(0, |frame| {
+            4 * frame.image_size.width as usize * frame.image_size.height as usize
+        });
+        let options = PrefetchOptions {
+            in_blocks,
+            ..PrefetchOptions::default()
+        }
+        .within(self.decoder.cache_bytes(), picture_bytes);
         let plan = prefetch_plan(index, open.document.frames.len(), self.direction, options);
         let kept = self.decoder.pictures();
         self.places.retain(|frame, _| kept.contains(frame));
         self.places.insert(frame.clone(), index);
         let mut neighbours = Vec::with_capacity(plan.len());
-        for (place, neighbour) in plan.into_iter().filter_map(|place| Some((place, picture_source(open, place)?))) {
+        for (place, neighbour) in plan
+            .into_iter()
+            .filter_map(|place| Some((place, picture_source(open, place)?)))
+        {
             self.places.insert(neighbour.clone(), place);
             neighbours.push(neighbour);
         }
@@ -188,7 +219,9 @@ impl Pictures {
             FrameState::Failed(error) => PictureState::Failed(error.to_string()),
             FrameState::Pending | FrameState::Absent => PictureState::Loading,
         };
-        self.decoder.pictures().set_awaited(matches!(self.state, PictureState::Loading));
+        self.decoder
+            .pictures()
+            .set_awaited(matches!(self.state, PictureState::Loading));
     }
 
     fn key(&mut self, frame: &FrameRef) -> u64 {

@@ -5,22 +5,38 @@ use touchline_vision::media::FrameRef;
 
 /// The farthest that a frame goes before the most urgent one because it lies on the way to it.
 ///
-/// A video is decoded forward only: going back to a frame costs as much as fifty frames of decoding, the frames just
-/// before it cost three milliseconds each if they are taken along. Without this, stepping back would jump for each frame.
+/// A video is decoded forward only: going back to a frame costs as much as fifty frames of
+/// decoding, the frames just before it cost three milliseconds each if they are taken along.
+/// Without this, stepping back would jump for each frame.
 const ON_THE_WAY_FRAMES: usize = 16;
 
-/// The place in a queue, the most urgent frame first, of the one to read next after `last`: the most urgent, or a frame
-/// of the same video shortly before it that the decoder passes on its way there. None when the queue is empty.
+/// The place in a queue, the most urgent frame first, of the one to read next after `last`: the
+/// most urgent, or a frame of the same video shortly before it that the decoder passes on its way
+/// there. None when the queue is empty.
 pub(super) fn next_place(queue: &VecDeque<FrameRef>, last: Option<&FrameRef>) -> Option<usize> {
-    let FrameRef::Video { path, index: urgent } = queue.front()? else { return Some(0) };
+    let FrameRef::Video {
+        path,
+        index: urgent,
+    } = queue.front()?
+    else {
+        return Some(0);
+    };
     let index_in_video = |frame: &FrameRef| match frame {
         FrameRef::Video { path: other, index } if other == path => Some(*index),
         FrameRef::Video { .. } | FrameRef::Image(_) => None,
     };
     let stands_at = last.and_then(index_in_video).filter(|at| at < urgent);
-    let from = urgent.saturating_sub(ON_THE_WAY_FRAMES).max(stands_at.map_or(0, |at| at + 1));
-    let on_the_way = queue.iter().enumerate().filter_map(|(place, frame)| Some((index_in_video(frame)?, place)));
-    on_the_way.filter(|(index, _)| (from..=*urgent).contains(index)).min().map(|(_, place)| place)
+    let from = urgent
+        .saturating_sub(ON_THE_WAY_FRAMES)
+        .max(stands_at.map_or(0, |at| at + 1));
+    let on_the_way = queue
+        .iter()
+        .enumerate()
+        .filter_map(|(place, frame)| Some((index_in_video(frame)?, place)));
+    on_the_way
+        .filter(|(index, _)| (from..=*urgent).contains(index))
+        .min()
+        .map(|(_, place)| place)
 }
 
 #[cfg(test)]
@@ -34,8 +50,12 @@ mod tests {
         let mut queue: VecDeque<_> = queue.iter().map(|&index| frame(index)).collect();
         let mut last = stands_at.map(frame);
         let mut order = Vec::new();
-        while let Some(next) = next_place(&queue, last.as_ref()).and_then(|place| queue.remove(place)) {
-            let FrameRef::Video { index, .. } = next else { panic!() };
+        while let Some(next) =
+            next_place(&queue, last.as_ref()).and_then(|place| queue.remove(place))
+        {
+            let FrameRef::Video { index, .. } = next else {
+                panic!()
+            };
             order.push(index);
             last = Some(next);
         }
@@ -45,8 +65,16 @@ mod tests {
     #[test]
     fn forward_the_order_of_the_queue_is_kept() {
         assert_eq!(order(&[5, 6, 7, 8], Some(4)), [5, 6, 7, 8]);
-        assert_eq!(order(&[5, 6, 7, 4, 3], Some(4)), [5, 6, 7, 3, 4], "those behind come last, in one pass");
-        assert_eq!(order(&[100, 101, 5], Some(4)), [100, 101, 5], "too far to be on the way");
+        assert_eq!(
+            order(&[5, 6, 7, 4, 3], Some(4)),
+            [5, 6, 7, 3, 4],
+            "those behind come last, in one pass"
+        );
+        assert_eq!(
+            order(&[100, 101, 5], Some(4)),
+            [100, 101, 5],
+            "too far to be on the way"
+        );
     }
 
     #[test]

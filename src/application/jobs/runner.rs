@@ -3,12 +3,14 @@
 use super::opening::{Ready, open_anything};
 use super::tasks::{camera_with_base, save_copy};
 use super::{
-    Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
-    TrainerOptions, Wake, demo,
+    Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport,
+    SharedPictures, Trainer, TrainerOptions, Wake, demo,
 };
 use crate::app::operation::{Job, Report};
 use crate::app::session::Level;
-use crate::app::{Action, DiskReport, Effect, Opening, OrphanOrder, Question, Snapshot, ViewAction};
+use crate::app::{
+    Action, DiskReport, Effect, Opening, OrphanOrder, Question, Snapshot, ViewAction,
+};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_core::field::template_named;
@@ -56,7 +58,11 @@ impl TaskWatch<'_> {
 
     /// Whether to go on.
     fn goes_on(self) -> ControlFlow<()> {
-        if self.0.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.0.is_stopped() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     }
 }
 
@@ -98,8 +104,8 @@ pub struct Runner {
 }
 
 impl Runner {
-    /// Nothing to do yet. `wake` is called when there is something to poll; `pictures` are the frames that the window has
-    /// decoded.
+    /// Nothing to do yet. `wake` is called when there is something to poll; `pictures` are the
+    /// frames that the window has decoded.
     #[must_use]
     pub const fn new(wake: Wake, pictures: SharedPictures) -> Self {
         Self {
@@ -120,10 +126,16 @@ impl Runner {
         match effect {
             Effect::Start(job) => self.start(job),
             Effect::Open(opening) => self.open(opening),
-            Effect::ReadTemplate { of, folder, name } => self.begin("field template", Kind::Other, move |_| {
-                let template = template_named(&name, &folder).map(Box::new);
-                Ok(Outcome::Action(Action::Disk(DiskReport::TemplateRead { of, name, template })))
-            }),
+            Effect::ReadTemplate { of, folder, name } => {
+                self.begin("field template", Kind::Other, move |_| {
+                    let template = template_named(&name, &folder).map(Box::new);
+                    Ok(Outcome::Action(Action::Disk(DiskReport::TemplateRead {
+                        of,
+                        name,
+                        template,
+                    })))
+                })
+            }
             Effect::CancelOpening => {
                 self.give_up(|kind| kind == Kind::Opening);
                 self.ready = None;
@@ -136,7 +148,9 @@ impl Runner {
             Effect::Journal { edit, to } => match &self.saver {
                 Some(saver) => saver.edit(*edit, *to),
                 None => {
-                    self.reports.push(Action::Disk(DiskReport::SaveFailed("nothing is open for writing".to_owned())));
+                    self.reports.push(Action::Disk(DiskReport::SaveFailed(
+                        "nothing is open for writing".to_owned(),
+                    )));
                 }
             },
             Effect::WriteDocument => self.tell_saver(Saver::write),
@@ -144,13 +158,18 @@ impl Runner {
             Effect::SaveOver => self.tell_saver(Saver::save_over),
             Effect::ReadOutside => self.tell_saver(Saver::read_outside),
             Effect::Orphan { file, order } => self.begin_with_orphan(file, order),
-            Effect::SaveCopy { document, from, folder } => self.begin("copy", Kind::Other, move |_| {
+            Effect::SaveCopy {
+                document,
+                from,
+                folder,
+            } => self.begin("copy", Kind::Other, move |_| {
                 save_copy(document.at(&from), &folder)?;
                 Ok(Outcome::Action(Action::Disk(DiskReport::Copied(folder))))
             }),
             Effect::LoadCamera(path) => self.begin("camera", Kind::Beside, move |_| {
-                camera_with_base(&path)
-                    .map(|camera| Outcome::Action(Action::Disk(DiskReport::CameraLoaded(Box::new(camera)))))
+                camera_with_base(&path).map(|camera| {
+                    Outcome::Action(Action::Disk(DiskReport::CameraLoaded(Box::new(camera))))
+                })
             }),
             Effect::Ask(question) => return Some(Request::Ask(question)),
             Effect::SaveSettings => return Some(Request::SaveSettings),
@@ -171,7 +190,8 @@ impl Runner {
                 match report {
                     _ if task.given_up => {}
                     BackgroundReport::Done(Ok(Outcome::Opened(ready))) => self.ready = Some(ready),
-                    BackgroundReport::Progress(action) | BackgroundReport::Done(Ok(Outcome::Action(action))) => {
+                    BackgroundReport::Progress(action)
+                    | BackgroundReport::Done(Ok(Outcome::Action(action))) => {
                         actions.push(action);
                     }
                     BackgroundReport::Done(Err(JobError::AlreadyOpen { file })) => {
@@ -199,8 +219,9 @@ impl Runner {
         actions
     }
 
-    /// Puts a document that was opened in the place of the one before. The application has taken in all that was reported until
-    /// now, and its edits are with that one's saver; what is reported later of that one concerns nobody.
+    /// Puts a document that was opened in the place of the one before. The application has taken in
+    /// all that was reported until now, and its edits are with that one's saver; what is reported
+    /// later of that one concerns nobody.
     fn let_in(&mut self, ready: Ready) -> Vec<Action> {
         self.give_up(|kind| !matches!(kind, Kind::Opening | Kind::Other));
         // What was open before is written first; its last words matter no more than a failure.
@@ -219,13 +240,21 @@ impl Runner {
         let failure = |action: Action| match action {
             Action::Disk(DiskReport::SaveFailed(_)) => Some(action),
             // Nobody is left to ask.
-            Action::Disk(DiskReport::ChangedOutside { path, own: Some(own) }) => {
-                Some(Action::View(ViewAction::Notify(Level::Warning, kept_own(&path, &own))))
-            }
+            Action::Disk(DiskReport::ChangedOutside {
+                path,
+                own: Some(own),
+            }) => Some(Action::View(ViewAction::Notify(
+                Level::Warning,
+                kept_own(&path, &own),
+            ))),
             _ => None,
         };
         let reports = self.saver.take().map(Saver::close).unwrap_or_default();
-        reports.into_iter().flat_map(actions_of).filter_map(failure).collect()
+        reports
+            .into_iter()
+            .flat_map(actions_of)
+            .filter_map(failure)
+            .collect()
     }
 
     /// Whether something is still under way.
@@ -271,11 +300,21 @@ impl Runner {
 
     fn start_saver(&mut self, ready: Ready) -> Result<Action, JobError> {
         if let Some(store) = ready.store {
-            let (document, history) = (ready.opened.document().clone(), ready.opened.history.clone());
-            let opened = Snapshot { document, history, revision: 0 };
+            let (document, history) = (
+                ready.opened.document().clone(),
+                ready.opened.history.clone(),
+            );
+            let opened = Snapshot {
+                document,
+                history,
+                revision: 0,
+            };
             let held = store.location().clone();
             let saver = Saver::start(store, opened, SaverOptions::default(), self.wake.clone());
-            self.saver = Some(saver.map_err(|source| JobError::NoThread { what: "saving".to_owned(), source })?);
+            self.saver = Some(saver.map_err(|source| JobError::NoThread {
+                what: "saving".to_owned(),
+                source,
+            })?);
             self.held = Some(held);
             self.start_trainer(ready.opened.file.clone());
         }
@@ -287,11 +326,17 @@ impl Runner {
         if cfg!(not(feature = "opencv")) {
             return;
         }
-        match Trainer::start(file, TrainerOptions::default(), self.pictures.clone(), self.wake.clone()) {
+        match Trainer::start(
+            file,
+            TrainerOptions::default(),
+            self.pictures.clone(),
+            self.wake.clone(),
+        ) {
             Ok(trainer) => self.trainer = Some(trainer),
             Err(error) => {
                 let text = format!("The system could not start a thread for the trainer: {error}");
-                self.reports.push(Action::View(ViewAction::Notify(Level::Warning, text)));
+                self.reports
+                    .push(Action::View(ViewAction::Notify(Level::Warning, text)));
             }
         }
     }
@@ -307,27 +352,31 @@ impl Runner {
         }
         let held = self.held.clone();
         self.begin("open", Kind::Opening, move |watch| {
-            let progress = Progress::new(|text| watch.tell(Action::Disk(DiskReport::Progress(text))));
+            let progress =
+                Progress::new(|text| watch.tell(Action::Disk(DiskReport::Progress(text))));
             let path = match opening {
                 Opening::Path(path) | Opening::Again(path) => path,
                 Opening::Demo => demo::fresh_copy(&progress)?,
             };
-            open_anything(&path, held.as_ref(), &progress).map(|ready| Outcome::Opened(Box::new(ready)))
+            open_anything(&path, held.as_ref(), &progress)
+                .map(|ready| Outcome::Opened(Box::new(ready)))
         });
     }
 
     /// Begins what is to be done with edits that were set aside beside the open document.
     fn begin_with_orphan(&mut self, orphan: PathBuf, order: OrphanOrder) {
-        let Some(location) = self.held.clone() else { return };
+        let Some(location) = self.held.clone() else {
+            return;
+        };
         self.begin("edits set aside", Kind::Beside, move |_| {
             Ok(Outcome::Action(match order {
                 OrphanOrder::Read => {
                     let edits = Box::new(read_orphan(&location, &orphan)?);
                     Action::Disk(DiskReport::OrphanRead { orphan, edits })
                 }
-                OrphanOrder::Save => {
-                    Action::Disk(DiskReport::OrphanSaved { document: save_orphan(&location, &orphan)? })
-                }
+                OrphanOrder::Save => Action::Disk(DiskReport::OrphanSaved {
+                    document: save_orphan(&location, &orphan)?,
+                }),
                 OrphanOrder::PutAway => {
                     let renamed = put_orphan_away(&location, &orphan)?;
                     Action::Disk(DiskReport::OrphanPutAway { orphan, renamed })
@@ -348,12 +397,22 @@ impl Runner {
         kind: Kind,
         task: impl FnOnce(TaskWatch<'_>) -> Result<Outcome, JobError> + Send + 'static,
     ) {
-        let background = Background::spawn(name, self.wake.clone(), move |reporter| task(TaskWatch(reporter)));
+        let background = Background::spawn(name, self.wake.clone(), move |reporter| {
+            task(TaskWatch(reporter))
+        });
         match background {
-            Ok(background) => self.tasks.push(Task { background, kind, given_up: false }),
+            Ok(background) => self.tasks.push(Task {
+                background,
+                kind,
+                given_up: false,
+            }),
             Err(source) => {
-                let error = JobError::NoThread { what: format!("“{name}”"), source };
-                self.reports.push(Action::Disk(DiskReport::Failed(error.to_string())));
+                let error = JobError::NoThread {
+                    what: format!("“{name}”"),
+                    source,
+                };
+                self.reports
+                    .push(Action::Disk(DiskReport::Failed(error.to_string())));
             }
         }
     }
@@ -362,22 +421,44 @@ impl Runner {
 fn actions_of(report: SaverReport) -> Vec<Action> {
     match report {
         SaverReport::Journaled { revision, at } => {
-            vec![Action::Disk(DiskReport::Saved { revision, at: clock(at), document: None })]
+            vec![Action::Disk(DiskReport::Saved {
+                revision,
+                at: clock(at),
+                document: None,
+            })]
         }
-        SaverReport::Saved { revision, at, request, set_aside } => {
+        SaverReport::Saved {
+            revision,
+            at,
+            request,
+            set_aside,
+        } => {
             let said = set_aside.map(|path| {
-                let text = format!("Another program changed the document; its version is kept as {}.", path.display());
+                let text = format!(
+                    "Another program changed the document; its version is kept as {}.",
+                    path.display()
+                );
                 Action::View(ViewAction::Notify(Level::Warning, text))
             });
             said.into_iter()
-                .chain([Action::Disk(DiskReport::Saved { revision, at: clock(at), document: Some(request) })])
+                .chain([Action::Disk(DiskReport::Saved {
+                    revision,
+                    at: clock(at),
+                    document: Some(request),
+                })])
                 .collect()
         }
-        SaverReport::Failed { error, .. } => vec![Action::Disk(DiskReport::SaveFailed(error.to_string()))],
-        SaverReport::ChangedOutside { path, own } => vec![Action::Disk(DiskReport::ChangedOutside { path, own })],
+        SaverReport::Failed { error, .. } => {
+            vec![Action::Disk(DiskReport::SaveFailed(error.to_string()))]
+        }
+        SaverReport::ChangedOutside { path, own } => {
+            vec![Action::Disk(DiskReport::ChangedOutside { path, own })]
+        }
         SaverReport::Outside(outside) => vec![Action::Disk(DiskReport::Outside(outside))],
         SaverReport::Broken { message } => {
-            vec![Action::Disk(DiskReport::SaveFailed(format!("saving failed: {message}")))]
+            vec![Action::Disk(DiskReport::SaveFailed(format!(
+                "saving failed: {message}"
+            )))]
         }
     }
 }
@@ -413,7 +494,10 @@ mod tests {
     impl Bench {
         fn new() -> Self {
             let (wake, woken) = channel();
-            let runner = Runner::new(Arc::new(move || wake.send(()).unwrap_or_default()), SharedPictures::none());
+            let runner = Runner::new(
+                Arc::new(move || wake.send(()).unwrap_or_default()),
+                SharedPictures::none(),
+            );
             let mut app = App::new(Settings::default());
             app.update(opened());
             Self { app, runner, woken }
@@ -436,7 +520,10 @@ mod tests {
     }
 
     fn opened() -> Action {
-        Action::Opened(Box::new(Opened::new(Document::new(FieldSpec::new("soccer")), "/match/project.json")))
+        Action::Opened(Box::new(Opened::new(
+            Document::new(FieldSpec::new("soccer")),
+            "/match/project.json",
+        )))
     }
 
     #[test]
@@ -449,7 +536,17 @@ mod tests {
         for action in bench.runner.poll() {
             bench.app.update(action);
         }
-        assert_eq!(bench.app.operations.probe.slot.running().unwrap().progress(), Some(&40));
+        assert_eq!(
+            bench
+                .app
+                .operations
+                .probe
+                .slot
+                .running()
+                .unwrap()
+                .progress(),
+            Some(&40)
+        );
         steps.send(Step::Return(7)).unwrap();
         bench.wait();
         assert_eq!(bench.app.operations.probe.taken, [Ok(7)]);
@@ -461,7 +558,10 @@ mod tests {
         bench.start(Probe::of([Step::Panic]));
         bench.wait();
         let message = "the probe broke".to_owned();
-        assert_eq!(bench.app.operations.probe.taken, [Err(Failure::Broken(Breakdown::Panicked(message)))]);
+        assert_eq!(
+            bench.app.operations.probe.taken,
+            [Err(Failure::Broken(Breakdown::Panicked(message)))]
+        );
     }
 
     #[test]
@@ -478,7 +578,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut document = Document::new(FieldSpec::new("soccer"));
         let frame = |index: usize| {
-            touchline_documents::document::Frame::from_image(&index.to_string(), "main".into(), SIZE).into()
+            touchline_documents::document::Frame::from_image(
+                &index.to_string(),
+                "main".into(),
+                SIZE,
+            )
+            .into()
         };
         document.frames.extend((0..frames).map(frame));
         let location = Location::for_new_document(&folder.path().join("project.json")).unwrap();
@@ -486,36 +591,61 @@ mod tests {
         folder
     }
 
-    const SIZE: touchline_core::geometry::ImageSize = touchline_core::geometry::ImageSize::new(64, 48);
+    const SIZE: touchline_core::geometry::ImageSize =
+        touchline_core::geometry::ImageSize::new(64, 48);
 
     #[test]
     fn what_was_reported_before_a_document_opened_still_concerns_the_one_before() {
         let mut bench = Bench::new();
         let folder = project(1);
-        bench.runner.carry_out(Effect::Open(Opening::Path(folder.path().to_path_buf())));
+        bench
+            .runner
+            .carry_out(Effect::Open(Opening::Path(folder.path().to_path_buf())));
         bench.runner.begin("word", Kind::Other, |_| {
-            Ok(Outcome::Action(Action::View(ViewAction::Notify(Level::Info, "a word".to_owned()))))
+            Ok(Outcome::Action(Action::View(ViewAction::Notify(
+                Level::Info,
+                "a word".to_owned(),
+            ))))
         });
         let mut batches = Vec::new();
         while bench.runner.is_busy() {
             bench.woken.recv().unwrap();
             batches.push(bench.runner.poll());
         }
-        let opened = |batch: &Vec<Action>| batch.iter().any(|action| matches!(action, Action::Opened(_)));
+        let opened = |batch: &Vec<Action>| {
+            batch
+                .iter()
+                .any(|action| matches!(action, Action::Opened(_)))
+        };
         let last = batches.iter().position(opened).unwrap();
         assert_eq!(batches[last].len(), 1, "nothing is reported along with it");
-        assert!(batches[..last].iter().chain(&batches[last + 1..]).flatten().count() > 0, "the word is not lost");
+        assert!(
+            batches[..last]
+                .iter()
+                .chain(&batches[last + 1..])
+                .flatten()
+                .count()
+                > 0,
+            "the word is not lost"
+        );
     }
 
     #[test]
     fn the_document_that_is_asked_for_last_opens_alone() {
         let mut bench = Bench::new();
         let (first, last) = (project(1), project(2));
-        bench.runner.carry_out(Effect::Open(Opening::Path(first.path().to_path_buf())));
-        bench.runner.carry_out(Effect::Open(Opening::Path(last.path().to_path_buf())));
+        bench
+            .runner
+            .carry_out(Effect::Open(Opening::Path(first.path().to_path_buf())));
+        bench
+            .runner
+            .carry_out(Effect::Open(Opening::Path(last.path().to_path_buf())));
         bench.wait();
         assert_eq!(bench.app.open().unwrap().document.frames.len(), 2);
-        assert!(!first.path().join("project.json.lock").exists(), "the other one is let go of");
+        assert!(
+            !first.path().join("project.json.lock").exists(),
+            "the other one is let go of"
+        );
     }
 
     #[test]
@@ -525,10 +655,19 @@ mod tests {
         let (go_on, wait) = channel();
         bench.runner.begin("read", Kind::Beside, move |_| {
             let _: Result<(), _> = wait.recv();
-            Ok(Outcome::Action(Action::View(ViewAction::Notify(Level::Info, "of another document".to_owned()))))
+            Ok(Outcome::Action(Action::View(ViewAction::Notify(
+                Level::Info,
+                "of another document".to_owned(),
+            ))))
         });
-        bench.runner.carry_out(Effect::Open(Opening::Path(folder.path().to_path_buf())));
-        while bench.app.open().is_none_or(|open| open.document.frames.is_empty()) {
+        bench
+            .runner
+            .carry_out(Effect::Open(Opening::Path(folder.path().to_path_buf())));
+        while bench
+            .app
+            .open()
+            .is_none_or(|open| open.document.frames.is_empty())
+        {
             bench.woken.recv().unwrap();
             for action in bench.runner.poll() {
                 bench.app.update(action);
@@ -536,7 +675,15 @@ mod tests {
         }
         go_on.send(()).unwrap();
         bench.wait();
-        assert!(bench.app.session.messages.notices.iter().all(|notice| notice.text != "of another document"));
+        assert!(
+            bench
+                .app
+                .session
+                .messages
+                .notices
+                .iter()
+                .all(|notice| notice.text != "of another document")
+        );
     }
 
     #[test]
@@ -544,7 +691,13 @@ mod tests {
         let mut bench = Bench::new();
         bench.start(Probe::of([Step::WaitUntilCancelled]));
         drop(bench.runner);
-        assert!(bench.app.operations.probe.slot.is_running(), "the application was not asked");
-        assert!(bench.woken.try_iter().count() > 0, "it has reported its end");
+        assert!(
+            bench.app.operations.probe.slot.is_running(),
+            "the application was not asked"
+        );
+        assert!(
+            bench.woken.try_iter().count() > 0,
+            "it has reported its end"
+        );
     }
 }

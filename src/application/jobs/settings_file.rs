@@ -27,14 +27,25 @@ const MAX_BYTES: u64 = 1 << 20;
 /// Where the settings of this user live; none on a system without a home.
 #[must_use]
 pub fn settings_path() -> Option<PathBuf> {
-    Some(directories::ProjectDirs::from("", "", "touchline")?.config_dir().join("settings.json"))
+    Some(
+        directories::ProjectDirs::from("", "", "touchline")?
+            .config_dir()
+            .join("settings.json"),
+    )
 }
 
-/// Reads the settings; what is missing or unreadable takes its default, and the reason is returned beside it.
+/// Reads the settings; what is missing or unreadable takes its default, and the reason is returned
+/// beside it.
 #[must_use]
 pub fn load_settings(path: &Path) -> (Settings, Option<String>) {
     let defaults = |reason: String| {
-        (Settings::default(), Some(format!("settings {}: {reason}; defaults are used", path.display())))
+        (
+            Settings::default(),
+            Some(format!(
+                "settings {}: {reason}; defaults are used",
+                path.display()
+            )),
+        )
     };
     match read_named_text(path, MAX_BYTES) {
         Ok(text) => match Settings::from_json(&text) {
@@ -57,7 +68,10 @@ pub fn save_settings(settings: &Settings, path: &Path) -> Result<(), SettingsErr
         }
         write_atomically(path, serde_json::to_string_pretty(settings)?.as_bytes())
     };
-    write().map_err(|source| SettingsError::Write { path: path.to_path_buf(), source })
+    write().map_err(|source| SettingsError::Write {
+        path: path.to_path_buf(),
+        source,
+    })
 }
 
 #[cfg(test)]

@@ -1,12 +1,15 @@
-//! The decoded frames that the window, the filmstrip and the trainer share, so that none of them decodes what another has.
+//! The decoded frames that the window, the filmstrip and the trainer share, so that none of them
+//! decodes what another has.
 
 use crate::app::operation::Decoders;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use touchline_vision::media::{FrameCache, FrameReader, FrameRef, MediaError, Notice, Picture, ReadFrames};
+use touchline_vision::media::{
+    FrameCache, FrameReader, FrameRef, MediaError, Notice, Picture, ReadFrames,
+};
 
-/// Decoded frames within a budget, for everybody who asks. The window's frames go first: what others decode is kept only
-/// where there is room, and forgotten first.
+/// Decoded frames within a budget, for everybody who asks. The window's frames go first: what
+/// others decode is kept only where there is room, and forgotten first.
 #[derive(Clone, Debug)]
 pub struct SharedPictures(Arc<Shared>);
 
@@ -80,17 +83,29 @@ impl SharedPictures {
 
     /// Whether the window waits for the picture that it shows.
     pub(super) fn set_awaited(&self, awaited: bool) {
-        *self.0.awaited.lock().unwrap_or_else(PoisonError::into_inner) = awaited;
+        *self
+            .0
+            .awaited
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner) = awaited;
         if !awaited {
             self.0.served.notify_all();
         }
     }
 
-    /// Pauses work that nobody waits for while the window waits for its picture: both would take the same processor.
+    /// Pauses work that nobody waits for while the window waits for its picture: both would take
+    /// the same processor.
     pub(super) fn wait_for_window(&self) {
-        let awaited = self.0.awaited.lock().unwrap_or_else(PoisonError::into_inner);
+        let awaited = self
+            .0
+            .awaited
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         // Whether it was in vain or not: this goes on.
-        let _ = self.0.served.wait_timeout_while(awaited, MOST_WAITED, |awaited| *awaited);
+        let _ = self
+            .0
+            .served
+            .wait_timeout_while(awaited, MOST_WAITED, |awaited| *awaited);
     }
 
     /// Nobody can panic with the lock held.
@@ -101,7 +116,10 @@ impl SharedPictures {
 
 impl Decoders for SharedPictures {
     fn open_reader(&self) -> Box<dyn ReadFrames> {
-        Box::new(SharedReader::new(Box::new(FrameReader::new()), self.clone()))
+        Box::new(SharedReader::new(
+            Box::new(FrameReader::new()),
+            self.clone(),
+        ))
     }
 
     fn give_way_to_window(&self) {
@@ -159,7 +177,11 @@ mod tests {
         let reader = || SharedReader::new(Box::new(Counting(Arc::clone(&read))), pictures.clone());
         let (mut trainer, mut window) = (reader(), reader());
         pictures.insert(frame(0), picture(0));
-        assert_eq!(trainer.read(&frame(0)).unwrap(), picture(0), "the window had it");
+        assert_eq!(
+            trainer.read(&frame(0)).unwrap(),
+            picture(0),
+            "the window had it"
+        );
         trainer.read(&frame(1)).unwrap();
         window.read(&frame(1)).unwrap();
         assert_eq!(*read.lock().unwrap(), [frame(1)], "once for both");
@@ -174,8 +196,14 @@ mod tests {
         pictures.insert(frame(0), picture(0));
         pictures.offer(&frame(1), &picture(1));
         pictures.offer(&frame(2), &picture(2));
-        assert!(pictures.contains(&frame(1)) && !pictures.contains(&frame(2)), "nothing makes room for an offer");
+        assert!(
+            pictures.contains(&frame(1)) && !pictures.contains(&frame(2)),
+            "nothing makes room for an offer"
+        );
         pictures.insert(frame(3), picture(3));
-        assert!(pictures.contains(&frame(0)) && !pictures.contains(&frame(1)), "what was offered is forgotten first");
+        assert!(
+            pictures.contains(&frame(0)) && !pictures.contains(&frame(1)),
+            "what was offered is forgotten first"
+        );
     }
 }

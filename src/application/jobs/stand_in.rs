@@ -73,9 +73,18 @@ pub(super) fn stand_in() -> (MakeReader, Wake, Controller) {
     let (go, orders) = channel();
     let (wake, woken) = channel();
     let orders = Arc::new(Mutex::new(orders));
-    let make: MakeReader =
-        Box::new(move |counting| Box::new(StandIn { begin: begin.clone(), orders: Arc::clone(&orders), counting }));
-    (make, Arc::new(move || wake.send(()).unwrap_or_default()), Controller { begun, go, woken })
+    let make: MakeReader = Box::new(move |counting| {
+        Box::new(StandIn {
+            begin: begin.clone(),
+            orders: Arc::clone(&orders),
+            counting,
+        })
+    });
+    (
+        make,
+        Arc::new(move || wake.send(()).unwrap_or_default()),
+        Controller { begun, go, woken },
+    )
 }
 
 struct StandIn {
@@ -86,22 +95,34 @@ struct StandIn {
 
 impl ReadFrames for StandIn {
     fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
-        let FrameRef::Video { path, index } = frame else { panic!("{frame} is no frame of a video") };
+        let FrameRef::Video { path, index } = frame else {
+            panic!("{frame} is no frame of a video")
+        };
         self.begin.send(*index).unwrap_or_default();
         // The controller was dropped: succeed.
-        let answer = self.orders.lock().map_or(Reply::Picture, |orders| orders.recv().unwrap_or(Reply::Picture));
+        let answer = self.orders.lock().map_or(Reply::Picture, |orders| {
+            orders.recv().unwrap_or(Reply::Picture)
+        });
         match answer {
             Reply::Picture => Ok(picture(*index)),
-            Reply::Missing => Err(MediaError::Missing { path: path.to_path_buf() }),
+            Reply::Missing => Err(MediaError::Missing {
+                path: path.to_path_buf(),
+            }),
             Reply::Panic => panic!("frame {index} is cursed"),
             Reply::Count => {
-                let progress = |counted| CountProgress { path: Arc::clone(path), counted, stated: 9 };
+                let progress = |counted| CountProgress {
+                    path: Arc::clone(path),
+                    counted,
+                    stated: 9,
+                };
                 let (counting, mut counted) = (self.counting.renew(), 0);
                 while counting.report(progress(counted)).is_continue() {
                     counted += 1;
                     std::thread::yield_now();
                 }
-                Err(MediaError::Stopped { path: path.to_path_buf() })
+                Err(MediaError::Stopped {
+                    path: path.to_path_buf(),
+                })
             }
         }
     }

@@ -17,6 +17,13 @@ pub(super) fn save_copy(document: DocumentAt<'_>, folder: &Path) -> Result<(), J
 /// The first camera of a document that has a base.
 pub(super) fn camera_with_base(path: &Path) -> Result<Camera, JobError> {
     let (_, document, _) = store::read(path)?;
-    let camera = document.cameras.iter().find(|camera| camera.base().is_some());
-    camera.map(|camera| (**camera).clone()).ok_or_else(|| JobError::NoBase { path: path.to_path_buf() })
+    let camera = document
+        .cameras
+        .iter()
+        .find(|camera| camera.base().is_some());
+    camera
+        .map(|camera| (**camera).clone())
+        .ok_or_else(|| JobError::NoBase {
+            path: path.to_path_buf(),
+        })
 }

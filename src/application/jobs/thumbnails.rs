@@ -7,7 +7,8 @@ use super::{Decoder, Wake};
 use std::collections::BTreeSet;
 use std::io;
 use touchline_vision::media::{
-    FrameCache, FrameReader, FrameRef, MediaError, Notice, Picture, ReadFrames, THUMBNAIL_SIZE, letterboxed,
+    FrameCache, FrameReader, FrameRef, MediaError, Notice, Picture, ReadFrames, THUMBNAIL_SIZE,
+    letterboxed,
 };
 
 /// Memory for thumbnails, bytes: some 2,300 of them.
@@ -23,7 +24,8 @@ pub enum ThumbnailReport {
         /// Its pixels, [`THUMBNAIL_SIZE`] large.
         picture: Picture,
     },
-    /// There is no thumbnail to be had. The reason is reported when the user comes to the frame, by the decoder.
+    /// There is no thumbnail to be had. The reason is reported when the user comes to the frame, by
+    /// the decoder.
     Failed {
         /// Of which frame.
         frame: FrameRef,
@@ -64,23 +66,38 @@ impl Thumbnails {
     pub fn spawn(decoder: &Decoder, wake: Wake) -> io::Result<Self> {
         let pictures = decoder.pictures();
         let make_reader: MakeReader = Box::new(move |counting| {
-            Box::new(SharedReader::new(Box::new(FrameReader::with_progress(counting)), pictures.clone()))
+            Box::new(SharedReader::new(
+                Box::new(FrameReader::with_progress(counting)),
+                pictures.clone(),
+            ))
         });
         Self::with_reader(decoder, wake, make_reader)
     }
 
     /// Starts a maker that reads frames in a way of its own.
-    pub(super) fn with_reader(decoder: &Decoder, wake: Wake, make_reader: MakeReader) -> io::Result<Self> {
-        let make_small: MakeReader = Box::new(move |counting| Box::new(SmallReader { full: make_reader(counting) }));
+    pub(super) fn with_reader(
+        decoder: &Decoder,
+        wake: Wake,
+        make_reader: MakeReader,
+    ) -> io::Result<Self> {
+        let make_small: MakeReader = Box::new(move |counting| {
+            Box::new(SmallReader {
+                full: make_reader(counting),
+            })
+        });
         Ok(Self {
             worker: FrameWorker::spawn("thumbnails", wake, Some(decoder.worker()), make_small)?,
             asked: Vec::new(),
-            memory: Memory { cache: FrameCache::new(CACHE_BYTES), failed: BTreeSet::new(), unpolled: Vec::new() },
+            memory: Memory {
+                cache: FrameCache::new(CACHE_BYTES),
+                failed: BTreeSet::new(),
+                unpolled: Vec::new(),
+            },
         })
     }
 
-    /// Asks for the thumbnails of these frames in this order, the visible ones first; what was asked before and is not
-    /// in here is given up. Asking the same again costs nothing.
+    /// Asks for the thumbnails of these frames in this order, the visible ones first; what was
+    /// asked before and is not in here is given up. Asking the same again costs nothing.
     pub fn request(&mut self, frames: &[FrameRef]) {
         if self.asked == frames {
             return;
@@ -90,8 +107,15 @@ impl Thumbnails {
             for report in reports {
                 memory.take_in(report);
             }
-            let missing = frames.iter().filter(|frame| memory.lacks(frame)).cloned().collect();
-            Choice { wanted: frames.to_vec(), missing }
+            let missing = frames
+                .iter()
+                .filter(|frame| memory.lacks(frame))
+                .cloned()
+                .collect();
+            Choice {
+                wanted: frames.to_vec(),
+                missing,
+            }
         });
         self.asked = frames.to_vec();
     }
@@ -179,11 +203,16 @@ mod tests {
         thumbnails.request(&[frame(3), frame(4)]);
         controller.let_out(Reply::Picture);
         let reports = controller.poll_until(|| thumbnails.poll());
-        let [ThumbnailReport::Ready { frame: of, picture }] = reports.as_slice() else { panic!("{reports:?}") };
+        let [ThumbnailReport::Ready { frame: of, picture }] = reports.as_slice() else {
+            panic!("{reports:?}")
+        };
         assert_eq!((of, picture.size()), (&frame(3), THUMBNAIL_SIZE));
         assert_eq!(thumbnails.picture(&frame(3)).as_ref(), Some(picture));
         controller.let_out(Reply::Missing);
-        assert_eq!(controller.poll_until(|| thumbnails.poll()), [ThumbnailReport::Failed { frame: frame(4) }]);
+        assert_eq!(
+            controller.poll_until(|| thumbnails.poll()),
+            [ThumbnailReport::Failed { frame: frame(4) }]
+        );
         assert!(thumbnails.has_failed(&frame(4)) && !thumbnails.has_failed(&frame(3)));
         // Neither is read again.
         thumbnails.request(&[frame(5), frame(4), frame(3)]);
@@ -191,7 +220,10 @@ mod tests {
         let message = "frame 5 is cursed".to_owned();
         assert_eq!(
             controller.poll_until(|| thumbnails.poll()),
-            [ThumbnailReport::Panicked { frame: frame(5), message }]
+            [ThumbnailReport::Panicked {
+                frame: frame(5),
+                message
+            }]
         );
         assert_eq!(controller.begun.try_iter().collect::<Vec<_>>(), [3, 4, 5]);
     }

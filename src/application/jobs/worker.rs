@@ -1,8 +1,9 @@
 //! A thread that carries out orders and leaves reports: what every job is built on.
 //!
-//! The owner and the thread share a mailbox. One lock guards the orders and the reports, so that an order is at every moment
-//! either waiting, being carried out, or reported. The owner never waits, except for the thread to end; the thread waits for
-//! orders, and for room when nobody takes its reports.
+//! The owner and the thread share a mailbox. One lock guards the orders and the reports, so that an
+//! order is at every moment either waiting, being carried out, or reported. The owner never waits,
+//! except for the thread to end; the thread waits for orders, and for room when nobody takes its
+//! reports.
 
 use super::{Wake, panic_message};
 use std::collections::VecDeque;
@@ -12,8 +13,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How long the owner waits for a thread whose work nobody needs any more. A read from a network drive that does not answer can
-/// be ended by nothing; its thread is then left to itself.
+/// How long the owner waits for a thread whose work nobody needs any more. A read from a network
+/// drive that does not answer can be ended by nothing; its thread is then left to itself.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Orders `O` for a thread, and its reports `R`.
@@ -49,8 +50,18 @@ pub(super) enum Waited<T> {
 impl<O, R> Mailbox<O, R> {
     /// A mailbox in which `capacity` reports may wait. `wake` is called after each report.
     pub(super) fn new(orders: O, capacity: usize, wake: Wake) -> Self {
-        let state = State { orders, reports: VecDeque::new(), is_closing: false, has_ended: false };
-        Self { state: Mutex::new(state), changed: Condvar::new(), capacity, wake }
+        let state = State {
+            orders,
+            reports: VecDeque::new(),
+            is_closing: false,
+            has_ended: false,
+        };
+        Self {
+            state: Mutex::new(state),
+            changed: Condvar::new(),
+            capacity,
+            wake,
+        }
     }
 
     /// Looks at orders and reports or changes them; whoever waits for something here looks again.
@@ -85,8 +96,13 @@ impl<O, R> Mailbox<O, R> {
         self.update(|state| state.reports.pop_front())
     }
 
-    /// What `pick` finds among the orders: waits for it, but not beyond `until`, and not once no order will follow.
-    pub(super) fn wait_for<T>(&self, until: Option<Instant>, pick: impl Fn(&mut O) -> Option<T>) -> Waited<T> {
+    /// What `pick` finds among the orders: waits for it, but not beyond `until`, and not once no
+    /// order will follow.
+    pub(super) fn wait_for<T>(
+        &self,
+        until: Option<Instant>,
+        pick: impl Fn(&mut O) -> Option<T>,
+    ) -> Waited<T> {
         let mut state = self.lock();
         loop {
             if let Some(order) = pick(&mut state.orders) {
@@ -96,9 +112,17 @@ impl<O, R> Mailbox<O, R> {
                 return Waited::Closing;
             }
             state = match until.map(|until| until.saturating_duration_since(Instant::now())) {
-                None => self.changed.wait(state).unwrap_or_else(PoisonError::into_inner),
+                None => self
+                    .changed
+                    .wait(state)
+                    .unwrap_or_else(PoisonError::into_inner),
                 Some(left) if left.is_zero() => return Waited::TimeIsUp,
-                Some(left) => self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0,
+                Some(left) => {
+                    self.changed
+                        .wait_timeout(state, left)
+                        .unwrap_or_else(PoisonError::into_inner)
+                        .0
+                }
             };
         }
     }
@@ -111,7 +135,10 @@ impl<O, R> Mailbox<O, R> {
     /// Leaves the report of an order and strikes it off in one step; waits for room.
     pub(super) fn report_done(&self, report: R, strike_off: impl FnOnce(&mut O)) {
         let is_full = |state: &mut State<O, R>| state.reports.len() >= self.capacity;
-        let mut state = self.changed.wait_while(self.lock(), is_full).unwrap_or_else(PoisonError::into_inner);
+        let mut state = self
+            .changed
+            .wait_while(self.lock(), is_full)
+            .unwrap_or_else(PoisonError::into_inner);
         state.reports.push_back(report);
         strike_off(&mut state.orders);
         drop(state);
@@ -142,21 +169,23 @@ impl<O, R> Mailbox<O, R> {
         }
     }
 
-    /// No code that holds the lock can panic half-way, so that the state is whole even when the lock is poisoned.
+    /// No code that holds the lock can panic half-way, so that the state is whole even when the
+    /// lock is poisoned.
     fn lock(&self) -> MutexGuard<'_, State<O, R>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// A thread and its mailbox. Dropping it ends the thread and waits for that, [`PATIENCE`] long at most.
+/// A thread and its mailbox. Dropping it ends the thread and waits for that, [`PATIENCE`] long at
+/// most.
 pub(super) struct Worker<O, R> {
     mailbox: Arc<Mailbox<O, R>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl<O: Send + 'static, R: Send + 'static> Worker<O, R> {
-    /// Starts a thread of a name that does `work` until that returns. If it panics, `broke_down` turns the message into the
-    /// last report.
+    /// Starts a thread of a name that does `work` until that returns. If it panics, `broke_down`
+    /// turns the message into the last report.
     ///
     /// # Errors
     /// The operating system gives no thread.
@@ -168,13 +197,18 @@ impl<O: Send + 'static, R: Send + 'static> Worker<O, R> {
     ) -> io::Result<Self> {
         let mailbox = Arc::new(mailbox);
         let of_thread = Arc::clone(&mailbox);
-        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
-            if let Err(panic) = catch_unwind(AssertUnwindSafe(|| work(&of_thread))) {
-                of_thread.report(broke_down(panic_message(panic.as_ref())));
-            }
-            of_thread.update(|state| state.has_ended = true);
-        })?;
-        Ok(Self { mailbox, thread: Some(thread) })
+        let thread = std::thread::Builder::new()
+            .name(name.to_owned())
+            .spawn(move || {
+                if let Err(panic) = catch_unwind(AssertUnwindSafe(|| work(&of_thread))) {
+                    of_thread.report(broke_down(panic_message(panic.as_ref())));
+                }
+                of_thread.update(|state| state.has_ended = true);
+            })?;
+        Ok(Self {
+            mailbox,
+            thread: Some(thread),
+        })
     }
 }
 
@@ -184,8 +218,8 @@ impl<O, R> Worker<O, R> {
         &self.mailbox
     }
 
-    /// Tells the thread to end, waits for it so long, and returns its last reports, and whether it has ended; one that goes on is
-    /// left to itself.
+    /// Tells the thread to end, waits for it so long, and returns its last reports, and whether it
+    /// has ended; one that goes on is left to itself.
     pub(super) fn close(&mut self, patience: Duration) -> (Vec<R>, bool) {
         let (mut last, until) = (Vec::new(), Instant::now() + patience);
         if let Some(thread) = self.thread.take() {
@@ -202,7 +236,8 @@ impl<O, R> Worker<O, R> {
         (last, true)
     }
 
-    /// Waits until there is a report, the thread has ended or the time is up, and takes the reports.
+    /// Waits until there is a report, the thread has ended or the time is up, and takes the
+    /// reports.
     fn has_ended_after(&self, until: Instant, reports: &mut Vec<R>) -> bool {
         let Mailbox { changed, .. } = &*self.mailbox;
         let left = until.saturating_duration_since(Instant::now());
@@ -276,7 +311,10 @@ mod tests {
             },
         )
         .unwrap();
-        assert_eq!(worker.close(Duration::from_millis(50)), (vec!["begun".to_owned()], false));
+        assert_eq!(
+            worker.close(Duration::from_millis(50)),
+            (vec!["begun".to_owned()], false)
+        );
         drop(never);
     }
 
@@ -288,7 +326,9 @@ mod tests {
         let mut worker = Worker::spawn("test", shared, |message| message, echo).unwrap();
         woken.recv().unwrap();
         woken.recv().unwrap();
-        let [first, last] = &worker.close(PATIENCE).0[..] else { panic!("two reports") };
+        let [first, last] = &worker.close(PATIENCE).0[..] else {
+            panic!("two reports")
+        };
         assert_eq!(first, "1");
         assert!(last.contains("an unlucky order"), "{last}");
     }
@@ -297,11 +337,18 @@ mod tests {
     fn a_thread_waits_no_longer_than_it_wants() {
         let mailbox = mailbox(1);
         let soon = Instant::now() + Duration::from_millis(2);
-        assert_eq!(mailbox.wait_for(Some(soon), VecDeque::pop_front), Waited::TimeIsUp);
+        assert_eq!(
+            mailbox.wait_for(Some(soon), VecDeque::pop_front),
+            Waited::TimeIsUp
+        );
         assert!(Instant::now() >= soon);
         mailbox.update(|state| state.orders.push_back(5));
         mailbox.begin_closing();
-        assert_eq!(mailbox.wait_for(Some(soon), VecDeque::pop_front), Waited::Order(5), "what is left comes first");
+        assert_eq!(
+            mailbox.wait_for(Some(soon), VecDeque::pop_front),
+            Waited::Order(5),
+            "what is left comes first"
+        );
         assert_eq!(mailbox.wait_for(None, VecDeque::pop_front), Waited::Closing);
     }
 

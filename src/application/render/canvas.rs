@@ -27,11 +27,26 @@ struct ViewUniform {
 /// One draw call of `paint`: where its vertices lie, and how many instances or vertices there are.
 #[derive(Debug)]
 enum Draw {
-    Picture { bind_group: wgpu::BindGroup, bytes: Range<u64> },
-    Heat { bind_group: wgpu::BindGroup, bytes: Range<u64> },
-    Fill { bytes: Range<u64>, vertices: u32 },
-    Group { target: usize, bytes: Range<u64> },
-    Markers { bytes: Range<u64>, instances: u32 },
+    Picture {
+        bind_group: wgpu::BindGroup,
+        bytes: Range<u64>,
+    },
+    Heat {
+        bind_group: wgpu::BindGroup,
+        bytes: Range<u64>,
+    },
+    Fill {
+        bytes: Range<u64>,
+        vertices: u32,
+    },
+    Group {
+        target: usize,
+        bytes: Range<u64>,
+    },
+    Markers {
+        bytes: Range<u64>,
+        instances: u32,
+    },
 }
 
 /// A group of strokes to be drawn into its target during `prepare`.
@@ -60,10 +75,19 @@ impl Canvas {
         let view_bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("view"),
             layout: &pipelines.view_layout,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: uniform.as_entire_binding(),
+            }],
         });
         let vertices = vertex_buffer(device, 1 << 16);
-        Self { uniform, view_bind_group, vertices, targets: Vec::new(), draws: Vec::new() }
+        Self {
+            uniform,
+            view_bind_group,
+            vertices,
+            targets: Vec::new(),
+            draws: Vec::new(),
+        }
     }
 
     /// Uploads what the layers need and draws their groups of strokes into textures.
@@ -85,23 +109,31 @@ impl Canvas {
             offset: view.offset_px,
             size: view.size_px.map(|px| px as f32),
         };
-        gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        gpu.queue
+            .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
 
         let mut bytes = Vec::new();
         let mut groups = Vec::new();
         for layer in layers {
             match layer {
                 Layer::Picture(picture) => {
-                    let bound = pictures.bind(gpu, &pipelines.picture_layout, picture, view.scale < 1.0);
+                    let bound =
+                        pictures.bind(gpu, &pipelines.picture_layout, picture, view.scale < 1.0);
                     if let Some((bind_group, texture_width)) = bound {
                         let instance = PictureInstance::new(picture, texture_width, view);
-                        self.draws.push(Draw::Picture { bind_group, bytes: append(&mut bytes, &[instance]) });
+                        self.draws.push(Draw::Picture {
+                            bind_group,
+                            bytes: append(&mut bytes, &[instance]),
+                        });
                     }
                 }
                 Layer::Heat(map, opacity) => {
                     if let Some(bind_group) = heat::bind(gpu, &pipelines.group_layout, map) {
                         let instance = HeatInstance::new(map.image_size, opacity.clamp(0.0, 1.0));
-                        self.draws.push(Draw::Heat { bind_group, bytes: append(&mut bytes, &[instance]) });
+                        self.draws.push(Draw::Heat {
+                            bind_group,
+                            bytes: append(&mut bytes, &[instance]),
+                        });
                     }
                 }
                 Layer::Drawing(drawing) => self.append_drawing(drawing, &mut bytes, &mut groups),
@@ -111,33 +143,56 @@ impl Canvas {
         self.draw_groups(gpu, pipelines, view.size_px, &groups);
     }
 
-    fn append_drawing(&mut self, drawing: &Drawing, bytes: &mut Vec<u8>, groups: &mut Vec<PendingGroup>) {
+    fn append_drawing(
+        &mut self,
+        drawing: &Drawing,
+        bytes: &mut Vec<u8>,
+        groups: &mut Vec<PendingGroup>,
+    ) {
         let mut fill: Vec<FillVertex> = Vec::new();
         for area in &drawing.areas {
             append_triangles(area, &mut fill);
         }
         if !fill.is_empty() {
-            self.draws.push(Draw::Fill { bytes: append(bytes, &fill), vertices: fill.len() as u32 });
+            self.draws.push(Draw::Fill {
+                bytes: append(bytes, &fill),
+                vertices: fill.len() as u32,
+            });
         }
         for group in drawing.strokes.iter().filter(|group| group.opacity > 0.0) {
             self.append_group(group, bytes, groups);
         }
-        let markers: Vec<MarkerInstance> = drawing.markers.iter().map(MarkerInstance::from).collect();
+        let markers: Vec<MarkerInstance> =
+            drawing.markers.iter().map(MarkerInstance::from).collect();
         if !markers.is_empty() {
-            self.draws.push(Draw::Markers { bytes: append(bytes, &markers), instances: markers.len() as u32 });
+            self.draws.push(Draw::Markers {
+                bytes: append(bytes, &markers),
+                instances: markers.len() as u32,
+            });
         }
     }
 
-    fn append_group(&mut self, group: &StrokeGroup, bytes: &mut Vec<u8>, groups: &mut Vec<PendingGroup>) {
+    fn append_group(
+        &mut self,
+        group: &StrokeGroup,
+        bytes: &mut Vec<u8>,
+        groups: &mut Vec<PendingGroup>,
+    ) {
         let mut segments = Vec::new();
         for stroke in &group.strokes {
             append_segments(stroke, &mut segments);
         }
         if !segments.is_empty() {
             let target = groups.len();
-            groups.push(PendingGroup { bytes: append(bytes, &segments), instances: segments.len() as u32 });
+            groups.push(PendingGroup {
+                bytes: append(bytes, &segments),
+                instances: segments.len() as u32,
+            });
             let instance = GroupInstance::from(group);
-            self.draws.push(Draw::Group { target, bytes: append(bytes, &[instance]) });
+            self.draws.push(Draw::Group {
+                target,
+                bytes: append(bytes, &[instance]),
+            });
         }
     }
 
@@ -150,16 +205,31 @@ impl Canvas {
     }
 
     /// Draws each group opaque into its own texture: all rims, then all cores.
-    fn draw_groups(&mut self, gpu: &mut Gpu<'_>, pipelines: &Pipelines, size_px: [u32; 2], groups: &[PendingGroup]) {
+    fn draw_groups(
+        &mut self,
+        gpu: &mut Gpu<'_>,
+        pipelines: &Pipelines,
+        size_px: [u32; 2],
+        groups: &[PendingGroup],
+    ) {
         let limit = gpu.device.limits().max_texture_dimension_2d;
         let size_px = size_px.map(|side| side.min(limit));
         self.targets.truncate(groups.len());
         self.targets.retain(|target| target.size_px == size_px);
         while self.targets.len() < groups.len() {
-            self.targets.push(GroupTarget::new(gpu.device, &pipelines.group_layout, size_px));
+            self.targets.push(GroupTarget::new(
+                gpu.device,
+                &pipelines.group_layout,
+                size_px,
+            ));
         }
         for (group, target) in groups.iter().zip(&self.targets) {
-            let mut pass = super::begin_pass(gpu.encoder, "stroke group", &target.view, wgpu::Color::TRANSPARENT);
+            let mut pass = super::begin_pass(
+                gpu.encoder,
+                "stroke group",
+                &target.view,
+                wgpu::Color::TRANSPARENT,
+            );
             pass.set_bind_group(0, &self.view_bind_group, &[]);
             pass.set_vertex_buffer(0, self.vertices.slice(group.bytes.clone()));
             for pipeline in [&pipelines.rim, &pipelines.core] {
@@ -183,7 +253,9 @@ impl Canvas {
                     (&pipelines.heat, bytes, 4, 1)
                 }
                 Draw::Group { target, bytes } => {
-                    let Some(target) = self.targets.get(*target) else { continue };
+                    let Some(target) = self.targets.get(*target) else {
+                        continue;
+                    };
                     pass.set_bind_group(1, &target.bind_group, &[]);
                     (&pipelines.composite, bytes, 4, 1)
                 }
@@ -197,7 +269,8 @@ impl Canvas {
     }
 }
 
-/// Appends plain data and returns where it lies; every item's size is a multiple of four, as vertex offsets must be.
+/// Appends plain data and returns where it lies; every item's size is a multiple of four, as vertex
+/// offsets must be.
 fn append<T: Pod>(bytes: &mut Vec<u8>, items: &[T]) -> Range<u64> {
     let start = bytes.len() as u64;
     bytes.extend_from_slice(bytemuck::cast_slice(items));

@@ -17,20 +17,37 @@ pub(super) struct FillVertex {
 pub(super) const FILL_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
     wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x2, 2 => Unorm8x4];
 
-/// Appends the triangles of an area; one with fewer than three corners, or with a corner that is not a number, has none.
+/// Appends the triangles of an area; one with fewer than three corners, or with a corner that is
+/// not a number, has none.
 ///
-/// The inside is drawn half a px smaller than the polygon, and a band from there to half a px outside fades out, so that a
-/// pixel is covered as far as the polygon covers it.
+/// The inside is drawn half a px smaller than the polygon, and a band from there to half a px
+/// outside fades out, so that a pixel is covered as far as the polygon covers it.
 pub(super) fn append_triangles(area: &Area, vertices: &mut Vec<FillVertex>) {
-    let Some(corners) = counter_clockwise(&area.corners) else { return };
+    let Some(corners) = counter_clockwise(&area.corners) else {
+        return;
+    };
     let colour = rgba(area.colour);
     let clear = [colour[0], colour[1], colour[2], 0];
     let count = corners.len();
     let outward: Vec<[f32; 2]> = (0..count)
-        .map(|i| half_px_outward(corners[(i + count - 1) % count], corners[i], corners[(i + 1) % count]))
+        .map(|i| {
+            half_px_outward(
+                corners[(i + count - 1) % count],
+                corners[i],
+                corners[(i + 1) % count],
+            )
+        })
         .collect();
-    let inner = |i: usize| FillVertex { at: corners[i], shift: outward[i].map(|x| -x), colour };
-    let outer = |i: usize| FillVertex { at: corners[i], shift: outward[i], colour: clear };
+    let inner = |i: usize| FillVertex {
+        at: corners[i],
+        shift: outward[i].map(|x| -x),
+        colour,
+    };
+    let outer = |i: usize| FillVertex {
+        at: corners[i],
+        shift: outward[i],
+        colour: clear,
+    };
     for triangle in triangulate(&corners) {
         vertices.extend(triangle.map(inner));
     }
@@ -48,8 +65,9 @@ fn counter_clockwise(corners: &[[f32; 2]]) -> Option<Vec<[f32; 2]>> {
         corners.pop();
     }
     let finite = corners.iter().flatten().all(|x| x.is_finite());
-    let doubled_area: f32 =
-        (0..corners.len()).map(|i| cross(corners[i], corners[(i + 1) % corners.len()])).sum::<f32>();
+    let doubled_area: f32 = (0..corners.len())
+        .map(|i| cross(corners[i], corners[(i + 1) % corners.len()]))
+        .sum::<f32>();
     if !finite || corners.len() < 3 || doubled_area == 0.0 {
         return None;
     }
@@ -68,7 +86,8 @@ fn turn(a: [f32; 2], b: [f32; 2], c: [f32; 2]) -> f32 {
     cross([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]])
 }
 
-/// Where a corner moves when both its edges move outwards by half a px; sharp corners are cut at four times that.
+/// Where a corner moves when both its edges move outwards by half a px; sharp corners are cut at
+/// four times that.
 fn half_px_outward(before: [f32; 2], at: [f32; 2], after: [f32; 2]) -> [f32; 2] {
     let normal = |from: [f32; 2], to: [f32; 2]| {
         let (x, y) = (to[0] - from[0], to[1] - from[1]);
@@ -81,20 +100,31 @@ fn half_px_outward(before: [f32; 2], at: [f32; 2], after: [f32; 2]) -> [f32; 2] 
     sum.map(|x| x / squared)
 }
 
-/// Cuts a simple polygon (turning from +x towards +y) into triangles by clipping its ears (Meisters 1975), O(n²).
+/// Cuts a simple polygon (turning from +x towards +y) into triangles by clipping its ears (Meisters
+/// 1975), O(n²).
 fn triangulate(corners: &[[f32; 2]]) -> Vec<[usize; 3]> {
     let mut rest: Vec<usize> = (0..corners.len()).collect();
     let mut triangles = Vec::with_capacity(corners.len() - 2);
     while rest.len() > 3 {
         let count = rest.len();
         let ear = (0..count).find(|&i| {
-            let [a, b, c] = [rest[(i + count - 1) % count], rest[i], rest[(i + 1) % count]];
+            let [a, b, c] = [
+                rest[(i + count - 1) % count],
+                rest[i],
+                rest[(i + 1) % count],
+            ];
             turn(corners[a], corners[b], corners[c]) > 0.0
-                && !rest.iter().any(|&p| p != a && p != b && p != c && in_triangle(corners, p, [a, b, c]))
+                && !rest
+                    .iter()
+                    .any(|&p| p != a && p != b && p != c && in_triangle(corners, p, [a, b, c]))
         });
         // A polygon that crosses itself may have no ear left; then any corner will do.
         let i = ear.unwrap_or(0);
-        triangles.push([rest[(i + count - 1) % count], rest[i], rest[(i + 1) % count]]);
+        triangles.push([
+            rest[(i + count - 1) % count],
+            rest[i],
+            rest[(i + 1) % count],
+        ]);
         rest.remove(i);
     }
     triangles.push([rest[0], rest[1], rest[2]]);
@@ -112,7 +142,10 @@ mod tests {
     use crate::scene::drawing::Colour;
 
     fn area_of(corners: &[[f32; 2]], triangles: &[[usize; 3]]) -> f32 {
-        triangles.iter().map(|&[a, b, c]| turn(corners[a], corners[b], corners[c]) / 2.0).sum()
+        triangles
+            .iter()
+            .map(|&[a, b, c]| turn(corners[a], corners[b], corners[c]) / 2.0)
+            .sum()
     }
 
     #[test]
@@ -121,7 +154,11 @@ mod tests {
         let triangles = triangulate(&notched);
         assert_eq!(triangles.len(), 3);
         assert_eq!(area_of(&notched, &triangles), 10.0);
-        assert!(triangles.iter().all(|&[a, b, c]| turn(notched[a], notched[b], notched[c]) > 0.0));
+        assert!(
+            triangles
+                .iter()
+                .all(|&[a, b, c]| turn(notched[a], notched[b], notched[c]) > 0.0)
+        );
     }
 
     #[test]
@@ -133,7 +170,13 @@ mod tests {
             vec![[0.0, 0.0], [f32::NAN, 1.0], [2.0, 0.0]],
         ] {
             let mut vertices = Vec::new();
-            append_triangles(&Area { corners, colour: Colour::rgb(0, 0, 0) }, &mut vertices);
+            append_triangles(
+                &Area {
+                    corners,
+                    colour: Colour::rgb(0, 0, 0),
+                },
+                &mut vertices,
+            );
             assert!(vertices.is_empty());
         }
     }
@@ -143,8 +186,15 @@ mod tests {
         let mut square = vec![[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];
         for _ in 0..2 {
             let corners = counter_clockwise(&square).unwrap();
-            let first = corners.iter().position(|&corner| corner == [10.0, 10.0]).unwrap();
-            let shift = half_px_outward(corners[(first + 3) % 4], corners[first], corners[(first + 1) % 4]);
+            let first = corners
+                .iter()
+                .position(|&corner| corner == [10.0, 10.0])
+                .unwrap();
+            let shift = half_px_outward(
+                corners[(first + 3) % 4],
+                corners[first],
+                corners[(first + 1) % 4],
+            );
             assert_eq!(shift, [0.5, 0.5]);
             square.reverse();
         }

@@ -3,7 +3,8 @@
 use crate::scene::drawing::StrokeGroup;
 use bytemuck::{Pod, Zeroable};
 
-/// The format of the textures in which groups of strokes are drawn: gamma space, as everything here.
+/// The format of the textures in which groups of strokes are drawn: gamma space, as everything
+/// here.
 pub(super) const GROUP_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// A group of strokes laid over the canvas; the fields are those of `Instance` in `composite.wgsl`.
@@ -15,14 +16,18 @@ pub(super) struct GroupInstance {
 }
 
 /// How [`GroupInstance`] lies in a vertex buffer.
-pub(super) const GROUP_ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32];
+pub(super) const GROUP_ATTRIBUTES: [wgpu::VertexAttribute; 2] =
+    wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32];
 
 /// A box that clips nothing; finite, so that it survives the way to the canvas.
 const EVERYWHERE: [f32; 4] = [-1e9, -1e9, 1e9, 1e9];
 
 impl From<&StrokeGroup> for GroupInstance {
     fn from(group: &StrokeGroup) -> Self {
-        Self { clip: group.clip_px.unwrap_or(EVERYWHERE), opacity: group.opacity.min(1.0) }
+        Self {
+            clip: group.clip_px.unwrap_or(EVERYWHERE),
+            opacity: group.opacity.min(1.0),
+        }
     }
 }
 
@@ -38,7 +43,11 @@ impl GroupTarget {
     pub fn new(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, size_px: [u32; 2]) -> Self {
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("stroke group"),
-            size: wgpu::Extent3d { width: size_px[0], height: size_px[1], depth_or_array_layers: 1 },
+            size: wgpu::Extent3d {
+                width: size_px[0],
+                height: size_px[1],
+                depth_or_array_layers: 1,
+            },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -50,8 +59,15 @@ impl GroupTarget {
         let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("stroke group"),
             layout,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) }],
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(&view),
+            }],
         });
-        Self { view, bind_group, size_px }
+        Self {
+            view,
+            bind_group,
+            size_px,
+        }
     }
 }

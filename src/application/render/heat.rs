@@ -23,19 +23,35 @@ pub(super) const HEAT_ATTRIBUTES: [wgpu::VertexAttribute; 7] = wgpu::vertex_attr
 impl HeatInstance {
     pub fn new(image_size: ImageSize, opacity: f32) -> Self {
         let size = [image_size.width as f32, image_size.height as f32];
-        Self { size, opacity, colours: HEAT_STOPS.map(rgba) }
+        Self {
+            size,
+            opacity,
+            colours: HEAT_STOPS.map(rgba),
+        }
     }
 }
 
 /// The levels on the GPU, to be drawn once; none for a map without cells.
-pub(super) fn bind(gpu: &Gpu<'_>, layout: &wgpu::BindGroupLayout, heat: &HeatMap) -> Option<wgpu::BindGroup> {
+pub(super) fn bind(
+    gpu: &Gpu<'_>,
+    layout: &wgpu::BindGroupLayout,
+    heat: &HeatMap,
+) -> Option<wgpu::BindGroup> {
     let [width, height] = heat.size;
     if width == 0 || heat.levels.len() != (width * height) as usize {
         return None;
     }
     // A format that every adapter reads has 8 bits: a low and a high byte.
-    let bytes: Vec<u8> = heat.levels.iter().flat_map(|level| level.to_le_bytes()).collect();
-    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let bytes: Vec<u8> = heat
+        .levels
+        .iter()
+        .flat_map(|level| level.to_le_bytes())
+        .collect();
+    let size = wgpu::Extent3d {
+        width,
+        height,
+        depth_or_array_layers: 1,
+    };
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("heat map"),
         size,
@@ -49,13 +65,20 @@ pub(super) fn bind(gpu: &Gpu<'_>, layout: &wgpu::BindGroupLayout, heat: &HeatMap
     gpu.queue.write_texture(
         texture.as_image_copy(),
         &bytes,
-        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(2 * width), rows_per_image: Some(height) },
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(2 * width),
+            rows_per_image: Some(height),
+        },
         size,
     );
     let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
     Some(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("heat map"),
         layout,
-        entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) }],
+        entries: &[wgpu::BindGroupEntry {
+            binding: 0,
+            resource: wgpu::BindingResource::TextureView(&view),
+        }],
     }))
 }

@@ -6,7 +6,8 @@ use crate::scene::uncertainty::HeatMap;
 use std::sync::Arc;
 use touchline_vision::media;
 
-/// The identity of a picture's pixels: equal keys mean equal pixels, so that they are uploaded once.
+/// The identity of a picture's pixels: equal keys mean equal pixels, so that they are uploaded
+/// once.
 ///
 /// The caller makes it from what it knows, such as a frame's number and a generation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -28,7 +29,8 @@ pub struct PictureLayer {
 pub enum Layer {
     /// A frame.
     Picture(PictureLayer),
-    /// Colours over a frame that say how far the lines are to be trusted, at an opacity from 0 to 1.
+    /// Colours over a frame that say how far the lines are to be trusted, at an opacity from 0 to
+    /// 1.
     Heat(Arc<HeatMap>, f32),
     /// Lines, areas and markers over it.
     Drawing(Arc<Drawing>),

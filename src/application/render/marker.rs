@@ -24,8 +24,9 @@ pub(super) const MARKER_ATTRIBUTES: [wgpu::VertexAttribute; 7] = wgpu::vertex_at
 
 impl From<&Marker> for MarkerInstance {
     fn from(marker: &Marker) -> Self {
-        let (rim_width, rim_colour) =
-            marker.outline.map_or((0.0, [0; 4]), |outline| (outline.width_pt, rgba(outline.colour)));
+        let (rim_width, rim_colour) = marker.outline.map_or((0.0, [0; 4]), |outline| {
+            (outline.width_pt, rgba(outline.colour))
+        });
         Self {
             at: marker.at,
             radius: marker.radius_pt,

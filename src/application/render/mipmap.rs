@@ -14,7 +14,11 @@ pub(super) struct MipmapMaker {
 impl MipmapMaker {
     pub fn new(device: &wgpu::Device) -> Self {
         let fragment = wgpu::ShaderStages::FRAGMENT;
-        let layout = layout(device, "mipmap", &[(0, fragment, texture()), (1, fragment, sampler())]);
+        let layout = layout(
+            device,
+            "mipmap",
+            &[(0, fragment, texture()), (1, fragment, sampler())],
+        );
         let module = module(device, MIPMAP);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("mipmap"),
@@ -51,11 +55,20 @@ impl MipmapMaker {
             min_filter: wgpu::FilterMode::Linear,
             ..wgpu::SamplerDescriptor::default()
         });
-        Self { layout, pipeline, sampler }
+        Self {
+            layout,
+            pipeline,
+            sampler,
+        }
     }
 
     /// Fills every level above the first.
-    pub fn fill(&self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) {
+    pub fn fill(
+        &self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        texture: &wgpu::Texture,
+    ) {
         let level = |base_mip_level| {
             texture.create_view(&wgpu::TextureViewDescriptor {
                 base_mip_level,
@@ -72,7 +85,10 @@ impl MipmapMaker {
                         binding: 0,
                         resource: wgpu::BindingResource::TextureView(&level(smaller - 1)),
                     },
-                    wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.sampler) },
+                    wgpu::BindGroupEntry {
+                        binding: 1,
+                        resource: wgpu::BindingResource::Sampler(&self.sampler),
+                    },
                 ],
             });
             let target = level(smaller);

@@ -1,9 +1,10 @@
 //! The wgpu layers: frame picture, anti-aliased lines, points; on screen and off.
 //!
-//! A canvas shows [`Layer`]s, the lowest first: pictures and plain-data drawings ([`crate::scene::drawing`]). A [`Renderer`]
-//! uploads them in `prepare` and draws them in `paint`, into a pass that belongs to the window or to an [`Offscreen`]
-//! target. Everything stays in gamma space with premultiplied alpha; edges are smoothed by the shaders, one sample per
-//! pixel. `stroke.rs` explains how strokes stay even where they join and cross.
+//! A canvas shows [`Layer`]s, the lowest first: pictures and plain-data drawings
+//! ([`crate::scene::drawing`]). A [`Renderer`] uploads them in `prepare` and draws them in `paint`,
+//! into a pass that belongs to the window or to an [`Offscreen`] target. Everything stays in gamma
+//! space with premultiplied alpha; edges are smoothed by the shaders, one sample per pixel.
+//! `stroke.rs` explains how strokes stay even where they join and cross.
 
 mod canvas;
 mod fill;
@@ -41,7 +42,10 @@ fn begin_pass<'encoder>(
             view: target,
             depth_slice: None,
             resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store },
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(clear),
+                store: wgpu::StoreOp::Store,
+            },
         })],
         ..wgpu::RenderPassDescriptor::default()
     })

@@ -20,7 +20,9 @@ pub enum RenderError {
     )]
     NoAdapter,
     /// Adapters answered, but none gave a device; the first one's reason.
-    #[error("the graphics adapter {adapter} gives no device: {reason}; update its driver, or try WGPU_BACKEND=gl")]
+    #[error(
+        "the graphics adapter {adapter} gives no device: {reason}; update its driver, or try WGPU_BACKEND=gl"
+    )]
     NoDevice {
         /// Its name.
         adapter: String,
@@ -28,7 +30,9 @@ pub enum RenderError {
         reason: String,
     },
     /// The canvas is empty or larger than the adapter's textures.
-    #[error("a canvas of {width} × {height} px cannot be rendered: this adapter takes 1 to {limit} px a side")]
+    #[error(
+        "a canvas of {width} × {height} px cannot be rendered: this adapter takes 1 to {limit} px a side"
+    )]
     BadSize {
         /// Columns asked for.
         width: u32,
@@ -89,12 +93,14 @@ pub struct Offscreen {
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const CANVAS: CanvasId = CanvasId(0);
-/// The longest side that is drawn at a time, px: 64 MiB, a quarter of the buffer that every adapter gives.
+/// The longest side that is drawn at a time, px: 64 MiB, a quarter of the buffer that every adapter
+/// gives.
 const TILE_PX: u32 = 4096;
 
 impl Offscreen {
-    /// The fastest adapter there is: a GPU of its own, one beside the processor, a virtual one, a software renderer. OpenGL's are
-    /// looked at only where no other gives a device: Mesa's can end the process with a fault when it exits.
+    /// The fastest adapter there is: a GPU of its own, one beside the processor, a virtual one, a
+    /// software renderer. OpenGL's are looked at only where no other gives a device: Mesa's can end
+    /// the process with a fault when it exits.
     ///
     /// The environment variable `WGPU_BACKEND` (vulkan, gl, metal, dx12) narrows the choice.
     ///
@@ -116,7 +122,10 @@ impl Offscreen {
     /// The fastest adapter of some backends.
     fn among(backends: wgpu::Backends) -> Result<Self, RenderError> {
         let described = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor { backends, ..described });
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+            backends,
+            ..described
+        });
         let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
         adapters.sort_by_key(|adapter| slowness(adapter.get_info().device_type));
         let mut first_refusal = None;
@@ -124,17 +133,25 @@ impl Offscreen {
             let report = AdapterReport::from_info(&adapter.get_info());
             let request = adapter.request_device(&wgpu::DeviceDescriptor {
                 label: Some("off-screen"),
-                required_limits: wgpu::Limits::downlevel_webgl2_defaults().using_resolution(adapter.limits()),
+                required_limits: wgpu::Limits::downlevel_webgl2_defaults()
+                    .using_resolution(adapter.limits()),
                 ..wgpu::DeviceDescriptor::default()
             });
             match pollster::block_on(request) {
                 Ok((device, queue)) => {
                     let renderer = Renderer::new(&device, FORMAT);
-                    return Ok(Self { device, queue, adapter: report, renderer });
+                    return Ok(Self {
+                        device,
+                        queue,
+                        adapter: report,
+                        renderer,
+                    });
                 }
                 Err(error) => {
-                    first_refusal = first_refusal
-                        .or(Some(RenderError::NoDevice { adapter: report.name, reason: error.to_string() }));
+                    first_refusal = first_refusal.or(Some(RenderError::NoDevice {
+                        adapter: report.name,
+                        reason: error.to_string(),
+                    }));
                 }
             }
         }
@@ -147,15 +164,26 @@ impl Offscreen {
         &self.adapter
     }
 
-    /// Draws layers on a canvas of `view.size_px` filled with `background`, their labels on top of all.
+    /// Draws layers on a canvas of `view.size_px` filled with `background`, their labels on top of
+    /// all.
     ///
     /// # Errors
-    /// A canvas without a pixel or beyond the adapter's limit, or a driver that does not give the picture back.
-    pub fn render(&mut self, view: &View, background: Colour, layers: &[Layer]) -> Result<RgbaImage, RenderError> {
+    /// A canvas without a pixel or beyond the adapter's limit, or a driver that does not give the
+    /// picture back.
+    pub fn render(
+        &mut self,
+        view: &View,
+        background: Colour,
+        layers: &[Layer],
+    ) -> Result<RgbaImage, RenderError> {
         let [width, height] = view.size_px;
         let limit = self.device.limits().max_texture_dimension_2d;
         if width == 0 || height == 0 || width > limit || height > limit {
-            return Err(RenderError::BadSize { width, height, limit });
+            return Err(RenderError::BadSize {
+                width,
+                height,
+                limit,
+            });
         }
         let mut picture = self.in_tiles(view, background, layers, TILE_PX.min(limit))?;
         let labels = layers.iter().flat_map(|layer| match layer {
@@ -182,7 +210,10 @@ impl Offscreen {
         for top in (0..height).step_by(tile_px as usize) {
             for left in (0..width).step_by(tile_px as usize) {
                 let tile = View {
-                    offset_px: [view.offset_px[0] - left as f32, view.offset_px[1] - top as f32],
+                    offset_px: [
+                        view.offset_px[0] - left as f32,
+                        view.offset_px[1] - top as f32,
+                    ],
                     size_px: [tile_px.min(width - left), tile_px.min(height - top)],
                     ..*view
                 };
@@ -193,11 +224,22 @@ impl Offscreen {
         Ok(picture)
     }
 
-    fn tile(&mut self, view: &View, background: Colour, layers: &[Layer]) -> Result<RgbaImage, RenderError> {
+    fn tile(
+        &mut self,
+        view: &View,
+        background: Colour,
+        layers: &[Layer],
+    ) -> Result<RgbaImage, RenderError> {
         let [width, height] = view.size_px;
         let target = ReadbackTexture::new(&self.device, width, height);
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let gpu = Gpu { device: &self.device, queue: &self.queue, encoder: &mut encoder };
+        let mut encoder = self
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let gpu = Gpu {
+            device: &self.device,
+            queue: &self.queue,
+            encoder: &mut encoder,
+        };
         self.renderer.prepare(gpu, CANVAS, view, layers);
         target.draw(&mut encoder, &self.renderer, CANVAS, background);
         self.queue.submit([encoder.finish()]);
@@ -216,7 +258,11 @@ impl ReadbackTexture {
     fn new(device: &wgpu::Device, width: u32, height: u32) -> Self {
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("off-screen"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            size: wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -231,18 +277,36 @@ impl ReadbackTexture {
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
             mapped_at_creation: false,
         });
-        Self { texture, buffer, bytes_per_row }
+        Self {
+            texture,
+            buffer,
+            bytes_per_row,
+        }
     }
 
     /// Records the painting of a prepared canvas, and the copy into the buffer.
-    fn draw(&self, encoder: &mut wgpu::CommandEncoder, renderer: &Renderer, canvas: CanvasId, background: Colour) {
-        let view = self.texture.create_view(&wgpu::TextureViewDescriptor::default());
+    fn draw(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        renderer: &Renderer,
+        canvas: CanvasId,
+        background: Colour,
+    ) {
+        let view = self
+            .texture
+            .create_view(&wgpu::TextureViewDescriptor::default());
         let mut pass = super::begin_pass(encoder, "off-screen", &view, clear_colour(background));
         renderer.paint(&mut pass, canvas);
         drop(pass);
-        let layout =
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.bytes_per_row), rows_per_image: None };
-        let into = wgpu::TexelCopyBufferInfo { buffer: &self.buffer, layout };
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(self.bytes_per_row),
+            rows_per_image: None,
+        };
+        let into = wgpu::TexelCopyBufferInfo {
+            buffer: &self.buffer,
+            layout,
+        };
         encoder.copy_texture_to_buffer(self.texture.as_image_copy(), into, self.texture.size());
     }
 
@@ -251,14 +315,20 @@ impl ReadbackTexture {
         let failed = |reason: String| RenderError::Readback { reason };
         // Whether the mapping worked shows when the range is mapped after the wait.
         self.buffer.map_async(wgpu::MapMode::Read, .., |_| ());
-        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(error.to_string()))?;
-        let bytes = self.buffer.get_mapped_range(..).map_err(|error| failed(error.to_string()))?;
+        device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|error| failed(error.to_string()))?;
+        let bytes = self
+            .buffer
+            .get_mapped_range(..)
+            .map_err(|error| failed(error.to_string()))?;
         let (width, height) = (self.texture.width(), self.texture.height());
         let mut pixels = Vec::with_capacity(4 * width as usize * height as usize);
         for row in bytes.chunks_exact(self.bytes_per_row as usize) {
             pixels.extend_from_slice(&row[..4 * width as usize]);
         }
-        RgbaImage::from_raw(width, height, pixels).ok_or_else(|| failed("the picture is incomplete".into()))
+        RgbaImage::from_raw(width, height, pixels)
+            .ok_or_else(|| failed("the picture is incomplete".into()))
     }
 }
 
@@ -277,7 +347,12 @@ const fn slowness(kind: wgpu::DeviceType) -> u8 {
 fn clear_colour(colour: Colour) -> wgpu::Color {
     let alpha = f64::from(colour.a) / 255.0;
     let channel = |byte: u8| f64::from(byte) / 255.0 * alpha;
-    wgpu::Color { r: channel(colour.r), g: channel(colour.g), b: channel(colour.b), a: alpha }
+    wgpu::Color {
+        r: channel(colour.r),
+        g: channel(colour.g),
+        b: channel(colour.b),
+        a: alpha,
+    }
 }
 
 #[cfg(test)]
@@ -296,16 +371,28 @@ mod tests {
             outline: None,
             dash: None,
         };
-        let strokes = vec![stroke(vec![[3.0, 5.0], [90.0, 61.0]], 3.0), stroke(vec![[0.0, 40.0], [99.0, 33.0]], 5.0)];
-        let group = StrokeGroup { strokes, opacity: 0.7, clip_px: None };
-        let drawing = Drawing { strokes: vec![group], ..Drawing::default() };
+        let strokes = vec![
+            stroke(vec![[3.0, 5.0], [90.0, 61.0]], 3.0),
+            stroke(vec![[0.0, 40.0], [99.0, 33.0]], 5.0),
+        ];
+        let group = StrokeGroup {
+            strokes,
+            opacity: 0.7,
+            clip_px: None,
+        };
+        let drawing = Drawing {
+            strokes: vec![group],
+            ..Drawing::default()
+        };
         let mut pixels = RgbaImage::new(100, 70);
         for (x, y, pixel) in pixels.enumerate_pixels_mut() {
             *pixel = image::Rgba([(x * 2) as u8, (y * 3) as u8, ((x * y) % 251) as u8, 255]);
         }
-        let pixels =
-            touchline_vision::media::Picture::new(touchline_core::geometry::ImageSize::new(100, 70), pixels.into_raw())
-                .unwrap();
+        let pixels = touchline_vision::media::Picture::new(
+            touchline_core::geometry::ImageSize::new(100, 70),
+            pixels.into_raw(),
+        )
+        .unwrap();
         let layers = [
             Layer::Picture(crate::render::PictureLayer {
                 key: crate::render::PictureKey(1),
@@ -316,11 +403,18 @@ mod tests {
         ];
         let view = View::one_to_one([100, 70]);
         let background = Colour::rgb(10, 20, 30);
-        let whole = offscreen.in_tiles(&view, background, &layers, 4096).unwrap();
+        let whole = offscreen
+            .in_tiles(&view, background, &layers, 4096)
+            .unwrap();
         let tiled = offscreen.in_tiles(&view, background, &layers, 32).unwrap();
         assert_eq!(tiled.dimensions(), (100, 70));
         let differs = |(a, b): (&u8, &u8)| a.abs_diff(*b) > 1;
-        let different = whole.as_raw().iter().zip(tiled.as_raw()).filter(|pair| differs(*pair)).count();
+        let different = whole
+            .as_raw()
+            .iter()
+            .zip(tiled.as_raw())
+            .filter(|pair| differs(*pair))
+            .count();
         assert_eq!(different, 0, "rounding aside, no pixel differs");
     }
 
@@ -329,27 +423,71 @@ mod tests {
         let mut offscreen = Offscreen::new().unwrap();
         let line = |y: f32, colour| {
             let points = vec![[0.0, y], [40.0, y]];
-            let strokes = vec![Stroke { points, colour, width_pt: 3.0, outline: None, dash: None }];
-            let group = StrokeGroup { strokes, opacity: 1.0, clip_px: None };
-            [Layer::Drawing(Arc::new(Drawing { strokes: vec![group], ..Drawing::default() }))]
+            let strokes = vec![Stroke {
+                points,
+                colour,
+                width_pt: 3.0,
+                outline: None,
+                dash: None,
+            }];
+            let group = StrokeGroup {
+                strokes,
+                opacity: 1.0,
+                clip_px: None,
+            };
+            [Layer::Drawing(Arc::new(Drawing {
+                strokes: vec![group],
+                ..Drawing::default()
+            }))]
         };
         let (red, blue) = (Colour::rgb(255, 0, 0), Colour::rgb(0, 0, 255));
-        let views = [View::one_to_one([40, 20]), View { scale: 2.0, ..View::one_to_one([60, 50]) }];
+        let views = [
+            View::one_to_one([40, 20]),
+            View {
+                scale: 2.0,
+                ..View::one_to_one([60, 50])
+            },
+        ];
         let layers = [line(5.5, red), line(20.25, blue)];
-        let Offscreen { device, queue, renderer, .. } = &mut offscreen;
+        let Offscreen {
+            device,
+            queue,
+            renderer,
+            ..
+        } = &mut offscreen;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for (canvas, (view, layers)) in (1..).map(CanvasId).zip(views.iter().zip(&layers)) {
-            renderer.prepare(Gpu { device, queue, encoder: &mut encoder }, canvas, view, layers);
+            renderer.prepare(
+                Gpu {
+                    device,
+                    queue,
+                    encoder: &mut encoder,
+                },
+                canvas,
+                view,
+                layers,
+            );
         }
         let targets = [1, 2].map(|canvas| {
             let [width, height] = views[canvas - 1].size_px;
             let target = ReadbackTexture::new(device, width, height);
-            target.draw(&mut encoder, renderer, CanvasId(canvas as u64), Colour::rgb(0, 0, 0));
+            target.draw(
+                &mut encoder,
+                renderer,
+                CanvasId(canvas as u64),
+                Colour::rgb(0, 0, 0),
+            );
             target
         });
         queue.submit([encoder.finish()]);
         let [first, second] = targets.map(|target| target.read_back(device).unwrap());
-        assert_eq!((first.get_pixel(20, 5).0, first.get_pixel(20, 15).0), ([255, 0, 0, 255], [0, 0, 0, 255]));
-        assert_eq!((second.get_pixel(20, 40).0, second.get_pixel(20, 11).0), ([0, 0, 255, 255], [0, 0, 0, 255]));
+        assert_eq!(
+            (first.get_pixel(20, 5).0, first.get_pixel(20, 15).0),
+            ([255, 0, 0, 255], [0, 0, 0, 255])
+        );
+        assert_eq!(
+            (second.get_pixel(20, 40).0, second.get_pixel(20, 11).0),
+            ([0, 0, 255, 255], [0, 0, 0, 255])
+        );
     }
 }

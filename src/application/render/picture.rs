@@ -14,13 +14,15 @@ use touchline_vision::media;
 /// Above this scale a picture shows its bare pixels.
 pub const SMOOTH_UP_TO_SCALE: f32 = 4.0;
 
-/// Pictures that stay on the GPU: the frame, its neighbours in both directions and one to compare with.
+/// Pictures that stay on the GPU: the frame, its neighbours in both directions and one to compare
+/// with.
 const KEPT: NonZeroUsize = NonZeroUsize::MIN.saturating_add(5);
 
 /// A picture goes to the GPU in bands of so many bytes.
 const BAND_BYTES: usize = 32 << 20;
 
-/// Mip levels are chosen this much sharper than the scale asks for; trilinear filtering errs on the soft side.
+/// Mip levels are chosen this much sharper than the scale asks for; trilinear filtering errs on the
+/// soft side.
 const SHARPER_LEVELS: f32 = 0.25;
 
 /// One picture; the fields are those of `Instance` in `picture.wgsl`.
@@ -44,8 +46,16 @@ impl PictureInstance {
         let texels_per_px = texture_width as f32 / width.max(1) as f32 / view.scale;
         Self {
             size: [width as f32, height as f32],
-            look: [picture.look.brightness, picture.look.contrast, picture.look.gamma],
-            level: if texels_per_px > 1.0 { (texels_per_px.log2() - SHARPER_LEVELS).max(0.0) } else { 0.0 },
+            look: [
+                picture.look.brightness,
+                picture.look.contrast,
+                picture.look.gamma,
+            ],
+            level: if texels_per_px > 1.0 {
+                (texels_per_px.log2() - SHARPER_LEVELS).max(0.0)
+            } else {
+                0.0
+            },
             bare: u32::from(view.scale > SMOOTH_UP_TO_SCALE),
         }
     }
@@ -76,10 +86,15 @@ impl PictureCache {
             ..wgpu::SamplerDescriptor::default()
         });
         let mipmaps = MipmapMaker::new(device);
-        Self { sampler, mipmaps, kept: LruCache::new(KEPT) }
+        Self {
+            sampler,
+            mipmaps,
+            kept: LruCache::new(KEPT),
+        }
     }
 
-    /// The bind group and the texture's width of a picture, uploaded if it is not there yet; none for an empty picture.
+    /// The bind group and the texture's width of a picture, uploaded if it is not there yet; none
+    /// for an empty picture.
     ///
     /// Mipmaps are made only once a picture is shown smaller than it is.
     pub fn bind(
@@ -105,10 +120,17 @@ impl PictureCache {
                             &texture.create_view(&wgpu::TextureViewDescriptor::default()),
                         ),
                     },
-                    wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(sampler) },
+                    wgpu::BindGroupEntry {
+                        binding: 1,
+                        resource: wgpu::BindingResource::Sampler(sampler),
+                    },
                 ],
             });
-            Kept { texture, bind_group, has_mipmaps: false }
+            Kept {
+                texture,
+                bind_group,
+                has_mipmaps: false,
+            }
         });
         if shrunk && !kept.has_mipmaps {
             self.mipmaps.fill(gpu.device, gpu.encoder, &kept.texture);
@@ -118,7 +140,8 @@ impl PictureCache {
     }
 }
 
-/// A texture of the picture with room for its mip levels; a picture beyond the device's limit is shrunk to it.
+/// A texture of the picture with room for its mip levels; a picture beyond the device's limit is
+/// shrunk to it.
 fn upload(device: &wgpu::Device, queue: &wgpu::Queue, picture: &media::Picture) -> wgpu::Texture {
     let ImageSize { width, height } = picture.size();
     let limit = device.limits().max_texture_dimension_2d;
@@ -127,9 +150,17 @@ fn upload(device: &wgpu::Device, queue: &wgpu::Queue, picture: &media::Picture) 
         let side = |px: u32| ((u64::from(px) * u64::from(limit) / u64::from(longer)) as u32).max(1);
         shrink(picture, side(width), side(height))
     });
-    let (width, height) = shrunk.as_ref().map_or((width, height), RgbaImage::dimensions);
-    let rgba = shrunk.as_ref().map_or_else(|| picture.rgba(), |shrunk| shrunk.as_raw());
-    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let (width, height) = shrunk
+        .as_ref()
+        .map_or((width, height), RgbaImage::dimensions);
+    let rgba = shrunk
+        .as_ref()
+        .map_or_else(|| picture.rgba(), |shrunk| shrunk.as_raw());
+    let size = wgpu::Extent3d {
+        width,
+        height,
+        depth_or_array_layers: 1,
+    };
     let texture = device.create_texture(&wgpu::TextureDescriptor {
         label: Some("picture"),
         size,
@@ -144,13 +175,30 @@ fn upload(device: &wgpu::Device, queue: &wgpu::Queue, picture: &media::Picture) 
     });
     // A band at a time: the buffers through which they go are smaller than the largest pictures.
     let band = (BAND_BYTES / (4 * width as usize)).max(1) as u32;
-    for (top, rows) in (0..height).step_by(band as usize).zip(rgba.chunks((4 * width * band) as usize)) {
-        let into =
-            wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y: top, z: 0 }, ..texture.as_image_copy() };
+    for (top, rows) in (0..height)
+        .step_by(band as usize)
+        .zip(rgba.chunks((4 * width * band) as usize))
+    {
+        let into = wgpu::TexelCopyTextureInfo {
+            origin: wgpu::Origin3d { x: 0, y: top, z: 0 },
+            ..texture.as_image_copy()
+        };
         let height = band.min(height - top);
-        let layout =
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: Some(height) };
-        queue.write_texture(into, rows, layout, wgpu::Extent3d { width, height, depth_or_array_layers: 1 });
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * width),
+            rows_per_image: Some(height),
+        };
+        queue.write_texture(
+            into,
+            rows,
+            layout,
+            wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
+        );
     }
     texture
 }
@@ -159,7 +207,14 @@ fn shrink(picture: &media::Picture, width: u32, height: u32) -> RgbaImage {
     let size = picture.size();
     RgbaImage::from_raw(size.width, size.height, picture.rgba().to_vec()).map_or_else(
         || RgbaImage::new(width, height),
-        |pixels| image::imageops::resize(&pixels, width, height, image::imageops::FilterType::Triangle),
+        |pixels| {
+            image::imageops::resize(
+                &pixels,
+                width,
+                height,
+                image::imageops::FilterType::Triangle,
+            )
+        },
     )
 }
 
@@ -173,7 +228,14 @@ mod tests {
             pixels: media::Picture::filled(ImageSize::new(8, 4), [0; 4]),
             look: crate::scene::PictureLook::default(),
         };
-        PictureInstance::new(&picture, 8, &View { scale, ..View::one_to_one([8, 4]) })
+        PictureInstance::new(
+            &picture,
+            8,
+            &View {
+                scale,
+                ..View::one_to_one([8, 4])
+            },
+        )
     }
 
     #[test]

@@ -37,9 +37,17 @@ struct Parts<'a> {
 
 impl Pipelines {
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
-        let view_layout = layout(device, "view", &[(0, wgpu::ShaderStages::VERTEX, uniform())]);
+        let view_layout = layout(
+            device,
+            "view",
+            &[(0, wgpu::ShaderStages::VERTEX, uniform())],
+        );
         let texture_layout = (0, wgpu::ShaderStages::FRAGMENT, texture());
-        let picture_layout = layout(device, "picture", &[texture_layout, (1, wgpu::ShaderStages::FRAGMENT, sampler())]);
+        let picture_layout = layout(
+            device,
+            "picture",
+            &[texture_layout, (1, wgpu::ShaderStages::FRAGMENT, sampler())],
+        );
         let group_layout = layout(device, "stroke group", &[texture_layout]);
         let strip = wgpu::PrimitiveTopology::TriangleStrip;
         let stroke_layouts = [&view_layout];
@@ -126,7 +134,11 @@ fn vertex_buffer<T>(
     step_mode: wgpu::VertexStepMode,
     attributes: &[wgpu::VertexAttribute],
 ) -> wgpu::VertexBufferLayout<'_> {
-    wgpu::VertexBufferLayout { array_stride: size_of::<T>() as u64, step_mode, attributes }
+    wgpu::VertexBufferLayout {
+        array_stride: size_of::<T>() as u64,
+        step_mode,
+        attributes,
+    }
 }
 
 fn pipeline(device: &wgpu::Device, parts: &Parts<'_>) -> wgpu::RenderPipeline {
@@ -147,7 +159,10 @@ fn pipeline(device: &wgpu::Device, parts: &Parts<'_>) -> wgpu::RenderPipeline {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             buffers: &[Some(parts.buffer.clone())],
         },
-        primitive: wgpu::PrimitiveState { topology: parts.topology, ..wgpu::PrimitiveState::default() },
+        primitive: wgpu::PrimitiveState {
+            topology: parts.topology,
+            ..wgpu::PrimitiveState::default()
+        },
         depth_stencil: None,
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {

@@ -23,10 +23,11 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Builds the pipelines for passes with one colour attachment of `format`, one sample and no depth.
+    /// Builds the pipelines for passes with one colour attachment of `format`, one sample and no
+    /// depth.
     ///
-    /// The format is one of gamma space (`Rgba8Unorm`, `Bgra8Unorm`), never one of the `Srgb` formats: colours are
-    /// written as they are stored.
+    /// The format is one of gamma space (`Rgba8Unorm`, `Bgra8Unorm`), never one of the `Srgb`
+    /// formats: colours are written as they are stored.
     #[must_use]
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         Self {
@@ -38,13 +39,18 @@ impl Renderer {
 
     /// Uploads what a canvas's layers need and records the passes that go before `paint`'s.
     ///
-    /// To be called at most once per canvas between two submissions: a second call replaces the first.
+    /// To be called at most once per canvas between two submissions: a second call replaces the
+    /// first.
     pub fn prepare(&mut self, mut gpu: Gpu<'_>, id: CanvasId, view: &View, layers: &[Layer]) {
-        let canvas = self.canvases.entry(id).or_insert_with(|| Canvas::new(gpu.device, &self.pipelines));
+        let canvas = self
+            .canvases
+            .entry(id)
+            .or_insert_with(|| Canvas::new(gpu.device, &self.pipelines));
         canvas.prepare(&mut gpu, &self.pipelines, &mut self.pictures, view, layers);
     }
 
-    /// Draws what was last prepared for a canvas; the pass's viewport must be the canvas, `View::size_px` large.
+    /// Draws what was last prepared for a canvas; the pass's viewport must be the canvas,
+    /// `View::size_px` large.
     ///
     /// A canvas that was never prepared stays as it is.
     pub fn paint(&self, pass: &mut wgpu::RenderPass<'_>, id: CanvasId) {

@@ -2,21 +2,22 @@
 //!
 //! # How a translucent stroke stays even
 //!
-//! A polyline drawn as one capsule per segment covers its joins twice, which shows as dark beads as soon as it is
-//! translucent, and as soft beads along the anti-aliased border even when it is opaque. Two measures prevent it:
+//! A polyline drawn as one capsule per segment covers its joins twice, which shows as dark beads as
+//! soon as it is translucent, and as soft beads along the anti-aliased border even when it is
+//! opaque. Two measures prevent it:
 //!
-//! 1. Within a stroke every pixel belongs to one segment. Neighbours are parted by the line that halves the angle of
-//!    their join, which on the inner side is where both are equally far and on the outer side where both see the shared
-//!    vertex: the two coverages agree along the cut, so the union of the capsules comes out exactly, round joins
-//!    included.
-//! 2. A group of strokes is drawn opaque into a texture of its own, rims before cores, and laid over the picture with
-//!    the group's opacity. Crossings of different strokes are therefore as even as the strokes themselves, and no rim
-//!    shines through a core.
+//! 1. Within a stroke every pixel belongs to one segment. Neighbours are parted by the line that
+//!    halves the angle of their join, which on the inner side is where both are equally far and on
+//!    the outer side where both see the shared vertex: the two coverages agree along the cut, so
+//!    the union of the capsules comes out exactly, round joins included.
+//! 2. A group of strokes is drawn opaque into a texture of its own, rims before cores, and laid
+//!    over the picture with the group's opacity. Crossings of different strokes are therefore as
+//!    even as the strokes themselves, and no rim shines through a core.
 //!
-//! Miter joins in a triangle strip would do the first, but spike at sharp angles and overlap themselves inside tight
-//! arcs; a maximum-blended coverage texture would do both, but only for one colour per texture.
-//! The cut presumes that the stroke does not fold back within its own width; where it does, only the soft border of
-//! the overlap is affected.
+//! Miter joins in a triangle strip would do the first, but spike at sharp angles and overlap
+//! themselves inside tight arcs; a maximum-blended coverage texture would do both, but only for one
+//! colour per texture. The cut presumes that the stroke does not fold back within its own width;
+//! where it does, only the soft border of the overlap is affected.
 
 use crate::scene::drawing::{Colour, Dash, Stroke};
 use bytemuck::{Pod, Zeroable};
@@ -52,7 +53,10 @@ pub(super) fn rgba(colour: Colour) -> [u8; 4] {
 ///
 /// Points that are not numbers split the stroke; points that repeat their predecessor are left out.
 pub(super) fn append_segments(stroke: &Stroke, segments: &mut Vec<Segment>) {
-    for piece in stroke.points.split(|point| !point.iter().all(|x| x.is_finite())) {
+    for piece in stroke
+        .points
+        .split(|point| !point.iter().all(|x| x.is_finite()))
+    {
         append_piece(stroke, piece, segments);
     }
 }
@@ -64,20 +68,39 @@ fn append_piece(stroke: &Stroke, piece: &[[f32; 2]], segments: &mut Vec<Segment>
     if points.len() < 2 {
         return;
     }
-    let directions: Vec<[f32; 2]> = points.windows(2).map(|pair| direction(pair[0], pair[1])).collect();
+    let directions: Vec<[f32; 2]> = points
+        .windows(2)
+        .map(|pair| direction(pair[0], pair[1]))
+        .collect();
     let last = directions.len() - 1;
-    let closing = if points.first() == points.last() { bisector(directions[last], directions[0]) } else { [0.0; 2] };
-    let Dash { on_pt, off_pt } = stroke.dash.unwrap_or(Dash { on_pt: 0.0, off_pt: 0.0 });
-    let (rim_width, rim_colour) =
-        stroke.outline.map_or((0.0, [0; 4]), |outline| (outline.width_pt, rgba(outline.colour)));
+    let closing = if points.first() == points.last() {
+        bisector(directions[last], directions[0])
+    } else {
+        [0.0; 2]
+    };
+    let Dash { on_pt, off_pt } = stroke.dash.unwrap_or(Dash {
+        on_pt: 0.0,
+        off_pt: 0.0,
+    });
+    let (rim_width, rim_colour) = stroke.outline.map_or((0.0, [0; 4]), |outline| {
+        (outline.width_pt, rgba(outline.colour))
+    });
     let mut before_a = 0.0;
     for (i, pair) in points.windows(2).enumerate() {
         let (a, b) = (pair[0], pair[1]);
         segments.push(Segment {
             a,
             b,
-            through_a: if i == 0 { closing } else { bisector(directions[i - 1], directions[i]) },
-            through_b: if i == last { closing } else { bisector(directions[i], directions[i + 1]) },
+            through_a: if i == 0 {
+                closing
+            } else {
+                bisector(directions[i - 1], directions[i])
+            },
+            through_b: if i == last {
+                closing
+            } else {
+                bisector(directions[i], directions[i + 1])
+            },
             before_a,
             half_width: stroke.width_pt / 2.0,
             rim_width,
@@ -105,10 +128,15 @@ fn direction(from: [f32; 2], to: [f32; 2]) -> [f32; 2] {
     [x / length, y / length]
 }
 
-/// The direction half way between two unit vectors; zero, which cuts nothing, where the stroke turns back on itself.
+/// The direction half way between two unit vectors; zero, which cuts nothing, where the stroke
+/// turns back on itself.
 fn bisector(before: [f32; 2], after: [f32; 2]) -> [f32; 2] {
     let sum = [before[0] + after[0], before[1] + after[1]];
-    if sum[0].hypot(sum[1]) < 1e-3 { [0.0; 2] } else { sum }
+    if sum[0].hypot(sum[1]) < 1e-3 {
+        [0.0; 2]
+    } else {
+        sum
+    }
 }
 
 #[cfg(test)]
@@ -151,8 +179,20 @@ mod tests {
     fn what_is_not_a_number_leaves_a_gap() {
         assert!(segments(&[]).is_empty());
         assert!(segments(&[[1.0, 1.0], [1.0, 1.0]]).is_empty());
-        let broken = segments(&[[0.0, 0.0], [1.0, 0.0], [f32::NAN, 0.0], [2.0, 0.0], [3.0, 0.0]]);
-        assert_eq!(broken.iter().map(|s| (s.a[0], s.b[0])).collect::<Vec<_>>(), [(0.0, 1.0), (2.0, 3.0)]);
-        assert_eq!(segments(&[[0.0, 0.0], [5.0, 0.0], [0.0, 0.0]])[0].through_b, [0.0; 2]);
+        let broken = segments(&[
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [f32::NAN, 0.0],
+            [2.0, 0.0],
+            [3.0, 0.0],
+        ]);
+        assert_eq!(
+            broken.iter().map(|s| (s.a[0], s.b[0])).collect::<Vec<_>>(),
+            [(0.0, 1.0), (2.0, 3.0)]
+        );
+        assert_eq!(
+            segments(&[[0.0, 0.0], [5.0, 0.0], [0.0, 0.0]])[0].through_b,
+            [0.0; 2]
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! Labels, written by the processor over a finished picture; a window writes them with its own fonts instead.
+//! Labels, written by the processor over a finished picture; a window writes them with its own
+//! fonts instead.
 
 use super::view::View;
 use crate::scene::drawing::{Colour, Label};
@@ -32,15 +33,24 @@ fn write_label(picture: &mut RgbaImage, view: &View, font: &FontRef<'_>, label: 
     let font = font.as_scaled(scale);
     let [x, y] = view.canvas_from_image(label.at);
     let [width, height] = view.size_px.map(|side| side as f32);
-    // A label belongs to its point: with the point off the canvas it is gone, on the canvas it is whole.
+    // A label belongs to its point: with the point off the canvas it is gone, on the canvas it is
+    // whole.
     if !((0.0..=width).contains(&x) && (0.0..=height).contains(&y)) {
         return;
     }
     let padding = PADDING * scale.y;
-    let text_width: f32 = label.text.chars().map(|character| font.h_advance(font.glyph_id(character))).sum();
-    let left = (x + label.offset_pt[0] * view.pixels_per_point).min(width - padding - text_width).max(padding);
+    let text_width: f32 = label
+        .text
+        .chars()
+        .map(|character| font.h_advance(font.glyph_id(character)))
+        .sum();
+    let left = (x + label.offset_pt[0] * view.pixels_per_point)
+        .min(width - padding - text_width)
+        .max(padding);
     let half_height = scale.y / 2.0;
-    let middle = (y + label.offset_pt[1] * view.pixels_per_point).min(height - half_height).max(half_height);
+    let middle = (y + label.offset_pt[1] * view.pixels_per_point)
+        .min(height - half_height)
+        .max(half_height);
     let baseline = middle + f32::midpoint(font.ascent(), font.descent());
     let mut pen = left;
     let mut outlines = Vec::new();
@@ -48,23 +58,42 @@ fn write_label(picture: &mut RgbaImage, view: &View, font: &FontRef<'_>, label: 
     for character in label.text.chars() {
         let id = font.glyph_id(character);
         pen += previous.map_or(0.0, |previous| font.kern(previous, id));
-        outlines.extend(font.font().outline_glyph(id.with_scale_and_position(scale, point(pen, baseline))));
+        outlines.extend(
+            font.font()
+                .outline_glyph(id.with_scale_and_position(scale, point(pen, baseline))),
+        );
         pen += font.h_advance(id);
         previous = Some(id);
     }
     let (top, bottom) = (baseline - font.ascent(), baseline - font.descent());
-    fill_box(picture, [left - padding, top - padding / 3.0, pen + padding, bottom + padding / 3.0], label.plate);
+    fill_box(
+        picture,
+        [
+            left - padding,
+            top - padding / 3.0,
+            pen + padding,
+            bottom + padding / 3.0,
+        ],
+        label.plate,
+    );
     for outline in outlines {
         let corner = outline.px_bounds().min;
         outline.draw(|dx, dy, covered| {
-            blend(picture, corner.x + dx as f32, corner.y + dy as f32, label.colour, covered.min(1.0));
+            blend(
+                picture,
+                corner.x + dx as f32,
+                corner.y + dy as f32,
+                label.colour,
+                covered.min(1.0),
+            );
         });
     }
 }
 
 /// Fills a box (left, top, right, bottom) to whole pixels.
 fn fill_box(picture: &mut RgbaImage, [left, top, right, bottom]: [f32; 4], colour: Colour) {
-    let columns = left.round().max(0.0) as u32..(right.round().max(0.0) as u32).min(picture.width());
+    let columns =
+        left.round().max(0.0) as u32..(right.round().max(0.0) as u32).min(picture.width());
     for y in top.round().max(0.0) as u32..(bottom.round().max(0.0) as u32).min(picture.height()) {
         for x in columns.clone() {
             blend(picture, x as f32, y as f32, colour, 1.0);
@@ -98,27 +127,53 @@ mod tests {
             colour: Colour::rgb(255, 255, 255),
             plate: Colour::rgb(0, 0, 90),
         };
-        write_labels(&mut picture, &View::one_to_one([60, 30]), [&label].into_iter()).unwrap();
+        write_labels(
+            &mut picture,
+            &View::one_to_one([60, 30]),
+            [&label].into_iter(),
+        )
+        .unwrap();
         picture
     }
 
     #[test]
     fn a_label_stands_on_its_plate_beside_its_point() {
         let picture = written("cm", [10.0, 15.0]);
-        let bright: Vec<(u32, u32)> =
-            picture.enumerate_pixels().filter(|(_, _, p)| p.0[0] > 120).map(|(x, y, _)| (x, y)).collect();
+        let bright: Vec<(u32, u32)> = picture
+            .enumerate_pixels()
+            .filter(|(_, _, p)| p.0[0] > 120)
+            .map(|(x, y, _)| (x, y))
+            .collect();
         assert!(bright.len() > 20, "{} bright pixels", bright.len());
-        assert!(bright.iter().all(|&(x, y)| (13..45).contains(&x) && (8..24).contains(&y)), "{bright:?}");
-        assert_eq!(picture.get_pixel(12, 15).0[2], 90, "the plate begins left of the text");
+        assert!(
+            bright
+                .iter()
+                .all(|&(x, y)| (13..45).contains(&x) && (8..24).contains(&y)),
+            "{bright:?}"
+        );
+        assert_eq!(
+            picture.get_pixel(12, 15).0[2],
+            90,
+            "the plate begins left of the text"
+        );
         assert_eq!(picture.get_pixel(8, 15).0[2], 0);
     }
 
     #[test]
     fn a_label_at_the_border_is_whole_and_one_of_a_point_outside_is_gone() {
-        let bright = |at| written("cm", at).pixels().filter(|pixel| pixel.0[0] > 120).count();
+        let bright = |at| {
+            written("cm", at)
+                .pixels()
+                .filter(|pixel| pixel.0[0] > 120)
+                .count()
+        };
         let whole = bright([10.0, 15.0]);
         for at in [[59.0, 15.0], [0.0, 0.0], [60.0, 30.0]] {
-            assert!(bright(at).abs_diff(whole) <= 12, "{at:?}: {} bright pixels instead of {whole}", bright(at));
+            assert!(
+                bright(at).abs_diff(whole) <= 12,
+                "{at:?}: {} bright pixels instead of {whole}",
+                bright(at)
+            );
         }
         for at in [[-500.0, 10.0], [5.0, -3.0], [f32::NAN, 0.0], [1e9, 1e9]] {
             assert_eq!(bright(at), 0, "{at:?}");

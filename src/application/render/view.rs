@@ -2,8 +2,8 @@
 
 /// The transform from picture to canvas, and the canvas's size.
 ///
-/// `canvas = image × scale + offset_px`; both in the corner convention: (0, 0) is the top-left corner, the first pixel's
-/// centre is (0.5, 0.5).
+/// `canvas = image × scale + offset_px`; both in the corner convention: (0, 0) is the top-left
+/// corner, the first pixel's centre is (0.5, 0.5).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Physical px of the canvas per px of the picture.
@@ -20,7 +20,12 @@ impl View {
     /// A picture at its own size, pixel on pixel.
     #[must_use]
     pub const fn one_to_one(size_px: [u32; 2]) -> Self {
-        Self { scale: 1.0, offset_px: [0.0, 0.0], size_px, pixels_per_point: 1.0 }
+        Self {
+            scale: 1.0,
+            offset_px: [0.0, 0.0],
+            size_px,
+            pixels_per_point: 1.0,
+        }
     }
 
     /// A picture as large as the canvas allows, centred.
@@ -29,20 +34,34 @@ impl View {
         let [width, height] = picture_px.map(|side| side.max(1) as f32);
         let [canvas_width, canvas_height] = size_px.map(|side| side as f32);
         let scale = (canvas_width / width).min(canvas_height / height);
-        let offset_px = [(canvas_width - width * scale) / 2.0, (canvas_height - height * scale) / 2.0];
-        Self { scale, offset_px, size_px, pixels_per_point: 1.0 }
+        let offset_px = [
+            (canvas_width - width * scale) / 2.0,
+            (canvas_height - height * scale) / 2.0,
+        ];
+        Self {
+            scale,
+            offset_px,
+            size_px,
+            pixels_per_point: 1.0,
+        }
     }
 
     /// A point of the picture on the canvas, physical px.
     #[must_use]
     pub fn canvas_from_image(&self, point: [f32; 2]) -> [f32; 2] {
-        [point[0] * self.scale + self.offset_px[0], point[1] * self.scale + self.offset_px[1]]
+        [
+            point[0] * self.scale + self.offset_px[0],
+            point[1] * self.scale + self.offset_px[1],
+        ]
     }
 
     /// A point of the canvas in the picture, px.
     #[must_use]
     pub fn image_from_canvas(&self, point: [f32; 2]) -> [f32; 2] {
-        [(point[0] - self.offset_px[0]) / self.scale, (point[1] - self.offset_px[1]) / self.scale]
+        [
+            (point[0] - self.offset_px[0]) / self.scale,
+            (point[1] - self.offset_px[1]) / self.scale,
+        ]
     }
 }
 

@@ -1,8 +1,8 @@
 //! What is drawn over a picture or a field map, as plain data: no camera, no GPU, no widget.
 //!
-//! Positions are px of the picture (corner convention), in `f32` as the GPU takes them; sizes are points of the screen, so
-//! that a line keeps its width while the picture is zoomed. Colours are sRGB bytes as a screen shows them (gamma space)
-//! with straight alpha.
+//! Positions are px of the picture (corner convention), in `f32` as the GPU takes them; sizes are
+//! points of the screen, so that a line keeps its width while the picture is zoomed. Colours are
+//! sRGB bytes as a screen shows them (gamma space) with straight alpha.
 
 /// A colour: sRGB bytes and straight (not premultiplied) alpha.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,7 +133,8 @@ pub struct Label {
     pub plate: Colour,
 }
 
-/// Everything that lies over one picture, the lowest first: areas, groups of strokes, markers, labels.
+/// Everything that lies over one picture, the lowest first: areas, groups of strokes, markers,
+/// labels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawing {
     /// Filled areas.

@@ -17,14 +17,20 @@ pub const SURROUND: Colour = Colour::rgb(33, 62, 45);
 /// The markings.
 const MARKINGS: Colour = Colour::rgb(226, 236, 228);
 /// The rim of what lies on the map.
-const RIM: Colour = Colour { r: 10, g: 14, b: 12, a: 200 };
+const RIM: Colour = Colour {
+    r: 10,
+    g: 14,
+    b: 12,
+    a: 200,
+};
 /// The visible ground ends this far from the camera, where the picture shows the horizon, m.
 const REACH_M: f64 = 400.0;
 
 /// Where a field lies on its map: x to the right and y up as seen from the camera's side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldMap {
-    /// The map reaches so far from the field's centre along x and y, m: half the field and a margin.
+    /// The map reaches so far from the field's centre along x and y, m: half the field and a
+    /// margin.
     pub reach_m: [f64; 2],
     /// px of the map per metre.
     pub px_per_m: f64,
@@ -36,20 +42,32 @@ impl FieldMap {
     /// The map of a field with a margin around it.
     #[must_use]
     pub fn new(field: &FieldModel, margin_m: f64, px_per_m: f64) -> Self {
-        let reach_m = [field.length_m / 2.0 + margin_m, field.width_m / 2.0 + margin_m];
-        Self { reach_m, px_per_m, turned: false }
+        let reach_m = [
+            field.length_m / 2.0 + margin_m,
+            field.width_m / 2.0 + margin_m,
+        ];
+        Self {
+            reach_m,
+            px_per_m,
+            turned: false,
+        }
     }
 
     /// The same map, turned so that the camera stands at its lower border.
     #[must_use]
     pub fn turned_to(self, camera: &PtzCamera) -> Self {
-        Self { turned: camera.base().position_m.y > 0.0, ..self }
+        Self {
+            turned: camera.base().position_m.y > 0.0,
+            ..self
+        }
     }
 
     /// The size of the map, px.
     #[must_use]
     pub fn size_px(&self) -> ImageSize {
-        let [width, height] = self.reach_m.map(|reach| (2.0 * reach * self.px_per_m).ceil().clamp(1.0, 16384.0) as u32);
+        let [width, height] = self
+            .reach_m
+            .map(|reach| (2.0 * reach * self.px_per_m).ceil().clamp(1.0, 16384.0) as u32);
         ImageSize::new(width, height)
     }
 
@@ -96,17 +114,32 @@ pub struct FieldMapDrawing {
 pub fn field_map(scene: &OverlayScene<'_>, map: &FieldMap) -> FieldMapDrawing {
     let field = scene.field;
     let (x, y) = (field.length_m / 2.0, field.width_m / 2.0);
-    let corners = [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| map.drawn(Vec3::new(x, y, 0.0)));
-    let ground = Drawing { areas: vec![Area { corners: corners.to_vec(), colour: GRASS }], ..Drawing::default() };
+    let corners =
+        [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| map.drawn(Vec3::new(x, y, 0.0)));
+    let ground = Drawing {
+        areas: vec![Area {
+            corners: corners.to_vec(),
+            colour: GRASS,
+        }],
+        ..Drawing::default()
+    };
     let mut over = Drawing::default();
-    let strokes = field.lines.iter().filter(|line| lies_on_ground(line)).map(|line| Stroke {
-        points: flattened(&line.curve, map, scene.zoom),
-        colour: MARKINGS,
-        width_pt: 1.25,
-        outline: None,
-        dash: None,
+    let strokes = field
+        .lines
+        .iter()
+        .filter(|line| lies_on_ground(line))
+        .map(|line| Stroke {
+            points: flattened(&line.curve, map, scene.zoom),
+            colour: MARKINGS,
+            width_pt: 1.25,
+            outline: None,
+            dash: None,
+        });
+    over.strokes.push(StrokeGroup {
+        strokes: strokes.collect(),
+        opacity: 0.85,
+        clip_px: None,
     });
-    over.strokes.push(StrokeGroup { strokes: strokes.collect(), opacity: 0.85, clip_px: None });
     if let Some(camera) = scene.camera {
         append_visible(scene, camera, map, &mut over);
     }
@@ -118,32 +151,61 @@ pub fn field_map(scene: &OverlayScene<'_>, map: &FieldMap) -> FieldMapDrawing {
 fn flattened(curve: &Curve, map: &FieldMap, zoom: f64) -> Vec<[f32; 2]> {
     let pieces = match curve {
         Curve::Segment { .. } => 1.0,
-        Curve::Arc { radius_m, sweep, .. } => {
+        Curve::Arc {
+            radius_m, sweep, ..
+        } => {
             let radius_px = (radius_m * map.px_per_m * zoom).max(1.0);
             let step = 2.0 * (1.0 - 0.1 / radius_px).acos();
             (sweep.radians().abs() / step).ceil().clamp(4.0, 1024.0)
         }
     };
-    (0..=pieces as u32).map(|piece| map.drawn(curve.point_at(f64::from(piece) / pieces))).collect()
+    (0..=pieces as u32)
+        .map(|piece| map.drawn(curve.point_at(f64::from(piece) / pieces)))
+        .collect()
 }
 
-fn append_visible(scene: &OverlayScene<'_>, camera: &PtzCamera, map: &FieldMap, over: &mut Drawing) {
+fn append_visible(
+    scene: &OverlayScene<'_>,
+    camera: &PtzCamera,
+    map: &FieldMap,
+    over: &mut Drawing,
+) {
     let border = visible_ground(scene.field, camera, scene.image_size, REACH_M);
     let corners: Vec<[f32; 2]> = border.iter().map(|point| map.drawn(*point)).collect();
     let Some(first) = corners.first() else { return };
     let [r, g, b] = scene.style.colour;
     let colour = Colour::rgb(r, g, b);
     let points = corners.iter().chain([first]).copied().collect();
-    let outline = Some(Outline { colour: RIM, width_pt: 0.75 });
-    let stroke = Stroke { points, colour, width_pt: 1.5, outline, dash: None };
-    over.strokes.push(StrokeGroup { strokes: vec![stroke], opacity: 0.9, clip_px: None });
-    over.areas.push(Area { corners, colour: colour.with_alpha(34) });
+    let outline = Some(Outline {
+        colour: RIM,
+        width_pt: 0.75,
+    });
+    let stroke = Stroke {
+        points,
+        colour,
+        width_pt: 1.5,
+        outline,
+        dash: None,
+    };
+    over.strokes.push(StrokeGroup {
+        strokes: vec![stroke],
+        opacity: 0.9,
+        clip_px: None,
+    });
+    over.areas.push(Area {
+        corners,
+        colour: colour.with_alpha(34),
+    });
 }
 
 fn append_clicked(scene: &OverlayScene<'_>, map: &FieldMap, over: &mut Drawing) {
     for (index, click) in scene.clicks.iter().enumerate() {
-        let Some(Target::Landmark(id)) = &click.target else { continue };
-        let Some(landmark) = scene.field.landmark(id.as_str()) else { continue };
+        let Some(Target::Landmark(id)) = &click.target else {
+            continue;
+        };
+        let Some(landmark) = scene.field.landmark(id.as_str()) else {
+            continue;
+        };
         let selected = scene.selected == Some(index);
         let colour = if scene.disputed.contains(&index) {
             DISPUTED
@@ -156,43 +218,66 @@ fn append_clicked(scene: &OverlayScene<'_>, map: &FieldMap, over: &mut Drawing) 
         };
         over.markers.push(Marker {
             at: map.drawn(landmark.nominal_m),
-            shape: if click.check { MarkerShape::Diamond } else { MarkerShape::Dot },
+            shape: if click.check {
+                MarkerShape::Diamond
+            } else {
+                MarkerShape::Dot
+            },
             colour,
             radius_pt: if selected { 5.5 } else { 4.0 },
             line_pt: 1.5,
-            outline: Some(Outline { colour: RIM, width_pt: 1.0 }),
+            outline: Some(Outline {
+                colour: RIM,
+                width_pt: 1.0,
+            }),
         });
     }
 }
 
-/// The frame's picture laid onto the map, transparent where the camera does not look: each pixel of the map is the mean
-/// of four samples of the picture.
+/// The frame's picture laid onto the map, transparent where the camera does not look: each pixel of
+/// the map is the mean of four samples of the picture.
 #[must_use]
-pub fn picture_from_above(picture: &Picture, field: &FieldModel, camera: &PtzCamera, map: &FieldMap) -> Picture {
+pub fn picture_from_above(
+    picture: &Picture,
+    field: &FieldModel,
+    camera: &PtzCamera,
+    map: &FieldMap,
+) -> Picture {
     /// Where a pixel is sampled, px from its corner.
     const SAMPLES: [(f64, f64); 4] = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)];
     let size = map.size_px();
     let mut rgba = vec![0; 4 * size.width as usize * size.height as usize];
-    rgba.par_chunks_exact_mut(4 * size.width as usize).enumerate().for_each(|(row, pixels)| {
-        for (column, pixel) in pixels.chunks_exact_mut(4).enumerate() {
-            let mut sum = [0.0; 4];
-            for (dx, dy) in SAMPLES {
-                let on_map = ImagePoint::new(column as f64 + dx, row as f64 + dy);
-                let in_world = field.world_from_nominal(map.world_from_map(on_map));
-                let Ok(in_image) = camera.image_from_world(in_world) else { continue };
-                let Some([r, g, b]) = bilinear(picture, in_image) else { continue };
-                for (total, value) in sum.iter_mut().zip([r, g, b, 255.0]) {
-                    *total += value;
+    rgba.par_chunks_exact_mut(4 * size.width as usize)
+        .enumerate()
+        .for_each(|(row, pixels)| {
+            for (column, pixel) in pixels.chunks_exact_mut(4).enumerate() {
+                let mut sum = [0.0; 4];
+                for (dx, dy) in SAMPLES {
+                    let on_map = ImagePoint::new(column as f64 + dx, row as f64 + dy);
+                    let in_world = field.world_from_nominal(map.world_from_map(on_map));
+                    let Ok(in_image) = camera.image_from_world(in_world) else {
+                        continue;
+                    };
+                    let Some([r, g, b]) = bilinear(picture, in_image) else {
+                        continue;
+                    };
+                    for (total, value) in sum.iter_mut().zip([r, g, b, 255.0]) {
+                        *total += value;
+                    }
+                }
+                if sum[3] > 0.0 {
+                    let seen = sum[3] / 255.0;
+                    for (byte, total) in pixel.iter_mut().zip([
+                        sum[0] / seen,
+                        sum[1] / seen,
+                        sum[2] / seen,
+                        sum[3] / 4.0,
+                    ]) {
+                        *byte = total.round() as u8;
+                    }
                 }
             }
-            if sum[3] > 0.0 {
-                let seen = sum[3] / 255.0;
-                for (byte, total) in pixel.iter_mut().zip([sum[0] / seen, sum[1] / seen, sum[2] / seen, sum[3] / 4.0]) {
-                    *byte = total.round() as u8;
-                }
-            }
-        }
-    });
+        });
     // The buffer was made for this size; a picture of one colour stands in for what cannot happen.
     Picture::new(size, rgba).unwrap_or_else(|_| Picture::filled(size, [0; 4]))
 }
@@ -217,12 +302,21 @@ fn bilinear(picture: &Picture, at: ImagePoint) -> Option<[f64; 3]> {
         (pixel(0.0, 1.0)?, (1.0 - right_share) * lower_share),
         (pixel(1.0, 1.0)?, right_share * lower_share),
     ];
-    Some(std::array::from_fn(|channel| corners.iter().map(|(pixel, share)| f64::from(pixel[channel]) * share).sum()))
+    Some(std::array::from_fn(|channel| {
+        corners
+            .iter()
+            .map(|(pixel, share)| f64::from(pixel[channel]) * share)
+            .sum()
+    }))
 }
 
-/// Whether a line is seen from above: paint, and what stands along the ground such as the boards of a rink.
+/// Whether a line is seen from above: paint, and what stands along the ground such as the boards of
+/// a rink.
 fn lies_on_ground(line: &FieldLine) -> bool {
-    line.painted || [0.0, 0.5, 1.0].iter().all(|&t| line.curve.point_at(t).z == 0.0)
+    line.painted
+        || [0.0, 0.5, 1.0]
+            .iter()
+            .all(|&t| line.curve.point_at(t).z == 0.0)
 }
 
 #[cfg(test)]
@@ -237,21 +331,32 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(640, 360);
 
     fn field() -> FieldModel {
-        builtin("soccer").unwrap().model(&BTreeMap::new(), 0.0).unwrap()
+        builtin("soccer")
+            .unwrap()
+            .model(&BTreeMap::new(), 0.0)
+            .unwrap()
     }
 
     fn camera(y_m: f64, heading_deg: f64) -> PtzCamera {
-        let angles = BaseAngles { heading: Angle::from_degrees(heading_deg), ..BaseAngles::default() };
-        let base = CameraBase::new(Vec3::new(0.0, y_m, 18.0), angles.base_from_world(), SIZE.centre());
+        let angles = BaseAngles {
+            heading: Angle::from_degrees(heading_deg),
+            ..BaseAngles::default()
+        };
+        let base = CameraBase::new(
+            Vec3::new(0.0, y_m, 18.0),
+            angles.base_from_world(),
+            SIZE.centre(),
+        );
         PtzCamera::new(base, Ptz::from_degrees(0.0, -16.0, 900.0))
     }
 
     #[test]
     fn the_camera_stands_at_the_lower_border() {
         let field = field();
-        for (camera, near_left) in
-            [(camera(-60.0, 0.0), Vec3::new(-52.5, -34.0, 0.0)), (camera(60.0, 180.0), Vec3::new(52.5, 34.0, 0.0))]
-        {
+        for (camera, near_left) in [
+            (camera(-60.0, 0.0), Vec3::new(-52.5, -34.0, 0.0)),
+            (camera(60.0, 180.0), Vec3::new(52.5, 34.0, 0.0)),
+        ] {
             let map = FieldMap::new(&field, 5.0, 10.0).turned_to(&camera);
             assert_eq!(map.size_px(), ImageSize::new(1150, 780));
             assert_eq!(map.map_from_world(near_left), ImagePoint::new(50.0, 730.0));
@@ -262,13 +367,32 @@ mod tests {
     #[test]
     fn the_map_shows_the_markings_and_what_the_picture_shows() {
         let (field, camera, style) = (field(), camera(-60.0, 0.0), OverlayStyle::default());
-        let scene = OverlayScene { camera: Some(&camera), ..OverlayScene::new(&field, SIZE, &style) };
+        let scene = OverlayScene {
+            camera: Some(&camera),
+            ..OverlayScene::new(&field, SIZE, &style)
+        };
         let drawing = field_map(&scene, &FieldMap::new(&field, 5.0, 10.0));
-        let on_ground = field.lines.iter().filter(|line| lies_on_ground(line)).count();
+        let on_ground = field
+            .lines
+            .iter()
+            .filter(|line| lies_on_ground(line))
+            .count();
         assert_eq!(drawing.over.strokes[0].strokes.len(), on_ground);
-        assert!(on_ground < field.lines.len(), "posts and crossbars are seen from above as nothing");
-        assert_eq!((drawing.over.areas.len(), drawing.ground.areas.len()), (1, 1));
-        let unsolved = field_map(&OverlayScene { camera: None, ..scene }, &FieldMap::new(&field, 5.0, 10.0));
+        assert!(
+            on_ground < field.lines.len(),
+            "posts and crossbars are seen from above as nothing"
+        );
+        assert_eq!(
+            (drawing.over.areas.len(), drawing.ground.areas.len()),
+            (1, 1)
+        );
+        let unsolved = field_map(
+            &OverlayScene {
+                camera: None,
+                ..scene
+            },
+            &FieldMap::new(&field, 5.0, 10.0),
+        );
         assert!(unsolved.over.areas.is_empty());
     }
 
@@ -277,8 +401,15 @@ mod tests {
         let (field, camera) = (field(), camera(-60.0, 0.0));
         let map = FieldMap::new(&field, 5.0, 4.0);
         // Red left of the picture's middle, blue right of it.
-        let rgba = (0..SIZE.height)
-            .flat_map(|_| (0..SIZE.width).flat_map(|x| if x < 320 { [200, 0, 0, 255] } else { [0, 0, 200, 255] }));
+        let rgba = (0..SIZE.height).flat_map(|_| {
+            (0..SIZE.width).flat_map(|x| {
+                if x < 320 {
+                    [200, 0, 0, 255]
+                } else {
+                    [0, 0, 200, 255]
+                }
+            })
+        });
         let picture = Picture::new(SIZE, rgba.collect()).unwrap();
         let above = picture_from_above(&picture, &field, &camera, &map);
         let at = |x_m: f64, y_m: f64| {

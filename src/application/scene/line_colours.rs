@@ -1,4 +1,5 @@
-//! Colours for the field's lines over a picture, and which of them every colour vision tells from a sport's ground.
+//! Colours for the field's lines over a picture, and which of them every colour vision tells from a
+//! sport's ground.
 
 /// What a sport is played on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,16 +27,56 @@ pub struct LineColour {
 
 /// The colours to choose from.
 pub const LINE_COLOURS: [LineColour; 10] = [
-    LineColour { name: "Yellow", rgb: [255, 221, 64], safe_on: &[Ground::Turf, Ground::Painted] },
-    LineColour { name: "Cyan", rgb: [90, 225, 255], safe_on: &[Ground::Turf, Ground::Wood, Ground::Painted] },
-    LineColour { name: "Pink", rgb: [255, 120, 220], safe_on: &[Ground::Turf] },
-    LineColour { name: "White", rgb: [255, 255, 255], safe_on: &[Ground::Turf, Ground::Painted] },
-    LineColour { name: "Magenta", rgb: [214, 40, 190], safe_on: &[Ground::Turf, Ground::Ice] },
-    LineColour { name: "Orange", rgb: [255, 150, 60], safe_on: &[Ground::Ice] },
-    LineColour { name: "Lime", rgb: [170, 255, 90], safe_on: &[Ground::Painted] },
-    LineColour { name: "Sky blue", rgb: [86, 180, 233], safe_on: &[Ground::Wood] },
-    LineColour { name: "Deep blue", rgb: [0, 114, 178], safe_on: &[Ground::Wood, Ground::Ice] },
-    LineColour { name: "Vermilion", rgb: [213, 94, 0], safe_on: &[Ground::Ice] },
+    LineColour {
+        name: "Yellow",
+        rgb: [255, 221, 64],
+        safe_on: &[Ground::Turf, Ground::Painted],
+    },
+    LineColour {
+        name: "Cyan",
+        rgb: [90, 225, 255],
+        safe_on: &[Ground::Turf, Ground::Wood, Ground::Painted],
+    },
+    LineColour {
+        name: "Pink",
+        rgb: [255, 120, 220],
+        safe_on: &[Ground::Turf],
+    },
+    LineColour {
+        name: "White",
+        rgb: [255, 255, 255],
+        safe_on: &[Ground::Turf, Ground::Painted],
+    },
+    LineColour {
+        name: "Magenta",
+        rgb: [214, 40, 190],
+        safe_on: &[Ground::Turf, Ground::Ice],
+    },
+    LineColour {
+        name: "Orange",
+        rgb: [255, 150, 60],
+        safe_on: &[Ground::Ice],
+    },
+    LineColour {
+        name: "Lime",
+        rgb: [170, 255, 90],
+        safe_on: &[Ground::Painted],
+    },
+    LineColour {
+        name: "Sky blue",
+        rgb: [86, 180, 233],
+        safe_on: &[Ground::Wood],
+    },
+    LineColour {
+        name: "Deep blue",
+        rgb: [0, 114, 178],
+        safe_on: &[Ground::Wood, Ground::Ice],
+    },
+    LineColour {
+        name: "Vermilion",
+        rgb: [213, 94, 0],
+        safe_on: &[Ground::Ice],
+    },
 ];
 
 /// A sport, as far as the colour of its lines goes.
@@ -53,14 +94,54 @@ pub struct Sport {
 
 /// Every sport that has field templates.
 pub const SPORTS: [Sport; 8] = [
-    Sport { id: "soccer", name: "Soccer", ground: Ground::Turf, colour: [255, 221, 64] },
-    Sport { id: "american_football", name: "American football", ground: Ground::Turf, colour: [255, 221, 64] },
-    Sport { id: "basketball", name: "Basketball", ground: Ground::Wood, colour: [90, 225, 255] },
-    Sport { id: "handball", name: "Handball", ground: Ground::Wood, colour: [90, 225, 255] },
-    Sport { id: "volleyball", name: "Volleyball", ground: Ground::Wood, colour: [90, 225, 255] },
-    Sport { id: "futsal", name: "Futsal", ground: Ground::Wood, colour: [90, 225, 255] },
-    Sport { id: "ice_hockey", name: "Ice hockey", ground: Ground::Ice, colour: [255, 150, 60] },
-    Sport { id: "tennis", name: "Tennis", ground: Ground::Painted, colour: [255, 221, 64] },
+    Sport {
+        id: "soccer",
+        name: "Soccer",
+        ground: Ground::Turf,
+        colour: [255, 221, 64],
+    },
+    Sport {
+        id: "american_football",
+        name: "American football",
+        ground: Ground::Turf,
+        colour: [255, 221, 64],
+    },
+    Sport {
+        id: "basketball",
+        name: "Basketball",
+        ground: Ground::Wood,
+        colour: [90, 225, 255],
+    },
+    Sport {
+        id: "handball",
+        name: "Handball",
+        ground: Ground::Wood,
+        colour: [90, 225, 255],
+    },
+    Sport {
+        id: "volleyball",
+        name: "Volleyball",
+        ground: Ground::Wood,
+        colour: [90, 225, 255],
+    },
+    Sport {
+        id: "futsal",
+        name: "Futsal",
+        ground: Ground::Wood,
+        colour: [90, 225, 255],
+    },
+    Sport {
+        id: "ice_hockey",
+        name: "Ice hockey",
+        ground: Ground::Ice,
+        colour: [255, 150, 60],
+    },
+    Sport {
+        id: "tennis",
+        name: "Tennis",
+        ground: Ground::Painted,
+        colour: [255, 221, 64],
+    },
 ];
 
 impl Sport {
@@ -68,7 +149,9 @@ impl Sport {
     #[must_use]
     pub fn of_template(template: &str) -> Option<&'static Self> {
         SPORTS.iter().find(|sport| {
-            template.strip_prefix(sport.id).is_some_and(|rules| rules.is_empty() || rules.starts_with('_'))
+            template
+                .strip_prefix(sport.id)
+                .is_some_and(|rules| rules.is_empty() || rules.starts_with('_'))
         })
     }
 }
@@ -81,34 +164,69 @@ mod tests {
     /// Grounds as cameras show them.
     const GROUNDS: [(Ground, &[[u8; 3]]); 4] = [
         (Ground::Turf, &[[62, 118, 66], [110, 150, 80], [45, 85, 40]]),
-        (Ground::Wood, &[[200, 160, 110], [165, 115, 70], [222, 184, 135]]),
+        (
+            Ground::Wood,
+            &[[200, 160, 110], [165, 115, 70], [222, 184, 135]],
+        ),
         (Ground::Ice, &[[235, 240, 245], [215, 225, 235]]),
-        (Ground::Painted, &[[60, 100, 160], [70, 120, 90], [180, 90, 60]]),
+        (
+            Ground::Painted,
+            &[[60, 100, 160], [70, 120, 90], [180, 90, 60]],
+        ),
     ];
     /// Colours at least this far apart (CIE 1976 ΔE) are told apart in a thin line.
     const APART: f64 = 40.0;
-    /// Colour visions: ordinary, and protanopia, deuteranopia and tritanopia as linear RGB has them (Machado, Oliveira and
-    /// Fernandes 2009, severity 1).
+    /// Colour visions: ordinary, and protanopia, deuteranopia and tritanopia as linear RGB has them
+    /// (Machado, Oliveira and Fernandes 2009, severity 1).
     const VISIONS: [[[f64; 3]; 3]; 4] = [
         [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        [[0.152_286, 1.052_583, -0.204_868], [0.114_503, 0.786_281, 0.099_216], [-0.003_882, -0.048_116, 1.051_998]],
-        [[0.367_322, 0.860_646, -0.227_968], [0.280_085, 0.672_501, 0.047_413], [-0.011_820, 0.042_940, 0.968_881]],
-        [[1.255_528, -0.076_749, -0.178_779], [-0.078_411, 0.930_809, 0.147_602], [0.004_733, 0.691_367, 0.303_900]],
+        [
+            [0.152_286, 1.052_583, -0.204_868],
+            [0.114_503, 0.786_281, 0.099_216],
+            [-0.003_882, -0.048_116, 1.051_998],
+        ],
+        [
+            [0.367_322, 0.860_646, -0.227_968],
+            [0.280_085, 0.672_501, 0.047_413],
+            [-0.011_820, 0.042_940, 0.968_881],
+        ],
+        [
+            [1.255_528, -0.076_749, -0.178_779],
+            [-0.078_411, 0.930_809, 0.147_602],
+            [0.004_733, 0.691_367, 0.303_900],
+        ],
     ];
 
     fn lab(colour: [u8; 3], vision: &[[f64; 3]; 3]) -> [f64; 3] {
         let linear = colour.map(|value| {
             let value = f64::from(value) / 255.0;
-            if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+            if value <= 0.04045 {
+                value / 12.92
+            } else {
+                ((value + 0.055) / 1.055).powf(2.4)
+            }
         });
-        let mixed = |weights: &[f64; 3]| weights.iter().zip(linear).map(|(weight, value)| weight * value).sum::<f64>();
-        let seen = [mixed(&vision[0]), mixed(&vision[1]), mixed(&vision[2])].map(|value| value.clamp(0.0, 1.0));
+        let mixed = |weights: &[f64; 3]| {
+            weights
+                .iter()
+                .zip(linear)
+                .map(|(weight, value)| weight * value)
+                .sum::<f64>()
+        };
+        let seen = [mixed(&vision[0]), mixed(&vision[1]), mixed(&vision[2])]
+            .map(|value| value.clamp(0.0, 1.0));
         let xyz = [
             (0.4124 * seen[0] + 0.3576 * seen[1] + 0.1805 * seen[2]) / 0.9505,
             0.2126 * seen[0] + 0.7152 * seen[1] + 0.0722 * seen[2],
             (0.0193 * seen[0] + 0.1192 * seen[1] + 0.9505 * seen[2]) / 1.089,
         ];
-        let [x, y, z] = xyz.map(|t| if t > 0.008_856 { t.cbrt() } else { 7.787 * t + 16.0 / 116.0 });
+        let [x, y, z] = xyz.map(|t| {
+            if t > 0.008_856 {
+                t.cbrt()
+            } else {
+                7.787 * t + 16.0 / 116.0
+            }
+        });
         [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
     }
 
@@ -116,16 +234,24 @@ mod tests {
     fn apart(one: [u8; 3], other: [u8; 3]) -> f64 {
         let distance = |vision: &[[f64; 3]; 3]| {
             let (one, other) = (lab(one, vision), lab(other, vision));
-            one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+            one.iter()
+                .zip(other)
+                .map(|(a, b)| (a - b).powi(2))
+                .sum::<f64>()
+                .sqrt()
         };
         VISIONS.iter().map(distance).fold(f64::INFINITY, f64::min)
     }
 
     #[test]
-    fn what_is_called_safe_is_told_from_the_ground_by_every_colour_vision_and_nothing_else_is_called_so() {
+    fn what_is_called_safe_is_told_from_the_ground_by_every_colour_vision_and_nothing_else_is_called_so()
+     {
         for colour in LINE_COLOURS {
             for (ground, shades) in GROUNDS {
-                let least = shades.iter().map(|shade| apart(colour.rgb, *shade)).fold(f64::INFINITY, f64::min);
+                let least = shades
+                    .iter()
+                    .map(|shade| apart(colour.rgb, *shade))
+                    .fold(f64::INFINITY, f64::min);
                 assert_eq!(
                     colour.safe_on.contains(&ground),
                     least >= APART,
@@ -143,8 +269,14 @@ mod tests {
         }
         assert_eq!(Sport::of_template("soccerish"), None);
         for sport in SPORTS {
-            let colour = LINE_COLOURS.iter().find(|colour| colour.rgb == sport.colour);
-            assert!(colour.is_some_and(|colour| colour.safe_on.contains(&sport.ground)), "{} {colour:?}", sport.name);
+            let colour = LINE_COLOURS
+                .iter()
+                .find(|colour| colour.rgb == sport.colour);
+            assert!(
+                colour.is_some_and(|colour| colour.safe_on.contains(&sport.ground)),
+                "{} {colour:?}",
+                sport.name
+            );
         }
     }
 }

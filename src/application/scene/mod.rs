@@ -1,6 +1,8 @@
-//! What is drawn over a picture or a map, as plain data: overlay, uncertainty, field map, next click.
+//! What is drawn over a picture or a map, as plain data: overlay, uncertainty, field map, next
+//! click.
 //!
-//! A [`drawing`] knows neither widgets nor the graphics card; `render` draws it, on the screen or off it.
+//! A [`drawing`] knows neither widgets nor the graphics card; `render` draws it, on the screen or
+//! off it.
 
 pub mod drawing;
 pub mod field_map;

@@ -37,8 +37,8 @@ impl NextClick {
     }
 }
 
-/// The landmarks on the ground that a solved frame shows and nobody has clicked, the most useful first; those that gain
-/// little are left out.
+/// The landmarks on the ground that a solved frame shows and nobody has clicked, the most useful
+/// first; those that gain little are left out.
 #[must_use]
 pub fn next_clicks(
     field: &FieldModel,
@@ -58,12 +58,24 @@ pub fn next_clicks(
         .into_iter()
         .map(|projected| (&field.landmarks[projected.landmark], projected.image))
         .filter(|(landmark, at)| landmark.nominal_m.z == 0.0 && well_inside(*at))
-        .filter(|(landmark, _)| !clicks.iter().any(|click| click.target == Some(Target::Landmark(landmark.id.clone()))))
+        .filter(|(landmark, _)| {
+            !clicks
+                .iter()
+                .any(|click| click.target == Some(Target::Landmark(landmark.id.clone())))
+        })
         .filter_map(|(landmark, at)| {
-            let with = solved.uncertainty.with_click_at(camera, at, landmark.click_sigma_px * scale)?;
+            let with =
+                solved
+                    .uncertainty
+                    .with_click_at(camera, at, landmark.click_sigma_px * scale)?;
             let worst_corner_px = with.worst_corner_sigma_px(camera, image_size);
             let share_left = worst_corner_px / now_px;
-            (share_left < WORTHWHILE).then(|| NextClick { id: landmark.id.clone(), at, worst_corner_px, share_left })
+            (share_left < WORTHWHILE).then(|| NextClick {
+                id: landmark.id.clone(),
+                at,
+                worst_corner_px,
+                share_left,
+            })
         })
         .collect();
     found.sort_by(|a, b| a.worst_corner_px.total_cmp(&b.worst_corner_px));

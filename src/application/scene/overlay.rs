@@ -1,10 +1,13 @@
-//! What lies over a frame's picture: the field's lines, its landmarks, the clicks and what is wrong with them.
+//! What lies over a frame's picture: the field's lines, its landmarks, the clicks and what is wrong
+//! with them.
 //!
-//! Pure functions from a field, a pointed camera and clicks to a [`Drawing`]; the window, the loupe and
-//! `touchline render` draw the same one.
+//! Pure functions from a field, a pointed camera and clicks to a [`Drawing`]; the window, the loupe
+//! and `touchline render` draw the same one.
 
 use super::OverlayStyle;
-use super::drawing::{Area, Colour, Dash, Drawing, Label, Marker, MarkerShape, Outline, Stroke, StrokeGroup};
+use super::drawing::{
+    Area, Colour, Dash, Drawing, Label, Marker, MarkerShape, Outline, Stroke, StrokeGroup,
+};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
@@ -12,7 +15,12 @@ use touchline_core::markings::{MarkingOptions, project_landmarks, project_lines}
 use touchline_documents::document::{Click, Target};
 
 /// The rim around lines and markers.
-const RIM: Colour = Colour { r: 10, g: 14, b: 12, a: 190 };
+const RIM: Colour = Colour {
+    r: 10,
+    g: 14,
+    b: 12,
+    a: 190,
+};
 /// A click that takes part in the solve.
 pub const CLICK: Colour = Colour::rgb(90, 225, 255);
 /// The selected click.
@@ -24,7 +32,12 @@ pub const UNNAMED: Colour = Colour::rgb(255, 170, 60);
 /// A click that contradicts the others.
 pub const DISPUTED: Colour = Colour::rgb(255, 96, 88);
 /// The plate behind a label.
-const PLATE: Colour = Colour { r: 10, g: 14, b: 12, a: 170 };
+const PLATE: Colour = Colour {
+    r: 10,
+    g: 14,
+    b: 12,
+    a: 170,
+};
 /// The boxes whose pixels give no features.
 const MASK: Colour = Colour::rgb(240, 120, 200);
 
@@ -65,9 +78,14 @@ pub struct OverlayScene<'a> {
 }
 
 impl<'a> OverlayScene<'a> {
-    /// A field over a picture of this size, without camera or clicks, one canvas px for a px of the picture.
+    /// A field over a picture of this size, without camera or clicks, one canvas px for a px of the
+    /// picture.
     #[must_use]
-    pub const fn new(field: &'a FieldModel, image_size: ImageSize, style: &'a OverlayStyle) -> Self {
+    pub const fn new(
+        field: &'a FieldModel,
+        image_size: ImageSize,
+        style: &'a OverlayStyle,
+    ) -> Self {
         Self {
             field,
             camera: None,
@@ -127,16 +145,34 @@ pub fn mask_overlay(boxes: &[PixelBox]) -> Drawing {
     let corners = |pixel_box: &PixelBox| {
         let (left, top) = (pixel_box.x, pixel_box.y);
         let (right, bottom) = (left + pixel_box.width, top + pixel_box.height);
-        [(left, top), (right, top), (right, bottom), (left, bottom)].map(|(x, y)| [x as f32, y as f32]).to_vec()
+        [(left, top), (right, top), (right, bottom), (left, bottom)]
+            .map(|(x, y)| [x as f32, y as f32])
+            .to_vec()
     };
     let border = |pixel_box: &PixelBox| {
         let mut points = corners(pixel_box);
         points.push(points[0]);
-        Stroke { points, colour: MASK, width_pt: 1.0, outline: Some(rim(0.5)), dash: None }
+        Stroke {
+            points,
+            colour: MASK,
+            width_pt: 1.0,
+            outline: Some(rim(0.5)),
+            dash: None,
+        }
     };
     Drawing {
-        areas: boxes.iter().map(|one| Area { corners: corners(one), colour: MASK.with_alpha(48) }).collect(),
-        strokes: vec![StrokeGroup { strokes: boxes.iter().map(border).collect(), opacity: 0.9, clip_px: None }],
+        areas: boxes
+            .iter()
+            .map(|one| Area {
+                corners: corners(one),
+                colour: MASK.with_alpha(48),
+            })
+            .collect(),
+        strokes: vec![StrokeGroup {
+            strokes: boxes.iter().map(border).collect(),
+            opacity: 0.9,
+            clip_px: None,
+        }],
         ..Drawing::default()
     }
 }
@@ -146,9 +182,14 @@ fn append_field(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     let style = scene.style;
     let [r, g, b] = style.colour;
     let colour = Colour::rgb(r, g, b);
-    let options = MarkingOptions { tolerance_px: 0.1 / scene.zoom.max(1.0), ..MarkingOptions::default() };
-    let dash = (scene.standing == Standing::Proposed)
-        .then_some(Dash { on_pt: 5.0 * style.width, off_pt: 4.0 * style.width + 2.0 * style.outline });
+    let options = MarkingOptions {
+        tolerance_px: 0.1 / scene.zoom.max(1.0),
+        ..MarkingOptions::default()
+    };
+    let dash = (scene.standing == Standing::Proposed).then_some(Dash {
+        on_pt: 5.0 * style.width,
+        off_pt: 4.0 * style.width + 2.0 * style.outline,
+    });
     let strokes = project_lines(scene.field, camera, scene.image_size, &options)
         .into_iter()
         .map(|line| Stroke {
@@ -161,35 +202,68 @@ fn append_field(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
         .collect();
     let ImageSize { width, height } = scene.image_size;
     let clip_px = Some([0.0, 0.0, width as f32, height as f32]);
-    drawing.strokes.push(StrokeGroup { strokes, opacity: style.opacity, clip_px });
+    drawing.strokes.push(StrokeGroup {
+        strokes,
+        opacity: style.opacity,
+        clip_px,
+    });
     if style.landmarks {
         let alpha = (255.0 * style.opacity.clamp(0.0, 1.0)) as u8;
-        let unclicked = project_landmarks(scene.field, camera, scene.image_size, 0.0).into_iter().filter(|projected| {
-            let id = &scene.field.landmarks[projected.landmark].id;
-            !scene.clicks.iter().any(|click| click.target == Some(Target::Landmark(id.clone())))
-        });
+        let unclicked = project_landmarks(scene.field, camera, scene.image_size, 0.0)
+            .into_iter()
+            .filter(|projected| {
+                let id = &scene.field.landmarks[projected.landmark].id;
+                !scene
+                    .clicks
+                    .iter()
+                    .any(|click| click.target == Some(Target::Landmark(id.clone())))
+            });
         drawing.markers.extend(unclicked.map(|projected| Marker {
             at: drawn(projected.image),
             shape: MarkerShape::Ring,
             colour: colour.with_alpha(alpha),
             radius_pt: 3.5,
             line_pt: 1.25,
-            outline: Some(Outline { colour: RIM.with_alpha(alpha / 4 * 3), width_pt: 0.75 }),
+            outline: Some(Outline {
+                colour: RIM.with_alpha(alpha / 4 * 3),
+                width_pt: 0.75,
+            }),
         }));
     }
 }
 
 fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     let mut whiskers = Vec::new();
-    for (index, click) in scene.clicks.iter().enumerate().filter(|(_, click)| click.image.is_finite()) {
+    for (index, click) in scene
+        .clicks
+        .iter()
+        .enumerate()
+        .filter(|(_, click)| click.image.is_finite())
+    {
         let selected = scene.selected == Some(index);
         let kind = click_colour(click, scene.disputed.contains(&index));
-        let colour = if selected && kind == CLICK { SELECTED } else { kind };
+        let colour = if selected && kind == CLICK {
+            SELECTED
+        } else {
+            kind
+        };
         if let Some(predicted) = predicted(scene, click) {
-            let times = if scene.style.residuals_times_ten { 10.0 } else { 1.0 };
-            let end = click.image.moved(predicted.offset_from(click.image) * times);
+            let times = if scene.style.residuals_times_ten {
+                10.0
+            } else {
+                1.0
+            };
+            let end = click
+                .image
+                .moved(predicted.offset_from(click.image) * times);
             let points = vec![drawn(click.image), drawn(end)];
-            whiskers.push(Stroke { points, colour, width_pt: 1.0, outline: Some(rim(0.75)), dash: None });
+            whiskers.push(Stroke {
+                points,
+                colour,
+                width_pt: 1.0,
+                outline: Some(rim(0.75)),
+                dash: None,
+            });
         }
         let marker = Marker {
             at: drawn(click.image),
@@ -205,27 +279,57 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
         };
         drawing.markers.push(marker);
         if click.snapped_sigma_px.is_some() {
-            let in_the_gap = Marker { shape: MarkerShape::Ring, radius_pt: SNAPPED_RADIUS_PT, line_pt: 1.25, ..marker };
+            let in_the_gap = Marker {
+                shape: MarkerShape::Ring,
+                radius_pt: SNAPPED_RADIUS_PT,
+                line_pt: 1.25,
+                ..marker
+            };
             drawing.markers.push(in_the_gap);
         }
         if selected {
-            let ring = Marker { shape: MarkerShape::Ring, radius_pt: 15.0, line_pt: 1.5, ..marker };
+            let ring = Marker {
+                shape: MarkerShape::Ring,
+                radius_pt: 15.0,
+                line_pt: 1.5,
+                ..marker
+            };
             drawing.markers.push(ring);
         }
         let text = code_of(scene.field, click).unwrap_or("?").to_owned();
-        let offset_pt = if selected { [18.0, -14.0] } else { [10.0, -10.0] };
-        drawing.labels.push(Label { at: drawn(click.image), offset_pt, text, size_pt: 12.0, colour, plate: PLATE });
+        let offset_pt = if selected {
+            [18.0, -14.0]
+        } else {
+            [10.0, -10.0]
+        };
+        drawing.labels.push(Label {
+            at: drawn(click.image),
+            offset_pt,
+            text,
+            size_pt: 12.0,
+            colour,
+            plate: PLATE,
+        });
     }
     if !whiskers.is_empty() {
-        drawing.strokes.push(StrokeGroup { strokes: whiskers, opacity: 1.0, clip_px: None });
+        drawing.strokes.push(StrokeGroup {
+            strokes: whiskers,
+            opacity: 1.0,
+            clip_px: None,
+        });
     }
 }
 
 /// Where the solution has the landmark of a click; none for clicks on lines.
 fn predicted(scene: &OverlayScene<'_>, click: &Click) -> Option<ImagePoint> {
-    let Some(Target::Landmark(id)) = &click.target else { return None };
+    let Some(Target::Landmark(id)) = &click.target else {
+        return None;
+    };
     let landmark = scene.field.landmark(id.as_str())?;
-    scene.camera?.image_from_world(scene.field.landmark_in_world(landmark)).ok()
+    scene
+        .camera?
+        .image_from_world(scene.field.landmark_in_world(landmark))
+        .ok()
 }
 
 /// The short code that names a click on the picture.
@@ -234,7 +338,10 @@ fn code_of<'a>(field: &'a FieldModel, click: &Click) -> Option<&'a str> {
 }
 
 const fn rim(width_pt: f32) -> Outline {
-    Outline { colour: RIM, width_pt }
+    Outline {
+        colour: RIM,
+        width_pt,
+    }
 }
 
 const fn drawn(point: ImagePoint) -> [f32; 2] {
@@ -252,11 +359,18 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     fn field() -> FieldModel {
-        builtin("soccer").unwrap().model(&BTreeMap::new(), 0.0).unwrap()
+        builtin("soccer")
+            .unwrap()
+            .model(&BTreeMap::new(), 0.0)
+            .unwrap()
     }
 
     fn camera() -> PtzCamera {
-        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        let base = CameraBase::new(
+            Vec3::new(0.0, -60.0, 18.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        );
         PtzCamera::new(base, Ptz::from_degrees(0.0, -14.0, 1800.0))
     }
 
@@ -286,41 +400,89 @@ mod tests {
         let lines = &field_overlay(&solved).strokes[0];
         assert_eq!(lines.clip_px, Some([0.0, 0.0, 1280.0, 720.0]));
         assert_eq!(lines.opacity, style.opacity);
-        assert!(!lines.strokes.is_empty() && lines.strokes.iter().all(|stroke| stroke.dash.is_none()));
-        let proposed = field_overlay(&OverlayScene { standing: Standing::Proposed, ..solved });
-        assert!(proposed.strokes[0].strokes.iter().all(|stroke| stroke.dash.is_some()));
+        assert!(
+            !lines.strokes.is_empty() && lines.strokes.iter().all(|stroke| stroke.dash.is_none())
+        );
+        let proposed = field_overlay(&OverlayScene {
+            standing: Standing::Proposed,
+            ..solved
+        });
+        assert!(
+            proposed.strokes[0]
+                .strokes
+                .iter()
+                .all(|stroke| stroke.dash.is_some())
+        );
     }
 
     #[test]
     fn without_a_camera_only_the_clicks_show() {
         let (field, style) = (field(), OverlayStyle::default());
         let clicks = [
-            Click::landmark(LandmarkId::from("centre_mark"), ImagePoint::new(640.0, 360.0)),
+            Click::landmark(
+                LandmarkId::from("centre_mark"),
+                ImagePoint::new(640.0, 360.0),
+            ),
             Click::unnamed(ImagePoint::new(10.0, 20.0)),
         ];
         let drawing = overlay(&scene(&field, None, &clicks, &style));
         assert!(drawing.strokes.is_empty());
-        assert_eq!(drawing.markers.iter().map(|marker| marker.colour).collect::<Vec<_>>(), [CLICK, UNNAMED]);
-        let texts: Vec<_> = drawing.labels.iter().map(|label| label.text.as_str()).collect();
-        assert_eq!(texts, [field.landmark("centre_mark").unwrap().code.as_str(), "?"]);
+        assert_eq!(
+            drawing
+                .markers
+                .iter()
+                .map(|marker| marker.colour)
+                .collect::<Vec<_>>(),
+            [CLICK, UNNAMED]
+        );
+        let texts: Vec<_> = drawing
+            .labels
+            .iter()
+            .map(|label| label.text.as_str())
+            .collect();
+        assert_eq!(
+            texts,
+            [field.landmark("centre_mark").unwrap().code.as_str(), "?"]
+        );
     }
 
     #[test]
     fn a_click_is_tied_to_where_the_solution_has_it() {
         let (field, camera, style) = (field(), camera(), OverlayStyle::default());
-        let exact = camera.image_from_world(field.landmark("centre_mark").unwrap().nominal_m).unwrap();
+        let exact = camera
+            .image_from_world(field.landmark("centre_mark").unwrap().nominal_m)
+            .unwrap();
         let off = ImagePoint::new(exact.x + 12.0, exact.y - 5.0);
         let mut check = Click::landmark(LandmarkId::from("centre_mark"), off);
         check.check = true;
         let clicks = [check, Click::line(LineId::from("halfway_line"), off)];
-        let scene = OverlayScene { selected: Some(1), disputed: &[1], ..scene(&field, Some(&camera), &clicks, &style) };
+        let scene = OverlayScene {
+            selected: Some(1),
+            disputed: &[1],
+            ..scene(&field, Some(&camera), &clicks, &style)
+        };
         let drawing = click_overlay(&scene);
-        assert_eq!(drawing.strokes[0].strokes.len(), 1, "a click on a line has no one place to be");
-        assert_eq!(drawing.strokes[0].strokes[0].points, [drawn(off), drawn(exact)]);
-        let seen: Vec<_> = drawing.markers.iter().map(|marker| (marker.shape, marker.colour)).collect();
+        assert_eq!(
+            drawing.strokes[0].strokes.len(),
+            1,
+            "a click on a line has no one place to be"
+        );
+        assert_eq!(
+            drawing.strokes[0].strokes[0].points,
+            [drawn(off), drawn(exact)]
+        );
+        let seen: Vec<_> = drawing
+            .markers
+            .iter()
+            .map(|marker| (marker.shape, marker.colour))
+            .collect();
         assert_eq!(
             seen,
-            [(MarkerShape::Diamond, CHECK), (MarkerShape::Ring, DISPUTED), (MarkerShape::Ring, DISPUTED)],
+            [
+                (MarkerShape::Diamond, CHECK),
+                (MarkerShape::Ring, DISPUTED),
+                (MarkerShape::Ring, DISPUTED)
+            ],
             "a ring for the click on a line, and one for its selection"
         );
     }
@@ -328,17 +490,36 @@ mod tests {
     #[test]
     fn a_clicked_landmark_has_no_ring_besides() {
         let (field, camera, style) = (field(), camera(), OverlayStyle::default());
-        let rings = |clicks: &[Click]| field_overlay(&scene(&field, Some(&camera), clicks, &style)).markers.len();
+        let rings = |clicks: &[Click]| {
+            field_overlay(&scene(&field, Some(&camera), clicks, &style))
+                .markers
+                .len()
+        };
         let click = Click::landmark(LandmarkId::from("centre_mark"), ImagePoint::new(1.0, 1.0));
         assert_eq!(rings(&[click]) + 1, rings(&[]));
-        let plain = OverlayStyle { landmarks: false, ..style };
-        assert!(field_overlay(&scene(&field, Some(&camera), &[], &plain)).markers.is_empty());
+        let plain = OverlayStyle {
+            landmarks: false,
+            ..style
+        };
+        assert!(
+            field_overlay(&scene(&field, Some(&camera), &[], &plain))
+                .markers
+                .is_empty()
+        );
     }
 
     #[test]
     fn a_mask_is_a_box_with_a_border() {
-        let drawing = mask_overlay(&[PixelBox { x: 10.0, y: 20.0, width: 30.0, height: 40.0 }]);
-        assert_eq!(drawing.areas[0].corners, [[10.0, 20.0], [40.0, 20.0], [40.0, 60.0], [10.0, 60.0]]);
+        let drawing = mask_overlay(&[PixelBox {
+            x: 10.0,
+            y: 20.0,
+            width: 30.0,
+            height: 40.0,
+        }]);
+        assert_eq!(
+            drawing.areas[0].corners,
+            [[10.0, 20.0], [40.0, 20.0], [40.0, 60.0], [10.0, 60.0]]
+        );
         assert_eq!(drawing.strokes[0].strokes[0].points.len(), 5);
     }
 }

@@ -1,5 +1,6 @@
-//! The map of what a camera found without clicks has seen: the ground, the paint that stays on it, and the field's lines as the
-//! base has them, over pan and tilt. Where paint and lines fall together, a person believes the base at a glance.
+//! The map of what a camera found without clicks has seen: the ground, the paint that stays on it,
+//! and the field's lines as the base has them, over pan and tilt. Where paint and lines fall
+//! together, a person believes the base at a glance.
 
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
@@ -49,14 +50,20 @@ impl PaintMapFrame {
     #[must_use]
     pub fn of(scene: &PaintMapScene<'_>) -> Option<Self> {
         let middle = scene.frames.first()?.0.pan;
-        let (mut pan, mut tilt) = ([f64::INFINITY, f64::NEG_INFINITY], [f64::INFINITY, f64::NEG_INFINITY]);
+        let (mut pan, mut tilt) = (
+            [f64::INFINITY, f64::NEG_INFINITY],
+            [f64::INFINITY, f64::NEG_INFINITY],
+        );
         for (ptz, size) in scene.frames {
             let camera = PtzCamera::new(*scene.base, *ptz);
             for corner in size.corners() {
-                let Ok(ray) = camera.ray_from_image(corner) else { continue };
-                for (range, degrees) in
-                    [(&mut pan, ray.pan.turn_from(middle).degrees()), (&mut tilt, ray.tilt.degrees())]
-                {
+                let Ok(ray) = camera.ray_from_image(corner) else {
+                    continue;
+                };
+                for (range, degrees) in [
+                    (&mut pan, ray.pan.turn_from(middle).degrees()),
+                    (&mut tilt, ray.tilt.degrees()),
+                ] {
                     *range = [range[0].min(degrees), range[1].max(degrees)];
                 }
             }
@@ -80,7 +87,10 @@ impl PaintMapFrame {
     pub fn map_from_ray(&self, ray: PanTilt) -> ImagePoint {
         // A turn to the left of the left edge is one nearly all the way round to the right.
         let right = ray.pan.turn_from(self.left).degrees();
-        ImagePoint::new(right * self.px_per_degree, (self.top - ray.tilt).degrees() * self.px_per_degree)
+        ImagePoint::new(
+            right * self.px_per_degree,
+            (self.top - ray.tilt).degrees() * self.px_per_degree,
+        )
     }
 
     /// The ray of a point of the map.
@@ -93,7 +103,10 @@ impl PaintMapFrame {
     }
 
     /// The outlines of the frames' pictures on the map.
-    pub fn outlines<'a>(&'a self, scene: &'a PaintMapScene<'_>) -> impl Iterator<Item = [ImagePoint; 4]> + 'a {
+    pub fn outlines<'a>(
+        &'a self,
+        scene: &'a PaintMapScene<'_>,
+    ) -> impl Iterator<Item = [ImagePoint; 4]> + 'a {
         scene.frames.iter().filter_map(|(ptz, size)| {
             let camera = PtzCamera::new(*scene.base, *ptz);
             let mut corners = size.corners();
@@ -104,17 +117,26 @@ impl PaintMapFrame {
         })
     }
 
-    /// The frame, by its place among the scene's, that shows a point of the map nearest to its middle; none where none does.
+    /// The frame, by its place among the scene's, that shows a point of the map nearest to its
+    /// middle; none where none does.
     #[must_use]
     pub fn frame_at(&self, scene: &PaintMapScene<'_>, at: ImagePoint) -> Option<usize> {
         let ray = self.ray_from_map(at);
         let off = |(ptz, size): &(Ptz, ImageSize)| {
-            let seen =
-                PtzCamera::new(*scene.base, *ptz).image_from_ray(ray).ok().filter(|seen| size.contains(*seen))?;
+            let seen = PtzCamera::new(*scene.base, *ptz)
+                .image_from_ray(ray)
+                .ok()
+                .filter(|seen| size.contains(*seen))?;
             Some(seen.distance_px(size.centre()) / size.scale_from_1920())
         };
-        let frames = scene.frames.iter().enumerate().filter_map(|(place, frame)| Some((place, off(frame)?)));
-        frames.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(place, _)| place)
+        let frames = scene
+            .frames
+            .iter()
+            .enumerate()
+            .filter_map(|(place, frame)| Some((place, off(frame)?)));
+        frames
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(place, _)| place)
     }
 }
 
@@ -134,16 +156,22 @@ pub fn paint_map_picture(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Op
             let middle = 0.5 * SQUARE_PX as f64;
             let at = ImagePoint::new(column as f64 + middle, row as f64 + middle);
             if frame.frame_at(scene, at).is_some() {
-                (0..SQUARE_PX * SQUARE_PX)
-                    .for_each(|place| dot(column + place % SQUARE_PX, row + place / SQUARE_PX, SEEN));
+                (0..SQUARE_PX * SQUARE_PX).for_each(|place| {
+                    dot(column + place % SQUARE_PX, row + place / SQUARE_PX, SEEN)
+                });
             }
         }
     }
-    let pixel = |at: ImagePoint| (at.x >= 0.0 && at.y >= 0.0).then_some((at.x as usize, at.y as usize));
+    let pixel =
+        |at: ImagePoint| (at.x >= 0.0 && at.y >= 0.0).then_some((at.x as usize, at.y as usize));
     for ray in scene.paint {
         if let Some((column, row)) = pixel(frame.map_from_ray(*ray)) {
             (0..9).for_each(|place| {
-                dot((column + place % 3).saturating_sub(1), (row + place / 3).saturating_sub(1), PAINT);
+                dot(
+                    (column + place % 3).saturating_sub(1),
+                    (row + place / 3).saturating_sub(1),
+                    PAINT,
+                );
             });
         }
     }
@@ -167,7 +195,9 @@ pub fn line_pieces(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Vec<Vec<
         for step in 0..=count as usize {
             let mut at = line.paint_centre.point_at(step as f64 / count);
             at.z = scene.field.ground_z(at.y);
-            let at = frame.map_from_ray(PanTilt::from_direction(scene.base.base_from_world_point(at)));
+            let at = frame.map_from_ray(PanTilt::from_direction(
+                scene.base.base_from_world_point(at),
+            ));
             if frame.size.contains(at) {
                 piece.push(at);
             } else if !piece.is_empty() {
@@ -198,20 +228,37 @@ mod tests {
         let (base, field) = (base(), builtin("soccer").unwrap().default_model().unwrap());
         // Across the back, where the pan wraps.
         for turned in [0.0, 178.0] {
-            let frames = [-15.0, 0.0, 15.0].map(|pan| (Ptz::from_degrees(pan + turned, -13.0, 1400.0), SIZE));
+            let frames = [-15.0, 0.0, 15.0]
+                .map(|pan| (Ptz::from_degrees(pan + turned, -13.0, 1400.0), SIZE));
             let paint = [PanTilt::from_degrees(turned, -15.0)];
-            let scene = PaintMapScene { base: &base, field: &field, frames: &frames, paint: &paint };
+            let scene = PaintMapScene {
+                base: &base,
+                field: &field,
+                frames: &frames,
+                paint: &paint,
+            };
             let map = PaintMapFrame::of(&scene).unwrap();
-            assert!(map.size.width <= 2400 && map.size.height <= 1000 && map.size.width > map.size.height, "{map:?}");
+            assert!(
+                map.size.width <= 2400
+                    && map.size.height <= 1000
+                    && map.size.width > map.size.height,
+                "{map:?}"
+            );
             let at = map.map_from_ray(paint[0]);
             let back = map.ray_from_map(at);
             assert!(back.pan.turn_from(paint[0].pan).degrees().abs() < 1e-9);
             assert_eq!(map.frame_at(&scene, at), Some(1));
             assert_eq!(map.frame_at(&scene, ImagePoint::new(-5.0, 3.0)), None);
             let picture = paint_map_picture(&scene, &map).unwrap();
-            let colours: std::collections::BTreeSet<[u8; 4]> =
-                picture.rgba().chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2], pixel[3]]).collect();
-            assert!(colours.contains(&PAINT) && colours.contains(&SEEN), "{turned}");
+            let colours: std::collections::BTreeSet<[u8; 4]> = picture
+                .rgba()
+                .chunks_exact(4)
+                .map(|pixel| [pixel[0], pixel[1], pixel[2], pixel[3]])
+                .collect();
+            assert!(
+                colours.contains(&PAINT) && colours.contains(&SEEN),
+                "{turned}"
+            );
             assert_eq!(colours.contains(&LINE), turned == 0.0);
         }
     }
@@ -219,6 +266,14 @@ mod tests {
     #[test]
     fn without_frames_there_is_no_map() {
         let (base, field) = (base(), builtin("soccer").unwrap().default_model().unwrap());
-        assert!(PaintMapFrame::of(&PaintMapScene { base: &base, field: &field, frames: &[], paint: &[] }).is_none());
+        assert!(
+            PaintMapFrame::of(&PaintMapScene {
+                base: &base,
+                field: &field,
+                frames: &[],
+                paint: &[]
+            })
+            .is_none()
+        );
     }
 }

@@ -47,7 +47,11 @@ pub struct PictureLook {
 
 impl Default for PictureLook {
     fn default() -> Self {
-        Self { brightness: 1.0, contrast: 1.0, gamma: 1.0 }
+        Self {
+            brightness: 1.0,
+            contrast: 1.0,
+            gamma: 1.0,
+        }
     }
 }
 
@@ -58,21 +62,35 @@ impl PictureLook {
     /// As it is, but darker or brighter.
     #[must_use]
     pub fn of_brightness(brightness: f32) -> Self {
-        Self { brightness, ..Self::default() }
+        Self {
+            brightness,
+            ..Self::default()
+        }
     }
 
     /// The same, darker or brighter.
     #[must_use]
     pub const fn dimmed(self, factor: f32) -> Self {
-        Self { brightness: self.brightness * factor, ..self }
+        Self {
+            brightness: self.brightness * factor,
+            ..self
+        }
     }
 
     /// Numbers from a file edited by hand, brought into their range.
     #[must_use]
     pub const fn within_limits(self) -> Self {
         const fn within(value: f32) -> f32 {
-            if value.is_finite() { value.clamp(*PictureLook::RANGE.start(), *PictureLook::RANGE.end()) } else { 1.0 }
+            if value.is_finite() {
+                value.clamp(*PictureLook::RANGE.start(), *PictureLook::RANGE.end())
+            } else {
+                1.0
+            }
         }
-        Self { brightness: within(self.brightness), contrast: within(self.contrast), gamma: within(self.gamma) }
+        Self {
+            brightness: within(self.brightness),
+            contrast: within(self.contrast),
+            gamma: within(self.gamma),
+        }
     }
 }

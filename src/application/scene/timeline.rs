@@ -1,6 +1,9 @@
-//! A document's frames on one line, as plain data: what has been done, what is suggested, how doubtful that is, the shots.
+//! A document's frames on one line, as plain data: what has been done, what is suggested, how
+//! doubtful that is, the shots.
 
-use touchline_documents::document::{Document, Frame, FrameChanges, FrameStatus, Frames, Shot, ShotKind, VideoShots};
+use touchline_documents::document::{
+    Document, Frame, FrameChanges, FrameStatus, Frames, Shot, ShotKind, VideoShots,
+};
 
 /// The frames of a document, in so many parts of equal length as there is room for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,7 +27,10 @@ impl TimelineSource {
     /// Of a document. Its frames are shared, not copied.
     #[must_use]
     pub fn of(document: &Document) -> Self {
-        Self { frames: document.frames.clone(), shots: document.shots.clone() }
+        Self {
+            frames: document.frames.clone(),
+            shots: document.shots.clone(),
+        }
     }
 }
 
@@ -41,7 +47,8 @@ pub struct TimelinePart {
     pub drafts: u32,
     /// How many are not calibratable.
     pub rejected: u32,
-    /// The greatest doubt about one of them, 0 to 1: what a suggestion's confidence lacks of 1; 1 where no answer was found.
+    /// The greatest doubt about one of them, 0 to 1: what a suggestion's confidence lacks of 1; 1
+    /// where no answer was found.
     pub doubt: f64,
 }
 
@@ -62,28 +69,45 @@ impl Timeline {
     pub fn of(document: &Document, video: &str, parts: usize) -> Self {
         let frames = document.frames.len();
         let count = parts.min(frames);
-        let mut timeline = Self { frames, parts: vec![TimelinePart::default(); count], cuts: Vec::new() };
-        let mut starts =
-            VideoShots::of(document, video).into_iter().flat_map(|shots| shots.starts().collect::<Vec<_>>()).skip(1);
+        let mut timeline = Self {
+            frames,
+            parts: vec![TimelinePart::default(); count],
+            cuts: Vec::new(),
+        };
+        let mut starts = VideoShots::of(document, video)
+            .into_iter()
+            .flat_map(|shots| shots.starts().collect::<Vec<_>>())
+            .skip(1);
         let mut next = starts.next();
         for (position, frame) in document.frames.iter().enumerate() {
             timeline.parts[position * count / frames].add(frame);
-            let number = frame.video.as_ref().filter(|of| of.path == video).map(|of| of.frame_index);
+            let number = frame
+                .video
+                .as_ref()
+                .filter(|of| of.path == video)
+                .map(|of| of.frame_index);
             while let (Some((from, kind)), Some(number)) = (next, number)
                 && from <= number
             {
-                timeline.cuts.push(TimelineCut { position, frame_index: from, kind });
+                timeline.cuts.push(TimelineCut {
+                    position,
+                    frame_index: from,
+                    kind,
+                });
                 next = starts.next();
             }
         }
         timeline
     }
 
-    /// The summary of `document`, made from this one of what it was `before`: only the parts whose frames changed are summed up again.
-    /// None where a cut may lie elsewhere, or many frames changed.
+    /// The summary of `document`, made from this one of what it was `before`: only the parts whose
+    /// frames changed are summed up again. None where a cut may lie elsewhere, or many frames
+    /// changed.
     #[must_use]
     pub fn followed(&self, document: &Document, before: &TimelineSource) -> Option<Self> {
-        let FrameChanges::At(changed) = document.frames.changes_since(&before.frames) else { return None };
+        let FrameChanges::At(changed) = document.frames.changes_since(&before.frames) else {
+            return None;
+        };
         let has_moved = |at: &usize| document.frames[*at].video != before.frames[*at].video;
         if document.shots != before.shots || changed.iter().any(has_moved) {
             return None;
@@ -96,7 +120,10 @@ impl Timeline {
         for part in parts {
             let begin = |part: usize| (part * self.frames).div_ceil(count);
             let mut summed = TimelinePart::default();
-            document.frames.range(begin(part)..begin(part + 1)).for_each(|frame| summed.add(frame));
+            document
+                .frames
+                .range(begin(part)..begin(part + 1))
+                .for_each(|frame| summed.add(frame));
             timeline.parts[part] = summed;
         }
         Some(timeline)
@@ -146,7 +173,10 @@ fn doubt(frame: &Frame) -> f64 {
     if frame.is_unanswered() {
         return 1.0;
     }
-    let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
+    let confidence = frame
+        .solution
+        .as_ref()
+        .and_then(|solution| solution.confidence);
     confidence
         .filter(|_| frame.status == FrameStatus::Suggested)
         .map_or(0.0, |confidence| (1.0 - confidence).clamp(0.0, 1.0))
@@ -162,7 +192,9 @@ mod tests {
         let mut document = Document::new(FieldSpec::new("soccer"));
         for index in 0..10 {
             let video = VideoFrame::new("match.mp4", index, None);
-            document.frames.push(Frame::from_video(video, "main".into(), ImageSize::new(64, 36)).into());
+            document
+                .frames
+                .push(Frame::from_video(video, "main".into(), ImageSize::new(64, 36)).into());
         }
         VideoShots::found(&document, "match.mp4", 9, &[(6, ShotKind::Fade)]).write(&mut document);
         document
@@ -173,36 +205,68 @@ mod tests {
         let mut document = document();
         document.frames[1].status = FrameStatus::Reference;
         document.frames[2].status = FrameStatus::Suggested;
-        document.frames[2].solution = Some(Solution { confidence: Some(0.7), ..Solution::default() });
+        document.frames[2].solution = Some(Solution {
+            confidence: Some(0.7),
+            ..Solution::default()
+        });
         for frame in 8..10 {
             document.frames[frame].status = FrameStatus::Rejected;
         }
         let timeline = Timeline::of(&document, "match.mp4", 5);
         assert_eq!((timeline.frames, timeline.parts.len()), (10, 5));
-        let first = TimelinePart { frames: 2, references: 1, ..TimelinePart::default() };
+        let first = TimelinePart {
+            frames: 2,
+            references: 1,
+            ..TimelinePart::default()
+        };
         assert_eq!(timeline.parts[0], first);
-        assert!(timeline.parts[1].suggestions == 1 && (timeline.parts[1].doubt - 0.3).abs() < 1e-12);
-        assert_eq!((timeline.parts[4].rejected, timeline.parts[3].rejected), (2, 0));
-        assert_eq!(timeline.cuts, [TimelineCut { position: 6, frame_index: 6, kind: ShotKind::Fade }]);
+        assert!(
+            timeline.parts[1].suggestions == 1 && (timeline.parts[1].doubt - 0.3).abs() < 1e-12
+        );
+        assert_eq!(
+            (timeline.parts[4].rejected, timeline.parts[3].rejected),
+            (2, 0)
+        );
+        assert_eq!(
+            timeline.cuts,
+            [TimelineCut {
+                position: 6,
+                frame_index: 6,
+                kind: ShotKind::Fade
+            }]
+        );
         assert_eq!(Timeline::of(&document, "match.mp4", 500).parts.len(), 10);
-        assert_eq!(Timeline::of(&Document::new(FieldSpec::new("soccer")), "match.mp4", 5).parts, []);
+        assert_eq!(
+            Timeline::of(&Document::new(FieldSpec::new("soccer")), "match.mp4", 5).parts,
+            []
+        );
     }
 
     #[test]
     fn a_summary_follows_changed_frames() {
         for parts in [1, 3, 5, 10] {
             let mut document = document();
-            let (before, known) = (TimelineSource::of(&document), Timeline::of(&document, "match.mp4", parts));
+            let (before, known) = (
+                TimelineSource::of(&document),
+                Timeline::of(&document, "match.mp4", parts),
+            );
             document.frames[0].status = FrameStatus::Reference;
             document.frames[7].status = FrameStatus::Draft;
             let anew = Timeline::of(&document, "match.mp4", parts);
             assert_ne!(anew, known);
             assert_eq!(known.followed(&document, &before), Some(anew));
             document.frames[7].video = Some(VideoFrame::new("match.mp4", 70, None));
-            assert_eq!(known.followed(&document, &before), None, "a cut may lie elsewhere");
+            assert_eq!(
+                known.followed(&document, &before),
+                None,
+                "a cut may lie elsewhere"
+            );
         }
         let mut document = document();
-        let (before, known) = (TimelineSource::of(&document), Timeline::of(&document, "match.mp4", 5));
+        let (before, known) = (
+            TimelineSource::of(&document),
+            Timeline::of(&document, "match.mp4", 5),
+        );
         VideoShots::found(&document, "match.mp4", 9, &[(3, ShotKind::Cut)]).write(&mut document);
         assert_eq!(known.followed(&document, &before), None);
     }
@@ -213,7 +277,14 @@ mod tests {
         for frame in 0..10 {
             assert_eq!(timeline.frame_at(timeline.share_of(frame)), frame);
         }
-        assert_eq!((timeline.frame_at(-0.2), timeline.frame_at(1.0), timeline.frame_at(7.0)), (0, 9, 9));
+        assert_eq!(
+            (
+                timeline.frame_at(-0.2),
+                timeline.frame_at(1.0),
+                timeline.frame_at(7.0)
+            ),
+            (0, 9, 9)
+        );
         assert_eq!(timeline.span_of_part(4), [0.8, 1.0]);
     }
 }

@@ -1,7 +1,8 @@
-//! How far the overlay is to be trusted, as something to look at: a band around the lines, or a heat map over the picture.
+//! How far the overlay is to be trusted, as something to look at: a band around the lines, or a
+//! heat map over the picture.
 //!
-//! Both show the 1-σ of the lines where they are drawn (see [`Uncertainty`]): the band its share across the line, the map
-//! its RMS distance.
+//! Both show the 1-σ of the lines where they are drawn (see [`Uncertainty`]): the band its share
+//! across the line, the map its RMS distance.
 
 use super::OverlayStyle;
 use super::drawing::{Area, Colour, Drawing, Stroke, StrokeGroup};
@@ -36,8 +37,8 @@ impl UncertaintyView {
     }
 }
 
-/// The colours of a heat map, evenly spaced on a logarithmic scale: from dark (sure) to bright (unsure), apart for
-/// colour-blind eyes too.
+/// The colours of a heat map, evenly spaced on a logarithmic scale: from dark (sure) to bright
+/// (unsure), apart for colour-blind eyes too.
 pub const HEAT_STOPS: [Colour; 5] = [
     Colour::rgb(20, 40, 110),
     Colour::rgb(30, 120, 180),
@@ -68,15 +69,28 @@ impl HeatMap {
     #[must_use]
     pub fn new(uncertainty: &Uncertainty, camera: &PtzCamera, image_size: ImageSize) -> Self {
         let [columns, rows] = HEAT_GRID;
-        let along = |index: u32, count: u32, px: u32| f64::from(index) / f64::from(count - 1) * f64::from(px);
+        let along = |index: u32, count: u32, px: u32| {
+            f64::from(index) / f64::from(count - 1) * f64::from(px)
+        };
         let level = |row: u32, column: u32| {
-            let pixel = ImagePoint::new(along(column, columns, image_size.width), along(row, rows, image_size.height));
-            let sigma_px = uncertainty.overlay_sigma_px(camera, pixel).unwrap_or(f64::INFINITY);
+            let pixel = ImagePoint::new(
+                along(column, columns, image_size.width),
+                along(row, rows, image_size.height),
+            );
+            let sigma_px = uncertainty
+                .overlay_sigma_px(camera, pixel)
+                .unwrap_or(f64::INFINITY);
             (f64::from(u16::MAX) * heat_level(sigma_px, image_size)).round() as u16
         };
-        let levels = (0..rows).into_par_iter().flat_map_iter(|row| (0..columns).map(move |column| (row, column)));
+        let levels = (0..rows)
+            .into_par_iter()
+            .flat_map_iter(|row| (0..columns).map(move |column| (row, column)));
         let levels = levels.map(|(row, column)| level(row, column)).collect();
-        Self { size: HEAT_GRID, image_size, levels }
+        Self {
+            size: HEAT_GRID,
+            image_size,
+            levels,
+        }
     }
 }
 
@@ -86,7 +100,11 @@ pub fn heat_level(sigma_px: f64, image_size: ImageSize) -> f64 {
     let (from_px, to_px) = HEAT_FROM_TO_PX;
     let share = (sigma_px / image_size.scale_from_1920() / from_px).ln() / (to_px / from_px).ln();
     // A value that is not a number is one that nothing is known of.
-    if share.is_nan() { 1.0 } else { share.clamp(0.0, 1.0) }
+    if share.is_nan() {
+        1.0
+    } else {
+        share.clamp(0.0, 1.0)
+    }
 }
 
 /// The 1-σ of each colour of the scale, px.
@@ -94,7 +112,9 @@ pub fn heat_level(sigma_px: f64, image_size: ImageSize) -> f64 {
 pub fn heat_ticks_px(image_size: ImageSize) -> [f64; HEAT_STOPS.len()] {
     let (from_px, to_px) = HEAT_FROM_TO_PX;
     let steps = (HEAT_STOPS.len() - 1) as f64;
-    std::array::from_fn(|index| from_px * (to_px / from_px).powf(index as f64 / steps) * image_size.scale_from_1920())
+    std::array::from_fn(|index| {
+        from_px * (to_px / from_px).powf(index as f64 / steps) * image_size.scale_from_1920()
+    })
 }
 
 /// The lines' 1-σ as a band around them: within it they lie in 68 of 100 frames.
@@ -114,27 +134,51 @@ pub fn band(
     let mut borders = Vec::new();
     for line in project_lines(field, camera, image_size, &MarkingOptions::default()) {
         let points = resampled(&line.points, STEP_PX);
-        let Some([left, right]) = sides(&points, uncertainty, camera) else { continue };
+        let Some([left, right]) = sides(&points, uncertainty, camera) else {
+            continue;
+        };
         let mut corners = left.clone();
         corners.extend(right.iter().rev());
-        drawing.areas.push(Area { corners, colour: colour.with_alpha(70) });
-        borders.extend([left, right].map(|points| Stroke { points, colour, width_pt: 1.0, outline: None, dash: None }));
+        drawing.areas.push(Area {
+            corners,
+            colour: colour.with_alpha(70),
+        });
+        borders.extend([left, right].map(|points| Stroke {
+            points,
+            colour,
+            width_pt: 1.0,
+            outline: None,
+            dash: None,
+        }));
     }
     let ImageSize { width, height } = image_size;
     let clip_px = Some([0.0, 0.0, width as f32, height as f32]);
-    drawing.strokes.push(StrokeGroup { strokes: borders, opacity: 0.6, clip_px });
+    drawing.strokes.push(StrokeGroup {
+        strokes: borders,
+        opacity: 0.6,
+        clip_px,
+    });
     drawing
 }
 
 /// Both borders of the band along a polyline; none for fewer than two points.
-fn sides(points: &[ImagePoint], uncertainty: &Uncertainty, camera: &PtzCamera) -> Option<[Vec<[f32; 2]>; 2]> {
-    let (mut left, mut right) = (Vec::with_capacity(points.len()), Vec::with_capacity(points.len()));
+fn sides(
+    points: &[ImagePoint],
+    uncertainty: &Uncertainty,
+    camera: &PtzCamera,
+) -> Option<[Vec<[f32; 2]>; 2]> {
+    let (mut left, mut right) = (
+        Vec::with_capacity(points.len()),
+        Vec::with_capacity(points.len()),
+    );
     for (index, point) in points.iter().enumerate() {
         let before = points.get(index.wrapping_sub(1)).unwrap_or(point);
         let after = points.get(index + 1).unwrap_or(point);
         let along = after.offset_from(*before).try_normalize(1e-9)?;
         let across = Vec2::new(-along.y, along.x);
-        let Some(covariance) = uncertainty.overlay_at(camera, *point) else { continue };
+        let Some(covariance) = uncertainty.overlay_at(camera, *point) else {
+            continue;
+        };
         let half = across * (across.transpose() * covariance * across).x.max(0.0).sqrt();
         let place = |at: ImagePoint| [at.x as f32, at.y as f32];
         left.push(place(point.moved(half)));
@@ -145,7 +189,9 @@ fn sides(points: &[ImagePoint], uncertainty: &Uncertainty, camera: &PtzCamera) -
 
 /// A polyline with points at most so far apart, and not much closer where it has more.
 fn resampled(points: &[ImagePoint], step_px: f64) -> Vec<ImagePoint> {
-    let Some(first) = points.first() else { return Vec::new() };
+    let Some(first) = points.first() else {
+        return Vec::new();
+    };
     let mut found = vec![*first];
     for pair in points.windows(2) {
         let way = pair[1].offset_from(pair[0]);
@@ -156,11 +202,17 @@ fn resampled(points: &[ImagePoint], step_px: f64) -> Vec<ImagePoint> {
     let last = found[found.len() - 1];
     let mut thinned: Vec<ImagePoint> = Vec::with_capacity(found.len());
     for point in found {
-        if thinned.last().is_none_or(|before| before.distance_px(point) >= step_px / 6.0) {
+        if thinned
+            .last()
+            .is_none_or(|before| before.distance_px(point) >= step_px / 6.0)
+        {
             thinned.push(point);
         }
     }
-    if thinned.last().is_some_and(|end| end.distance_px(last) > 1e-6) {
+    if thinned
+        .last()
+        .is_some_and(|end| end.distance_px(last) > 1e-6)
+    {
         thinned.push(last);
     }
     thinned
@@ -184,11 +236,17 @@ mod tests {
                 rotation: Vec3::new(1e-3, 1e-3, 0.0),
                 ..BaseSigma::default()
             },
-            ..CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+            ..CameraBase::new(
+                Vec3::new(0.0, -60.0, 18.0),
+                BaseAngles::default().base_from_world(),
+                SIZE.centre(),
+            )
         };
         let camera = PtzCamera::new(base, Ptz::from_degrees(0.0, -13.0, 1500.0));
         let click = |name: &str| {
-            let at = camera.image_from_world(field.landmark(name).unwrap().nominal_m).unwrap();
+            let at = camera
+                .image_from_world(field.landmark(name).unwrap().nominal_m)
+                .unwrap();
             Observation::of_landmark(&field, name, at, SIZE, 0).unwrap()
         };
         let clicks = [click("centre_mark"), click("centre_circle_right")];
@@ -214,16 +272,31 @@ mod tests {
                 assert!((level - index as f64 / 4.0).abs() < 1e-9, "{tick} {level}");
             }
             assert_eq!(heat_level(0.0, size), 0.0);
-            assert_eq!((heat_level(f64::INFINITY, size), heat_level(f64::NAN, size)), (1.0, 1.0));
+            assert_eq!(
+                (heat_level(f64::INFINITY, size), heat_level(f64::NAN, size)),
+                (1.0, 1.0)
+            );
         }
     }
 
     #[test]
     fn a_band_is_as_wide_as_the_line_is_unsure() {
         let (field, camera, uncertainty) = solved();
-        let drawing = band(&uncertainty, &field, &camera, SIZE, &OverlayStyle::default());
-        assert!(!drawing.areas.is_empty() && drawing.areas.len() * 2 == drawing.strokes[0].strokes.len());
-        let points = resampled(&[ImagePoint::new(0.0, 0.0), ImagePoint::new(100.0, 0.0)], 60.0);
+        let drawing = band(
+            &uncertainty,
+            &field,
+            &camera,
+            SIZE,
+            &OverlayStyle::default(),
+        );
+        assert!(
+            !drawing.areas.is_empty()
+                && drawing.areas.len() * 2 == drawing.strokes[0].strokes.len()
+        );
+        let points = resampled(
+            &[ImagePoint::new(0.0, 0.0), ImagePoint::new(100.0, 0.0)],
+            60.0,
+        );
         assert_eq!(points, [0.0, 50.0, 100.0].map(|x| ImagePoint::new(x, 0.0)));
         let [left, right] = sides(&points, &uncertainty, &camera).unwrap();
         let covariance = uncertainty.overlay_at(&camera, points[1]).unwrap();

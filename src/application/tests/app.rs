@@ -1,10 +1,12 @@
 //! The application by actions, without a window: place, name, drag, undo, accept, reject.
 
 use crate::bench::{Bench, SIZE, base, landmark_in};
-use touchline_application::app::session::{Dialog, Filter, Leaving, Level, Mode, PictureView, Saving};
+use touchline_application::app::session::{
+    Dialog, Filter, Leaving, Level, Mode, PictureView, Saving,
+};
 use touchline_application::app::{
-    Action, App, Command, DiskReport, EditAction, Effect, MaskList, MaskScope, Navigation, Opened, PointerAction,
-    Settings, ViewAction,
+    Action, App, Command, DiskReport, EditAction, Effect, MaskList, MaskScope, Navigation, Opened,
+    PointerAction, Settings, ViewAction,
 };
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::field::builtin;
@@ -15,7 +17,10 @@ use touchline_documents::document::{
 
 /// The truth of frame `index`: a slow pan.
 fn truth(index: usize) -> PtzCamera {
-    PtzCamera::new(base(), Ptz::from_degrees(-4.0 + 0.6 * index as f64, -14.0, 2300.0))
+    PtzCamera::new(
+        base(),
+        Ptz::from_degrees(-4.0 + 0.6 * index as f64, -14.0, 2300.0),
+    )
 }
 
 fn document(frames: usize, with_base: bool) -> Document {
@@ -43,7 +48,14 @@ impl Bench {
     fn place(&mut self, landmark: &str) {
         self.click(self.image_of(landmark));
         if let Mode::Naming(_) = self.app.session.mode {
-            let code = builtin("soccer").unwrap().default_model().unwrap().landmark(landmark).unwrap().code.clone();
+            let code = builtin("soccer")
+                .unwrap()
+                .default_model()
+                .unwrap()
+                .landmark(landmark)
+                .unwrap()
+                .code
+                .clone();
             self.act(Action::Navigate(Navigation::TypeName(code)));
             self.act(Action::Edit(EditAction::TakeName(0)));
         }
@@ -56,7 +68,10 @@ impl Bench {
     }
 
     fn ptz_error(&self) -> f64 {
-        let (found, truth) = (self.frame().ptz.as_ref().unwrap().ptz(), truth(self.app.session.frame).ptz());
+        let (found, truth) = (
+            self.frame().ptz.as_ref().unwrap().ptz(),
+            truth(self.app.session.frame).ptz(),
+        );
         (found.pan - truth.pan).abs().degrees()
             + (found.tilt - truth.tilt).abs().degrees()
             + (found.focal_px - truth.focal_px).abs()
@@ -72,17 +87,39 @@ fn two_clicks_solve_a_frame_and_enter_accepts_it() {
     bench.place("centre_circle_halfway_far");
     assert!(bench.ptz_error() < 1e-6, "{}", bench.ptz_error());
     assert!(bench.app.current().judgement.is_some());
-    assert_eq!(bench.frame().solution.as_ref().unwrap().source, Some(SolutionSource::Clicks));
+    assert_eq!(
+        bench.frame().solution.as_ref().unwrap().source,
+        Some(SolutionSource::Clicks)
+    );
     bench.command(Command::Accept);
-    assert_eq!(bench.app.session.frame, 1, "on to the next that needs somebody");
+    assert_eq!(
+        bench.app.session.frame, 1,
+        "on to the next that needs somebody"
+    );
     let accepted = bench.app.open().unwrap().frame(0).unwrap();
     assert_eq!(accepted.status, FrameStatus::Reference);
-    let journalled = bench.effects.iter().filter(|effect| matches!(effect, Effect::Journal { .. })).count();
-    assert!(journalled >= 4, "every edit goes to the journal at once: {journalled}");
+    let journalled = bench
+        .effects
+        .iter()
+        .filter(|effect| matches!(effect, Effect::Journal { .. }))
+        .count();
+    assert!(
+        journalled >= 4,
+        "every edit goes to the journal at once: {journalled}"
+    );
     assert_eq!(bench.app.session.disk.saving, Saving::Pending);
     let revision = bench.app.open().unwrap().revision;
-    bench.act(Action::Disk(DiskReport::Saved { revision, at: "12:03:41".into(), document: Some(0) }));
-    assert_eq!(bench.app.session.disk.saving, Saving::Saved { at: "12:03:41".into() });
+    bench.act(Action::Disk(DiskReport::Saved {
+        revision,
+        at: "12:03:41".into(),
+        document: Some(0),
+    }));
+    assert_eq!(
+        bench.app.session.disk.saving,
+        Saving::Saved {
+            at: "12:03:41".into()
+        }
+    );
 }
 
 #[test]
@@ -91,9 +128,16 @@ fn once_solved_a_third_click_takes_its_name_by_itself() {
     bench.place("centre_mark");
     bench.place("halfway_far");
     bench.click(bench.image_of("centre_circle_halfway_near"));
-    assert_eq!(bench.app.session.mode, Mode::Idle, "no list: one name is plausible");
+    assert_eq!(
+        bench.app.session.mode,
+        Mode::Idle,
+        "no list: one name is plausible"
+    );
     let target = bench.frame().clicks[2].target.clone();
-    assert_eq!(target, Some(Target::Landmark("centre_circle_halfway_near".into())));
+    assert_eq!(
+        target,
+        Some(Target::Landmark("centre_circle_halfway_near".into()))
+    );
 }
 
 #[test]
@@ -123,14 +167,34 @@ fn in_a_new_shot_the_names_follow_where_the_camera_usually_looks() {
         bench.place("halfway_far");
         bench.command(Command::Accept);
     }
-    assert_eq!(bench.app.session.frame, 4, "the first frame of the second shot");
+    assert_eq!(
+        bench.app.session.frame, 4,
+        "the first frame of the second shot"
+    );
     bench.click(bench.image_of("halfway_far"));
-    let Mode::Naming(naming) = &bench.app.session.mode else { panic!("one click of a new shot is never certain") };
-    assert!(naming.offered().iter().take(2).any(|name| name.target.as_str() == "halfway_far"), "{naming:?}");
-    bench.act(Action::Edit(EditAction::Name { click: 0, target: Target::Landmark("halfway_far".into()) }));
+    let Mode::Naming(naming) = &bench.app.session.mode else {
+        panic!("one click of a new shot is never certain")
+    };
+    assert!(
+        naming
+            .offered()
+            .iter()
+            .take(2)
+            .any(|name| name.target.as_str() == "halfway_far"),
+        "{naming:?}"
+    );
+    bench.act(Action::Edit(EditAction::Name {
+        click: 0,
+        target: Target::Landmark("halfway_far".into()),
+    }));
     bench.click(bench.image_of("centre_circle_halfway_near"));
-    let Mode::Naming(naming) = &bench.app.session.mode else { panic!("a camera of another shot vouches for no name") };
-    assert_eq!(naming.offered()[0].target.as_str(), "centre_circle_halfway_near");
+    let Mode::Naming(naming) = &bench.app.session.mode else {
+        panic!("a camera of another shot vouches for no name")
+    };
+    assert_eq!(
+        naming.offered()[0].target.as_str(),
+        "centre_circle_halfway_near"
+    );
 }
 
 #[test]
@@ -142,27 +206,63 @@ fn a_drag_is_one_step_and_escape_is_none() {
     let at = before.clicks[1].image;
     bench.act(Action::Pointer(PointerAction::Press { at, on: Some(1) }));
     for step in 1..20 {
-        bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(at.x + f64::from(step), at.y))));
+        bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(
+            at.x + f64::from(step),
+            at.y,
+        ))));
         assert_ne!(bench.frame().ptz, before.ptz, "the overlay follows");
     }
     bench.act(Action::Pointer(PointerAction::Release));
     let dragged = bench.frame().clone();
     assert_eq!(dragged.clicks[1].image.x, at.x + 19.0);
     bench.command(Command::Undo);
-    assert_eq!(Frame { revision: before.revision, ..bench.frame().clone() }, before);
+    assert_eq!(
+        Frame {
+            revision: before.revision,
+            ..bench.frame().clone()
+        },
+        before
+    );
     bench.command(Command::Redo);
-    assert_eq!(Frame { revision: dragged.revision, ..bench.frame().clone() }, dragged);
+    assert_eq!(
+        Frame {
+            revision: dragged.revision,
+            ..bench.frame().clone()
+        },
+        dragged
+    );
     assert!(bench.frame().revision > dragged.revision, "each is an edit");
     let steps = bench.app.open().unwrap().history.next_undo().cloned();
-    bench.act(Action::Pointer(PointerAction::Press { at: dragged.clicks[1].image, on: Some(1) }));
-    bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(5.0, 5.0))));
+    bench.act(Action::Pointer(PointerAction::Press {
+        at: dragged.clicks[1].image,
+        on: Some(1),
+    }));
+    bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(
+        5.0, 5.0,
+    ))));
     bench.command(Command::Cancel);
-    assert_eq!(Frame { revision: dragged.revision, ..bench.frame().clone() }, dragged);
+    assert_eq!(
+        Frame {
+            revision: dragged.revision,
+            ..bench.frame().clone()
+        },
+        dragged
+    );
     assert!(bench.frame().revision > dragged.revision, "each is an edit");
-    assert_eq!(bench.app.open().unwrap().history.next_undo().cloned(), steps);
-    bench.act(Action::Pointer(PointerAction::Press { at: dragged.clicks[1].image, on: Some(1) }));
+    assert_eq!(
+        bench.app.open().unwrap().history.next_undo().cloned(),
+        steps
+    );
+    bench.act(Action::Pointer(PointerAction::Press {
+        at: dragged.clicks[1].image,
+        on: Some(1),
+    }));
     bench.act(Action::Pointer(PointerAction::Release));
-    assert_eq!(bench.app.open().unwrap().history.next_undo().cloned(), steps, "a press without a move is no step");
+    assert_eq!(
+        bench.app.open().unwrap().history.next_undo().cloned(),
+        steps,
+        "a press without a move is no step"
+    );
 }
 
 #[test]
@@ -172,8 +272,16 @@ fn undo_on_another_frame_goes_there_first() {
     bench.act(Action::Navigate(Navigation::GoTo(2)));
     bench.command(Command::Undo);
     assert_eq!(bench.app.session.frame, 0);
-    assert_eq!(bench.frame().clicks.len(), 1, "the first press only goes there");
-    assert!(bench.last_notice().contains("Press again"), "{}", bench.last_notice());
+    assert_eq!(
+        bench.frame().clicks.len(),
+        1,
+        "the first press only goes there"
+    );
+    assert!(
+        bench.last_notice().contains("Press again"),
+        "{}",
+        bench.last_notice()
+    );
     bench.command(Command::Undo);
     bench.command(Command::Undo);
     assert!(bench.frame().clicks.is_empty());
@@ -184,14 +292,25 @@ fn undo_on_another_frame_goes_there_first() {
 fn accept_is_refused_while_a_point_has_no_name_or_nothing_is_solved() {
     let mut bench = Bench::new(document(2, true));
     bench.command(Command::Accept);
-    assert!(bench.last_notice().starts_with("Nothing to accept"), "{}", bench.last_notice());
+    assert!(
+        bench.last_notice().starts_with("Nothing to accept"),
+        "{}",
+        bench.last_notice()
+    );
     bench.place("centre_mark");
     bench.place("halfway_far");
     bench.click(ImagePoint::new(3.0, 3.0));
-    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(900.0, 500.0), on: None }));
+    bench.act(Action::Pointer(PointerAction::Press {
+        at: ImagePoint::new(900.0, 500.0),
+        on: None,
+    }));
     bench.command(Command::Accept);
     assert_eq!(bench.app.session.frame, 0);
-    assert!(bench.last_notice().starts_with("Point 3 has no name. "), "{}", bench.last_notice());
+    assert!(
+        bench.last_notice().starts_with("Point 3 has no name. "),
+        "{}",
+        bench.last_notice()
+    );
 }
 
 #[test]
@@ -207,7 +326,9 @@ fn escape_takes_a_point_without_a_name_away() {
 fn landmark_first_shows_the_field_while_the_pointer_moves() {
     let mut bench = Bench::new(document(1, true));
     bench.place("centre_mark");
-    bench.act(Action::Edit(EditAction::Pick(Target::Landmark("halfway_far".into()))));
+    bench.act(Action::Edit(EditAction::Pick(Target::Landmark(
+        "halfway_far".into(),
+    ))));
     assert!(matches!(bench.app.session.mode, Mode::Placing(_)));
     let at = bench.image_of("halfway_far");
     bench.act(Action::Pointer(PointerAction::Hover(Some(at))));
@@ -224,11 +345,18 @@ fn points_on_lines_check_points_and_deleting() {
     bench.place("centre_mark");
     bench.command(Command::PlaceOnLine);
     let field = builtin("soccer").unwrap().default_model().unwrap();
-    let on_touchline = truth(0).image_from_world(field.line("touchline_far").unwrap().curve.point_at(0.55)).unwrap();
+    let on_touchline = truth(0)
+        .image_from_world(field.line("touchline_far").unwrap().curve.point_at(0.55))
+        .unwrap();
     bench.click(on_touchline);
-    bench.act(Action::Navigate(Navigation::TypeName("touchline far".into())));
+    bench.act(Action::Navigate(Navigation::TypeName(
+        "touchline far".into(),
+    )));
     bench.act(Action::Edit(EditAction::TakeName(0)));
-    assert_eq!(bench.frame().clicks[1].target, Some(Target::Line("touchline_far".into())));
+    assert_eq!(
+        bench.frame().clicks[1].target,
+        Some(Target::Line("touchline_far".into()))
+    );
     bench.place("halfway_far");
     assert!(bench.ptz_error() < 1e-6);
     bench.place("centre_circle_right");
@@ -246,15 +374,28 @@ fn a_name_is_given_once_in_a_frame() {
     let mut bench = Bench::new(document(1, true));
     bench.place("centre_mark");
     bench.place("halfway_far");
-    bench.act(Action::Edit(EditAction::Name { click: 1, target: Target::Landmark("centre_mark".into()) }));
-    assert_eq!(bench.last_notice(), "Points 2 and 1 have swapped their names.");
+    bench.act(Action::Edit(EditAction::Name {
+        click: 1,
+        target: Target::Landmark("centre_mark".into()),
+    }));
+    assert_eq!(
+        bench.last_notice(),
+        "Points 2 and 1 have swapped their names."
+    );
     let named = |bench: &Bench, click: usize| bench.frame().clicks[click].target.clone();
     let [mark, far] = ["centre_mark", "halfway_far"].map(|id| Some(Target::Landmark(id.into())));
     assert_eq!([named(&bench, 0), named(&bench, 1)], [far, mark.clone()]);
     // A point without a name has none to give back.
     bench.click(ImagePoint::new(3.0, 3.0));
-    bench.act(Action::Edit(EditAction::Name { click: 2, target: Target::Landmark("centre_mark".into()) }));
-    assert!(bench.last_notice().contains("already point 2"), "{}", bench.last_notice());
+    bench.act(Action::Edit(EditAction::Name {
+        click: 2,
+        target: Target::Landmark("centre_mark".into()),
+    }));
+    assert!(
+        bench.last_notice().contains("already point 2"),
+        "{}",
+        bench.last_notice()
+    );
     assert_eq!([named(&bench, 1), named(&bench, 2)], [mark, None]);
 }
 
@@ -279,7 +420,11 @@ fn numbers_by_hand_move_the_overlay_in_one_step_and_clicks_can_decide_again() {
     let solved = bench.frame().ptz.clone();
     bench.act(Action::Edit(EditAction::Begin("Set pan")));
     for step in 1..=5 {
-        bench.act(Action::Edit(EditAction::Ptz(Ptz::from_degrees(f64::from(step), -13.0, 2000.0))));
+        bench.act(Action::Edit(EditAction::Ptz(Ptz::from_degrees(
+            f64::from(step),
+            -13.0,
+            2000.0,
+        ))));
     }
     bench.act(Action::Edit(EditAction::End));
     assert_eq!(bench.frame().ptz.as_ref().unwrap().pan_deg, 5.0);
@@ -290,8 +435,16 @@ fn numbers_by_hand_move_the_overlay_in_one_step_and_clicks_can_decide_again() {
     bench.command(Command::Undo);
     bench.command(Command::Undo);
     assert_eq!(bench.frame().ptz, solved);
-    bench.act(Action::Edit(EditAction::Ptz(Ptz::from_degrees(f64::NAN, 0.0, 0.0))));
-    assert_eq!(bench.frame().ptz, solved, "numbers that are none are not taken");
+    bench.act(Action::Edit(EditAction::Ptz(Ptz::from_degrees(
+        f64::NAN,
+        0.0,
+        0.0,
+    ))));
+    assert_eq!(
+        bench.frame().ptz,
+        solved,
+        "numbers that are none are not taken"
+    );
 }
 
 #[test]
@@ -304,7 +457,9 @@ fn a_camera_change_solves_every_frame_that_clicks_solved() {
     let mut camera = bench.app.open().unwrap().document.cameras[0].clone();
     camera.position_m = Some(Vec3::new(0.0, -70.0, 20.0));
     bench.act(Action::Edit(EditAction::Begin("Set height")));
-    bench.act(Action::Edit(EditAction::Camera(Box::new((*camera).clone()))));
+    bench.act(Action::Edit(EditAction::Camera(Box::new(
+        (*camera).clone(),
+    ))));
     bench.act(Action::Edit(EditAction::End));
     assert_ne!(bench.app.open().unwrap().frame(0).unwrap().ptz, before);
     bench.command(Command::Undo);
@@ -319,10 +474,20 @@ fn without_a_base_clicks_are_kept_and_the_way_out_is_told() {
     bench.act(Action::Navigate(Navigation::TypeName("cm".into())));
     bench.act(Action::Edit(EditAction::TakeName(0)));
     bench.click(ImagePoint::new(1500.0, 500.0));
-    bench.act(Action::Navigate(Navigation::TypeName("centre circle right".into())));
+    bench.act(Action::Navigate(Navigation::TypeName(
+        "centre circle right".into(),
+    )));
     bench.act(Action::Edit(EditAction::TakeName(0)));
     assert_eq!(bench.frame().clicks.len(), 2);
-    let error = bench.app.current().solution.as_ref().unwrap().as_ref().unwrap_err().to_string();
+    let error = bench
+        .app
+        .current()
+        .solution
+        .as_ref()
+        .unwrap()
+        .as_ref()
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("no position or base rotation"), "{error}");
 }
 
@@ -338,7 +503,11 @@ fn a_document_to_look_at_only_stays_as_it_is() {
     bench.act(Action::Edit(EditAction::SetComment("no".into())));
     assert_eq!(*bench.app.open().unwrap().document, document(2, true));
     assert!(bench.effects.is_empty());
-    assert!(bench.last_notice().contains("another program has it open"), "{}", bench.last_notice());
+    assert!(
+        bench.last_notice().contains("another program has it open"),
+        "{}",
+        bench.last_notice()
+    );
 }
 
 #[test]
@@ -347,14 +516,28 @@ fn closing_waits_until_everything_is_on_disk() {
     bench.place("centre_mark");
     bench.effects.clear();
     bench.act(Action::CloseRequested);
-    let [Effect::Save { request }] = bench.effects[..] else { panic!("{:?}", bench.effects) };
+    let [Effect::Save { request }] = bench.effects[..] else {
+        panic!("{:?}", bench.effects)
+    };
     let revision = bench.app.open().unwrap().revision;
-    bench.act(Action::Disk(DiskReport::Saved { revision: revision - 1, at: "1".into(), document: Some(request) }));
+    bench.act(Action::Disk(DiskReport::Saved {
+        revision: revision - 1,
+        at: "1".into(),
+        document: Some(request),
+    }));
     assert!(!bench.effects.contains(&Effect::Close));
     // A write of before the request says nothing of what another program has done since.
-    bench.act(Action::Disk(DiskReport::Saved { revision, at: "1".into(), document: Some(request - 1) }));
+    bench.act(Action::Disk(DiskReport::Saved {
+        revision,
+        at: "1".into(),
+        document: Some(request - 1),
+    }));
     assert!(!bench.effects.contains(&Effect::Close));
-    bench.act(Action::Disk(DiskReport::Saved { revision, at: "2".into(), document: Some(request) }));
+    bench.act(Action::Disk(DiskReport::Saved {
+        revision,
+        at: "2".into(),
+        document: Some(request),
+    }));
     assert!(bench.effects.contains(&Effect::Close));
 }
 
@@ -367,11 +550,16 @@ fn a_full_disk_is_said_and_edits_are_lost_only_by_saying_so() {
     bench.act(Action::CloseRequested);
     assert!(!bench.effects.contains(&Effect::Close));
     bench.act(Action::Disk(DiskReport::SaveFailed("disk full".into())));
-    assert!(matches!(&bench.app.session.disk.saving, Saving::Failed { message, .. } if message == "disk full"));
+    assert!(
+        matches!(&bench.app.session.disk.saving, Saving::Failed { message, .. } if message == "disk full")
+    );
     for _ in 0..2 {
         bench.act(Action::CloseRequested);
         assert!(!bench.effects.contains(&Effect::Close));
-        assert_eq!(bench.app.session.dialog, Some(Dialog::NotSaved(Leaving::Close)));
+        assert_eq!(
+            bench.app.session.dialog,
+            Some(Dialog::NotSaved(Leaving::Close))
+        );
     }
     bench.act(Action::LeaveUnsaved);
     assert!(bench.effects.contains(&Effect::Close));
@@ -380,13 +568,18 @@ fn a_full_disk_is_said_and_edits_are_lost_only_by_saying_so() {
 #[test]
 fn zoom_and_position_stay_from_frame_to_frame_and_filters_count() {
     let mut bench = Bench::new(document(6, true));
-    let view = PictureView::Zoomed { scale: 6.0, centre: ImagePoint::new(700.0, 300.0) };
+    let view = PictureView::Zoomed {
+        scale: 6.0,
+        centre: ImagePoint::new(700.0, 300.0),
+    };
     bench.act(Action::View(ViewAction::Picture(view)));
     bench.command(Command::NextFrame);
     bench.command(Command::NextTenFrames);
     assert_eq!(bench.app.session.frame, 5);
     assert_eq!(bench.app.session.picture.view, view);
-    bench.act(Action::View(ViewAction::SetFilter(Filter::Status(FrameStatus::Reference))));
+    bench.act(Action::View(ViewAction::SetFilter(Filter::Status(
+        FrameStatus::Reference,
+    ))));
     assert!(!bench.app.session.filter.shows(bench.frame()));
 }
 
@@ -394,28 +587,52 @@ fn zoom_and_position_stay_from_frame_to_frame_and_filters_count() {
 fn escape_gives_up_what_is_being_opened() {
     let mut bench = Bench::new(document(1, true));
     bench.act(Action::Open("/match.mp4".into()));
-    bench.act(Action::Disk(DiskReport::Progress("Counting frames: 500…".into())));
-    assert_eq!(bench.app.session.disk.opening.as_deref(), Some("Counting frames: 500…"));
+    bench.act(Action::Disk(DiskReport::Progress(
+        "Counting frames: 500…".into(),
+    )));
+    assert_eq!(
+        bench.app.session.disk.opening.as_deref(),
+        Some("Counting frames: 500…")
+    );
     bench.command(Command::Cancel);
     assert!(bench.effects.contains(&Effect::CancelOpening));
     assert_eq!(bench.app.session.disk.opening, None);
-    bench.act(Action::Disk(DiskReport::Progress("Counting frames: 600…".into())));
-    assert_eq!(bench.app.session.disk.opening, None, "a late word brings nothing back");
+    bench.act(Action::Disk(DiskReport::Progress(
+        "Counting frames: 600…".into(),
+    )));
+    assert_eq!(
+        bench.app.session.disk.opening, None,
+        "a late word brings nothing back"
+    );
 }
 
 #[test]
 fn every_command_can_be_asked_for_at_any_time() {
-    for document in [None, Some(document(0, true)), Some(document(3, false)), Some(document(3, true))] {
+    for document in [
+        None,
+        Some(document(0, true)),
+        Some(document(3, false)),
+        Some(document(3, true)),
+    ] {
         let mut app = App::new(Settings::default());
         if let Some(document) = document {
-            app.update(Action::Opened(Box::new(Opened::new(document, "/nowhere/project.json"))));
+            app.update(Action::Opened(Box::new(Opened::new(
+                document,
+                "/nowhere/project.json",
+            ))));
         }
         for first in Command::all() {
             for second in Command::all() {
                 app.update(Action::Command(first));
                 app.update(Action::Command(second));
-                app.update(Action::Pointer(PointerAction::Press { at: ImagePoint::new(9.0, 9.0), on: Some(7) }));
-                app.update(Action::Pointer(PointerAction::Drag(ImagePoint::new(f64::NAN, 9.0))));
+                app.update(Action::Pointer(PointerAction::Press {
+                    at: ImagePoint::new(9.0, 9.0),
+                    on: Some(7),
+                }));
+                app.update(Action::Pointer(PointerAction::Drag(ImagePoint::new(
+                    f64::NAN,
+                    9.0,
+                ))));
                 app.update(Action::Pointer(PointerAction::Release));
                 app.update(Action::Edit(EditAction::TakeName(3)));
                 app.update(Action::Edit(EditAction::RejectAs(RejectReason::Blur)));
@@ -428,17 +645,40 @@ fn every_command_can_be_asked_for_at_any_time() {
 #[test]
 fn a_mask_of_one_frame_becomes_one_of_every_frame_in_one_step() {
     let mut bench = Bench::new(document(3, true));
-    let score = PixelBox { x: 40.0, y: 30.0, width: 300.0, height: 50.0 };
-    bench.act(Action::Edit(EditAction::AddMask { of_camera: false, mask: score }));
+    let score = PixelBox {
+        x: 40.0,
+        y: 30.0,
+        width: 300.0,
+        height: 50.0,
+    };
+    bench.act(Action::Edit(EditAction::AddMask {
+        of_camera: false,
+        mask: score,
+    }));
     let masks = |bench: &Bench| {
         let document = &bench.app.open().unwrap().document;
-        (document.cameras[0].masks.clone(), document.frames[0].masks.clone())
+        (
+            document.cameras[0].masks.clone(),
+            document.frames[0].masks.clone(),
+        )
     };
-    bench.act(Action::Edit(EditAction::ScopeMask { list: MaskList::Frame, index: 0, scope: MaskScope::All }));
+    bench.act(Action::Edit(EditAction::ScopeMask {
+        list: MaskList::Frame,
+        index: 0,
+        scope: MaskScope::All,
+    }));
     assert_eq!(masks(&bench), (vec![score], vec![]));
     bench.act(Action::Navigate(Navigation::GoTo(2)));
-    bench.act(Action::Edit(EditAction::ScopeMask { list: MaskList::Camera, index: 7, scope: MaskScope::Frame }));
-    assert_eq!(masks(&bench), (vec![score], vec![]), "there is no such mask");
+    bench.act(Action::Edit(EditAction::ScopeMask {
+        list: MaskList::Camera,
+        index: 7,
+        scope: MaskScope::Frame,
+    }));
+    assert_eq!(
+        masks(&bench),
+        (vec![score], vec![]),
+        "there is no such mask"
+    );
     bench.act(Action::Navigate(Navigation::GoTo(0)));
     bench.command(Command::Undo);
     assert_eq!(masks(&bench), (vec![], vec![score]));

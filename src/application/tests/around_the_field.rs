@@ -1,4 +1,5 @@
-//! Cameras that look along ±180° or ±90° of pan: on the far side and behind the goals everything is as on the main stand.
+//! Cameras that look along ±180° or ±90° of pan: on the far side and behind the goals everything is
+//! as on the main stand.
 
 use std::path::Path;
 use touchline_application::app::naming::{NamingScene, TakenName, candidates};
@@ -11,8 +12,8 @@ use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec3};
 use touchline_core::progress::Progress;
 use touchline_core::solve::{Observation, WarningCode};
 use touchline_documents::document::{
-    Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
-    Target, VideoFrame,
+    Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution,
+    SolutionSource, SolutionWarning, Target, VideoFrame,
 };
 use touchline_vision::relocalize::SeenRange;
 
@@ -29,8 +30,16 @@ struct Place {
 
 impl Place {
     fn new(name: &'static str, position_m: [f64; 3]) -> Self {
-        let base = CameraBase::new(Vec3::from(position_m), BaseAngles::default().base_from_world(), SIZE.centre());
-        Self { name, base, centre: PanTilt::from_direction(base.base_from_world_point(Vec3::zeros())).pan }
+        let base = CameraBase::new(
+            Vec3::from(position_m),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        );
+        Self {
+            name,
+            base,
+            centre: PanTilt::from_direction(base.base_from_world_point(Vec3::zeros())).pan,
+        }
     }
 
     /// The main stand first.
@@ -45,7 +54,10 @@ impl Place {
 
     /// A camera that looks this far to the right of the field's centre.
     fn looks(&self, right_deg: f64) -> Ptz {
-        Ptz { pan: (self.centre + Angle::from_degrees(right_deg)).wrapped(), ..Ptz::from_degrees(0.0, -11.0, 1500.0) }
+        Ptz {
+            pan: (self.centre + Angle::from_degrees(right_deg)).wrapped(),
+            ..Ptz::from_degrees(0.0, -11.0, 1500.0)
+        }
     }
 
     fn document(&self) -> Document {
@@ -69,23 +81,53 @@ impl Place {
     fn shown(&self, ptz: Ptz) -> Vec<(String, ImagePoint)> {
         let field = field();
         let camera = PtzCamera::new(self.base, ptz);
-        let image = |landmark| camera.image_from_world(field.landmark_in_world(landmark)).ok();
-        let shown = field.landmarks.iter().filter_map(|mark| Some((mark.id.as_str().to_owned(), image(mark)?)));
+        let image = |landmark| {
+            camera
+                .image_from_world(field.landmark_in_world(landmark))
+                .ok()
+        };
+        let shown = field
+            .landmarks
+            .iter()
+            .filter_map(|mark| Some((mark.id.as_str().to_owned(), image(mark)?)));
         shown.filter(|(_, image)| SIZE.contains(*image)).collect()
     }
 
-    /// What a frame with all landmarks clicked is warned of as being implausible, were it the document's next one.
+    /// What a frame with all landmarks clicked is warned of as being implausible, were it the
+    /// document's next one.
     fn implausible(&self, document: &Document, frame: Frame, ptz: Ptz) -> Option<String> {
         let shown = self.shown(ptz);
         assert!(shown.len() >= 3, "{}: {shown:?}", self.name);
-        let clicks = shown.iter().map(|(id, image)| Click::landmark(id.as_str().into(), *image));
+        let clicks = shown
+            .iter()
+            .map(|(id, image)| Click::landmark(id.as_str().into(), *image));
         let mut document = document.clone();
-        document.frames.push(Frame { clicks: clicks.collect(), ptz: None, ..frame }.into());
+        document.frames.push(
+            Frame {
+                clicks: clicks.collect(),
+                ptz: None,
+                ..frame
+            }
+            .into(),
+        );
         let index = document.frames.len() - 1;
-        let solved =
-            calibrate(&document, &FrameLookup::of(&document), &document.frames[index], &field(), index).unwrap();
-        assert!(solved.ptz.pan.turn_from(ptz.pan).abs().degrees() < 1e-6, "{}", self.name);
-        let warning = solved.warnings.into_iter().find(|warning| warning.code == WarningCode::Implausible);
+        let solved = calibrate(
+            &document,
+            &FrameLookup::of(&document),
+            &document.frames[index],
+            &field(),
+            index,
+        )
+        .unwrap();
+        assert!(
+            solved.ptz.pan.turn_from(ptz.pan).abs().degrees() < 1e-6,
+            "{}",
+            self.name
+        );
+        let warning = solved
+            .warnings
+            .into_iter()
+            .find(|warning| warning.code == WarningCode::Implausible);
         warning.map(|warning| warning.message)
     }
 }
@@ -100,7 +142,11 @@ fn only_what_lies_beyond_the_accepted_frames_is_out_of_the_usual() {
         let mut document = place.document();
         for number in 0..9 {
             let right_deg = 2.0 * number as f64 - 8.0;
-            document.frames.push(place.frame(1000 * number, right_deg, FrameStatus::Reference).into());
+            document.frames.push(
+                place
+                    .frame(1000 * number, right_deg, FrameStatus::Reference)
+                    .into(),
+            );
         }
         let clicked = || place.frame(50_000, 0.0, FrameStatus::Draft);
         for right_deg in [-9.0, -1.0, 0.5, 9.0] {
@@ -108,8 +154,11 @@ fn only_what_lies_beyond_the_accepted_frames_is_out_of_the_usual() {
             assert_eq!(said, None, "{} {right_deg}", place.name);
         }
         for right_deg in [-26.0, 26.0] {
-            let [pan, from, upto] = [right_deg, -8.0, 8.0].map(|right_deg| place.looks(right_deg).pan);
-            let said = place.implausible(&document, clicked(), place.looks(right_deg)).unwrap();
+            let [pan, from, upto] =
+                [right_deg, -8.0, 8.0].map(|right_deg| place.looks(right_deg).pan);
+            let said = place
+                .implausible(&document, clicked(), place.looks(right_deg))
+                .unwrap();
             let expected = format!("pan {pan:.1}, accepted frames have {from:.1} to {upto:.1}");
             assert!(said.contains(&expected), "{}: {said}", place.name);
         }
@@ -121,16 +170,32 @@ fn a_camera_that_pans_over_the_seam_does_not_jump() {
     for place in Place::all() {
         let mut document = place.document();
         for number in 0..20 {
-            document.frames.push(place.frame(number, 0.4 * number as f64 - 4.0, FrameStatus::Draft).into());
+            document.frames.push(
+                place
+                    .frame(number, 0.4 * number as f64 - 4.0, FrameStatus::Draft)
+                    .into(),
+            );
         }
         let clicked = || place.frame(20, 0.0, FrameStatus::Draft);
-        assert_eq!(place.implausible(&document, clicked(), place.looks(4.0)), None, "{}", place.name);
-        let said = place.implausible(&document, clicked(), place.looks(-9.0)).unwrap();
-        assert!(said.contains("pan jumps 12.6° in one frame (usual ≤ 0.4°)"), "{}: {said}", place.name);
+        assert_eq!(
+            place.implausible(&document, clicked(), place.looks(4.0)),
+            None,
+            "{}",
+            place.name
+        );
+        let said = place
+            .implausible(&document, clicked(), place.looks(-9.0))
+            .unwrap();
+        assert!(
+            said.contains("pan jumps 12.6° in one frame (usual ≤ 0.4°)"),
+            "{}: {said}",
+            place.name
+        );
     }
 }
 
-/// The names for the second click of a frame that nothing else is known of, in their order; the right one's rank.
+/// The names for the second click of a frame that nothing else is known of, in their order; the
+/// right one's rank.
 fn names(place: &Place, right_deg: f64) -> (Vec<String>, usize) {
     let (field, ptz) = (field(), place.looks(right_deg));
     let shown = place.shown(ptz);
@@ -142,13 +207,18 @@ fn names(place: &Place, right_deg: f64) -> (Vec<String>, usize) {
         base: Some(&place.base),
         camera: None,
         named: &[Observation::of_landmark(&field, &left.0, left.1, SIZE, 0).unwrap()],
-        taken: &[TakenName { target: Target::Landmark(left.0.as_str().into()), click: 0 }],
+        taken: &[TakenName {
+            target: Target::Landmark(left.0.as_str().into()),
+            click: 0,
+        }],
         neighbours: &[],
         other_shots: &[],
         neighbour_clicks: &[],
     };
-    let names: Vec<String> =
-        candidates(&scene, right.1, false).iter().map(|candidate| candidate.target.as_str().to_owned()).collect();
+    let names: Vec<String> = candidates(&scene, right.1, false)
+        .iter()
+        .map(|candidate| candidate.target.as_str().to_owned())
+        .collect();
     let rank = names.iter().position(|name| *name == right.0).unwrap();
     (names, rank)
 }
@@ -160,11 +230,17 @@ fn names_are_ranked_alike_from_every_side() {
         // The far side sees what the main stand sees of the field turned by half a turn.
         let (field, (on_main, rank)) = (field(), names(&main, right_deg));
         let turned = on_main.iter().map(|name| {
-            let twin = Symmetry::Turn180.landmark_twin(&field, field.landmark(name).unwrap()).unwrap();
+            let twin = Symmetry::Turn180
+                .landmark_twin(&field, field.landmark(name).unwrap())
+                .unwrap();
             twin.id.as_str().to_owned()
         });
         // Farther down stand names that contradict the other click: these have no one best camera.
-        assert_eq!(names(&far, right_deg).0[..4], turned.take(4).collect::<Vec<_>>(), "{right_deg}");
+        assert_eq!(
+            names(&far, right_deg).0[..4],
+            turned.take(4).collect::<Vec<_>>(),
+            "{right_deg}"
+        );
         assert!(rank < 3, "{right_deg}: {rank} of {on_main:?}");
         for end in [left, right] {
             let (found, rank) = names(&end, right_deg);
@@ -179,7 +255,11 @@ fn the_map_of_what_references_see_is_the_same_from_the_far_side() {
     let coverage = |place: &Place| {
         let mut document = place.document();
         for (number, right_deg) in [-30.0, -10.0, 2.0].into_iter().enumerate() {
-            document.frames.push(place.frame(number as u64, right_deg, FrameStatus::Reference).into());
+            document.frames.push(
+                place
+                    .frame(number as u64, right_deg, FrameStatus::Reference)
+                    .into(),
+            );
         }
         Coverage::of(&document, &field(), &"main".into(), &[0, 1, 2]).unwrap()
     };
@@ -188,10 +268,19 @@ fn the_map_of_what_references_see_is_the_same_from_the_far_side() {
     assert!((on_main.pan.width() - on_far.pan.width()).abs().degrees() < 1e-9);
     for found in [on_main, on_far, coverage(&left), coverage(&right)] {
         assert!(found.pan.width().degrees() < 140.0, "{:?}", found.pan);
-        assert!(found.cells.iter().any(|cell| cell.references == 0 && cell.field), "some of the field is missing");
+        assert!(
+            found
+                .cells
+                .iter()
+                .any(|cell| cell.references == 0 && cell.field),
+            "some of the field is missing"
+        );
         assert!(found.cells.iter().any(|cell| cell.references > 1));
         let missing = Angle::from_degrees(found.missing_pan_deg.unwrap());
-        assert!(found.pan.contains(missing) && missing == missing.wrapped(), "{missing}");
+        assert!(
+            found.pan.contains(missing) && missing == missing.wrapped(),
+            "{missing}"
+        );
     }
 }
 
@@ -199,14 +288,25 @@ fn the_map_of_what_references_see_is_the_same_from_the_far_side() {
 fn the_next_label_is_where_most_wait_also_across_the_seam() {
     let next = |place: &Place| -> LabelNext {
         let mut document = place.document();
-        // Six on either side of the field's centre, within one view, and seven far to the left, apart from each other.
+        // Six on either side of the field's centre, within one view, and seven far to the left,
+        // apart from each other.
         let waiting = [-1.5, -1.0, -0.5, 0.5, 1.0, 1.5].map(|right_deg| (1, right_deg));
-        let apart = [-140.0, -125.0, -110.0, -95.0, -80.0, -65.0, -50.0].map(|right_deg| (2, right_deg));
+        let apart =
+            [-140.0, -125.0, -110.0, -95.0, -80.0, -65.0, -50.0].map(|right_deg| (2, right_deg));
         for (number, (clip, right_deg)) in waiting.into_iter().chain(apart).enumerate() {
             let mut frame = place.frame(number as u64, right_deg, FrameStatus::Suggested);
             frame.clip = Some(Clip::Number(clip));
-            frame.ptz = Some(FramePtz::new(Ptz { focal_px: 5000.0, ..place.looks(right_deg) }, None));
-            let mut solution = Solution { source: Some(SolutionSource::Forest), ..Solution::default() };
+            frame.ptz = Some(FramePtz::new(
+                Ptz {
+                    focal_px: 5000.0,
+                    ..place.looks(right_deg)
+                },
+                None,
+            ));
+            let mut solution = Solution {
+                source: Some(SolutionSource::Forest),
+                ..Solution::default()
+            };
             solution.confidence = Some(0.5);
             solution.warnings = vec![SolutionWarning::new("coverage", "few".to_owned())];
             frame.solution = Some(solution);
@@ -217,7 +317,9 @@ fn the_next_label_is_where_most_wait_also_across_the_seam() {
     for place in Place::all() {
         let found = next(&place);
         assert_eq!(found.shared_by, 6, "{}: {found:?}", place.name);
-        let right = Angle::from_degrees(found.pan_deg.unwrap()).turn_from(place.centre).degrees();
+        let right = Angle::from_degrees(found.pan_deg.unwrap())
+            .turn_from(place.centre)
+            .degrees();
         assert!(right.abs() < 1.6, "{}: {right}", place.name);
     }
 }
@@ -227,9 +329,18 @@ fn a_pan_over_time_has_no_jump() {
     for place in Place::all() {
         let mut document = place.document();
         for number in 0..30 {
-            document.frames.push(place.frame(number, 1.5 * number as f64 - 20.0, FrameStatus::Suggested).into());
+            document.frames.push(
+                place
+                    .frame(number, 1.5 * number as f64 - 20.0, FrameStatus::Suggested)
+                    .into(),
+            );
         }
-        let course = Course::of(&document, &Disagreements::of(&document), &"main".into(), TimeAxis::Frame);
+        let course = Course::of(
+            &document,
+            &Disagreements::of(&document),
+            &"main".into(),
+            TimeAxis::Frame,
+        );
         assert!(course.standing_out.is_empty(), "{}", place.name);
         for pair in course.points.windows(2) {
             let step = pair[1].value(Quantity::Pan) - pair[0].value(Quantity::Pan);
@@ -249,7 +360,11 @@ fn gold_frames_spread_over_the_circle() {
             document.frames.push(frame.into());
         }
         let chosen = choose_gold(&document);
-        assert!([5, 6, 8, 9].iter().all(|index| chosen.contains(index)), "{}: {chosen:?}", place.name);
+        assert!(
+            [5, 6, 8, 9].iter().all(|index| chosen.contains(index)),
+            "{}: {chosen:?}",
+            place.name
+        );
     }
 }
 
@@ -258,27 +373,54 @@ fn answers_across_the_seam_are_plausible() {
     for place in Place::all() {
         let taught = [-6.0, -3.0, -1.0, 2.0].map(|right_deg| place.looks(right_deg));
         let seen = SeenRange::of(&taught).unwrap();
-        assert!((seen.pan_deg.end() - seen.pan_deg.start() - 8.0).abs() < 1e-9, "{}: {seen:?}", place.name);
+        assert!(
+            (seen.pan_deg.end() - seen.pan_deg.start() - 8.0).abs() < 1e-9,
+            "{}: {seen:?}",
+            place.name
+        );
         let plausible = seen.plausible();
-        for (right_deg, may_be) in [(-35.9, true), (0.5, true), (31.9, true), (-36.1, false), (32.1, false)] {
-            assert_eq!(plausible.contains(&place.looks(right_deg)), may_be, "{} {right_deg}", place.name);
+        for (right_deg, may_be) in [
+            (-35.9, true),
+            (0.5, true),
+            (31.9, true),
+            (-36.1, false),
+            (32.1, false),
+        ] {
+            assert_eq!(
+                plausible.contains(&place.looks(right_deg)),
+                may_be,
+                "{} {right_deg}",
+                place.name
+            );
         }
         // Where a forest of an earlier version has the least and the greatest of the pans.
         let pans = taught.map(|ptz| ptz.pan.degrees());
-        let (least, greatest) = pans.iter().fold((180.0_f64, -180.0_f64), |(a, b), pan| (pan.min(a), pan.max(b)));
-        let earlier = SeenRange { pan_deg: least..=greatest, ..seen };
-        assert!(taught.iter().all(|ptz| earlier.plausible().contains(ptz)), "{}", place.name);
+        let (least, greatest) = pans.iter().fold((180.0_f64, -180.0_f64), |(a, b), pan| {
+            (pan.min(a), pan.max(b))
+        });
+        let earlier = SeenRange {
+            pan_deg: least..=greatest,
+            ..seen
+        };
+        assert!(
+            taught.iter().all(|ptz| earlier.plausible().contains(ptz)),
+            "{}",
+            place.name
+        );
     }
 }
 
-/// Frames of a drawn match, taught by those that look further left and asked of those that look further right.
+/// Frames of a drawn match, taught by those that look further left and asked of those that look
+/// further right.
 #[cfg(feature = "opencv")]
 #[test]
 fn frames_drawn_from_every_side_are_found_again() {
     use touchline_core::geometry::rotation::{angle_between, q_pan, q_tilt};
     use touchline_vision::features::{FeatureOptions, extract};
     use touchline_vision::media::Picture;
-    use touchline_vision::relocalize::{RelocalizeOptions, Samples, TrainOptions, relocalize, train};
+    use touchline_vision::relocalize::{
+        RelocalizeOptions, Samples, TrainOptions, relocalize, train,
+    };
     use touchline_vision::synthetic::{CameraMotion, PathStep, Preset, StadiumOptions, stadium};
 
     const SMALL: ImageSize = ImageSize::new(640, 360);
@@ -287,19 +429,47 @@ fn frames_drawn_from_every_side_are_found_again() {
     // Drawing takes its time: a seam in the middle of what is taught, and a camera behind a goal.
     let [_, far, _, right_goal] = Place::all();
     for place in [far, right_goal] {
-        let base = CameraBase { principal_point: SMALL.centre(), ..place.base };
-        let camera = |right_deg| PtzCamera::new(base, Ptz { focal_px: 700.0, ..place.looks(right_deg) });
+        let base = CameraBase {
+            principal_point: SMALL.centre(),
+            ..place.base
+        };
+        let camera = |right_deg| {
+            PtzCamera::new(
+                base,
+                Ptz {
+                    focal_px: 700.0,
+                    ..place.looks(right_deg)
+                },
+            )
+        };
         let features = |number: usize, camera: &PtzCamera| {
-            let step = PathStep { time_s: 3.0, ptz: camera.ptz(), motion: CameraMotion::default() };
-            let drawn = scene.render(camera, SMALL, &shoot.frame(number, &step, SMALL, 5)).image;
-            let rgba: Vec<u8> = drawn.pixels().flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
-            extract(&Picture::new(SMALL, rgba).unwrap(), &[], &FeatureOptions::default()).unwrap()
+            let step = PathStep {
+                time_s: 3.0,
+                ptz: camera.ptz(),
+                motion: CameraMotion::default(),
+            };
+            let drawn = scene
+                .render(camera, SMALL, &shoot.frame(number, &step, SMALL, 5))
+                .image;
+            let rgba: Vec<u8> = drawn
+                .pixels()
+                .flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255])
+                .collect();
+            extract(
+                &Picture::new(SMALL, rgba).unwrap(),
+                &[],
+                &FeatureOptions::default(),
+            )
+            .unwrap()
         };
         let taught = [-15.0, -8.0, -1.5].map(camera);
         let mut samples = Samples::new();
         for (number, camera) in taught.iter().enumerate() {
             let found = features(number, camera);
-            let rays = found.keypoints.iter().map(|keypoint| camera.ray_from_image(keypoint.point).unwrap());
+            let rays = found
+                .keypoints
+                .iter()
+                .map(|keypoint| camera.ray_from_image(keypoint.point).unwrap());
             samples.add_frame(found.descriptors.iter().copied().zip(rays));
         }
         let seen = SeenRange::of(&taught.map(|camera| camera.ptz())).unwrap();
@@ -308,7 +478,10 @@ fn frames_drawn_from_every_side_are_found_again() {
             let truth = camera(right_deg);
             let asked = features(10 + number, &truth);
             let answer = relocalize(&asked, &forest, &seen, &base, &RelocalizeOptions::default());
-            let found = answer.pose.unwrap_or_else(|reason| panic!("{} {right_deg}: {reason}", place.name)).ptz;
+            let found = answer
+                .pose
+                .unwrap_or_else(|reason| panic!("{} {right_deg}: {reason}", place.name))
+                .ptz;
             let turned = |ptz: Ptz| q_tilt(ptz.tilt) * q_pan(ptz.pan);
             let off = angle_between(&turned(found), &turned(truth.ptz())).degrees();
             assert!(off < 0.1, "{} {right_deg}: {off}°", place.name);
@@ -323,7 +496,9 @@ fn coverage_is_reported_for_each_camera() {
     let mut second = Camera::new("far".into(), SIZE);
     second.set_base(&far.base);
     document.cameras.push(second.into());
-    document.frames.push(main.frame(0, 0.0, FrameStatus::Reference).into());
+    document
+        .frames
+        .push(main.frame(0, 0.0, FrameStatus::Reference).into());
     let mut frame = far.frame(1, 0.0, FrameStatus::Reference);
     frame.camera = "far".into();
     document.frames.push(frame.into());

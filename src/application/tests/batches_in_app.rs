@@ -8,7 +8,9 @@ use touchline_calibration::proposals::Proposal;
 use touchline_documents::document::document_to_string;
 
 fn propose(bench: &mut Bench, generation: u64, pans_deg: &[(usize, Option<f64>)]) {
-    let proposals = pans_deg.iter().map(|(frame, pan_deg)| proposal(bench, *frame, generation, *pan_deg));
+    let proposals = pans_deg
+        .iter()
+        .map(|(frame, pan_deg)| proposal(bench, *frame, generation, *pan_deg));
     let proposals: Vec<Proposal> = proposals.collect();
     bench.act(Action::Trainer(TrainerReport::Proposals(proposals)));
 }
@@ -17,11 +19,21 @@ fn propose(bench: &mut Bench, generation: u64, pans_deg: &[(usize, Option<f64>)]
 fn a_batch_is_discarded_where_nobody_has_touched_its_frames() {
     let start = blank(4);
     let mut bench = Bench::new(start.clone());
-    assert_eq!(bench.app.why_not(Command::DiscardBatch), Some("Nothing is suggested for this frame."));
-    propose(&mut bench, 1, &[(0, Some(1.0)), (1, Some(2.0)), (2, Some(3.0)), (3, None)]);
+    assert_eq!(
+        bench.app.why_not(Command::DiscardBatch),
+        Some("Nothing is suggested for this frame.")
+    );
+    propose(
+        &mut bench,
+        1,
+        &[(0, Some(1.0)), (1, Some(2.0)), (2, Some(3.0)), (3, None)],
+    );
     bench.act(Action::Navigate(Navigation::GoTo(1)));
     bench.command(Command::AcceptAndStay);
-    assert!(bench.app.why_not(Command::DiscardBatch).is_some(), "an accepted frame shows no suggestion");
+    assert!(
+        bench.app.why_not(Command::DiscardBatch).is_some(),
+        "an accepted frame shows no suggestion"
+    );
     bench.act(Action::Navigate(Navigation::GoTo(0)));
     assert_eq!(bench.app.why_not(Command::DiscardBatch), None);
 
@@ -29,8 +41,15 @@ fn a_batch_is_discarded_where_nobody_has_touched_its_frames() {
     assert_eq!(bench.statuses(), "NRNN");
     assert_eq!(bench.last_notice(), "3 frames have no suggestion now.");
     assert!(bench.app.why_not(Command::DiscardBatch).is_some());
-    assert_eq!(bench.app.open().unwrap().history.next_undo().unwrap().name, "Accept", "it is no step");
-    assert_eq!(bench.journalled(&start), *bench.app.open().unwrap().document);
+    assert_eq!(
+        bench.app.open().unwrap().history.next_undo().unwrap().name,
+        "Accept",
+        "it is no step"
+    );
+    assert_eq!(
+        bench.journalled(&start),
+        *bench.app.open().unwrap().document
+    );
 }
 
 #[test]
@@ -41,8 +60,14 @@ fn undo_takes_back_what_people_did_and_never_what_was_suggested_or_discarded() {
     bench.command(Command::DiscardBatch);
     propose(&mut bench, 2, &[(1, Some(4.0))]);
     bench.command(Command::Undo);
-    assert_eq!((bench.statuses().as_str(), bench.pan_deg(1)), ("NS", Some(4.0)));
-    assert!(bench.app.why_not(Command::Undo).is_some(), "the comment was all that a person did");
+    assert_eq!(
+        (bench.statuses().as_str(), bench.pan_deg(1)),
+        ("NS", Some(4.0))
+    );
+    assert!(
+        bench.app.why_not(Command::Undo).is_some(),
+        "the comment was all that a person did"
+    );
 }
 
 #[test]
@@ -53,7 +78,10 @@ fn a_forest_whose_batch_was_discarded_answers_no_more_and_a_later_one_does() {
     propose(&mut bench, 1, &[(0, Some(1.0)), (1, Some(3.0))]);
     assert_eq!(bench.statuses(), "NN");
     propose(&mut bench, 2, &[(0, Some(1.0))]);
-    assert_eq!((bench.statuses().as_str(), bench.pan_deg(0)), ("SN", Some(1.0)));
+    assert_eq!(
+        (bench.statuses().as_str(), bench.pan_deg(0)),
+        ("SN", Some(1.0))
+    );
 }
 
 #[test]
@@ -87,21 +115,41 @@ mod told {
     fn the_trainer_hears_of_its_own_answers_by_their_keys_and_gets_the_document_after_edits() {
         let mut bench = Bench::new(blank(3));
         bench.act(Action::Edit(EditAction::SetComment("rain".into())));
-        assert!(matches!(&orders(&mut bench)[..], [TrainerOrder::Document(_)]));
+        assert!(matches!(
+            &orders(&mut bench)[..],
+            [TrainerOrder::Document(_)]
+        ));
         propose(&mut bench, 1, &[(0, Some(1.0)), (2, None)]);
         let told = orders(&mut bench);
-        let [TrainerOrder::Shown(keys)] = &told[..] else { panic!("{told:?}") };
+        let [TrainerOrder::Shown(keys)] = &told[..] else {
+            panic!("{told:?}")
+        };
         let frames = &bench.app.open().unwrap().document.frames;
-        let expected = [0, 2].map(|position| (frames[position].id.clone(), frames[position].revision, 1));
-        let keys: Vec<_> = keys.iter().map(|key| (key.frame.clone(), key.revision, key.generation)).collect();
+        let expected =
+            [0, 2].map(|position| (frames[position].id.clone(), frames[position].revision, 1));
+        let keys: Vec<_> = keys
+            .iter()
+            .map(|key| (key.frame.clone(), key.revision, key.generation))
+            .collect();
         assert_eq!(keys, expected);
 
         propose(&mut bench, 1, &[(0, Some(1.0))]);
         assert_eq!(orders(&mut bench), [], "nothing new is shown");
         bench.command(Command::DiscardBatch);
         let told = orders(&mut bench);
-        let [TrainerOrder::Refused(refused), TrainerOrder::Document(document)] = &told[..] else { panic!("{told:?}") };
+        let [
+            TrainerOrder::Refused(refused),
+            TrainerOrder::Document(document),
+        ] = &told[..]
+        else {
+            panic!("{told:?}")
+        };
         assert_eq!((refused.frames.len(), refused.generation), (2, 1));
-        assert!(document.frames.iter().all(|frame| !frame.shows_suggestion()));
+        assert!(
+            document
+                .frames
+                .iter()
+                .all(|frame| !frame.shows_suggestion())
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! Changes after which many frames are solved again: in the background, one step of undo, nobody's edits overwritten.
+//! Changes after which many frames are solved again: in the background, one step of undo, nobody's
+//! edits overwritten.
 
 use crate::bench::uncounted;
 use std::ops::ControlFlow;
@@ -7,7 +8,8 @@ use touchline_application::app::operation::{Job, Operation};
 use touchline_application::app::operations::BulkSolving;
 use touchline_application::app::selection::Scope;
 use touchline_application::app::{
-    Action, App, CameraChoice, Command, EditAction, Effect, Navigation, Opened, PointerAction, Settings,
+    Action, App, CameraChoice, Command, EditAction, Effect, Navigation, Opened, PointerAction,
+    Settings,
 };
 use touchline_application::jobs::SharedPictures;
 use touchline_calibration::calibrate::{BulkChange, BulkError, BulkSolve};
@@ -25,7 +27,11 @@ const FRAMES: usize = 210;
 const EDITED: usize = 7;
 
 fn base(height_m: f64) -> CameraBase {
-    CameraBase::new(Vec3::new(1.0, -64.0, height_m), BaseAngles::default().base_from_world(), SIZE.centre())
+    CameraBase::new(
+        Vec3::new(1.0, -64.0, height_m),
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    )
 }
 
 /// Frames that are clicked, solved and accepted; the last one is a suggestion that nobody clicked.
@@ -39,18 +45,38 @@ fn document() -> Document {
         let ptz = Ptz::from_degrees(20.0 * (index as f64 / 40.0).sin(), -13.0, 2300.0);
         let pointed = PtzCamera::new(base(18.0), ptz);
         let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE);
-        let image = |landmark| pointed.image_from_world(field.landmark_in_world(landmark)).ok();
-        let shown = field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0);
-        let shown =
-            shown.filter_map(|landmark| Some((landmark, image(landmark).filter(|image| SIZE.contains(*image))?)));
-        frame.clicks = shown.take(2).map(|(landmark, image)| Click::landmark(landmark.id.clone(), image)).collect();
+        let image = |landmark| {
+            pointed
+                .image_from_world(field.landmark_in_world(landmark))
+                .ok()
+        };
+        let shown = field
+            .landmarks
+            .iter()
+            .filter(|landmark| landmark.nominal_m.z == 0.0);
+        let shown = shown.filter_map(|landmark| {
+            Some((
+                landmark,
+                image(landmark).filter(|image| SIZE.contains(*image))?,
+            ))
+        });
+        frame.clicks = shown
+            .take(2)
+            .map(|(landmark, image)| Click::landmark(landmark.id.clone(), image))
+            .collect();
         frame.status = FrameStatus::Reference;
         frame.ptz = Some(FramePtz::new(ptz, None));
-        frame.solution = Some(Solution { source: Some(SolutionSource::Clicks), ..Solution::default() });
+        frame.solution = Some(Solution {
+            source: Some(SolutionSource::Clicks),
+            ..Solution::default()
+        });
         if index + 1 == FRAMES {
             frame.clicks.clear();
             frame.status = FrameStatus::Suggested;
-            frame.solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
+            frame.solution = Some(Solution {
+                source: Some(SolutionSource::Forest),
+                ..Solution::default()
+            });
         }
         document.frames.push(frame.into());
     }
@@ -59,7 +85,10 @@ fn document() -> Document {
 
 fn open(document: Document) -> App {
     let mut app = App::new(Settings::default());
-    app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+    app.update(Action::Opened(Box::new(Opened::new(
+        document,
+        "/match/project.json",
+    ))));
     app
 }
 
@@ -100,9 +129,15 @@ fn is_solved_for(document: &Document, index: usize, height: f64) -> bool {
         camera.set_base(&base(height));
         camera.into()
     };
-    touchline_calibration::calibrate::solve_document(&mut alone, "/match".as_ref(), &Progress::default()).unwrap();
+    touchline_calibration::calibrate::solve_document(
+        &mut alone,
+        "/match".as_ref(),
+        &Progress::default(),
+    )
+    .unwrap();
     let [known, wanted] = [frame, &alone.frames[0]].map(|frame| frame.ptz.as_ref().unwrap().ptz());
-    (known.tilt - wanted.tilt).abs().degrees() < 1e-6 && (known.focal_px - wanted.focal_px).abs() < 1e-3
+    (known.tilt - wanted.tilt).abs().degrees() < 1e-6
+        && (known.focal_px - wanted.focal_px).abs() < 1e-3
 }
 
 #[test]
@@ -116,22 +151,51 @@ fn many_frames_are_solved_in_the_background_in_one_step_and_edits_made_meanwhile
 
     app.update(Action::Navigate(Navigation::GoTo(EDITED)));
     app.update(Action::Navigate(Navigation::Select(Some(0))));
-    app.update(Action::Edit(EditAction::Nudge { dx_px: 3.0, dy_px: 0.0, held: false }));
+    app.update(Action::Edit(EditAction::Nudge {
+        dx_px: 3.0,
+        dy_px: 0.0,
+        held: false,
+    }));
     let clicks = now(&app).frames[EDITED].clicks.clone();
     assert_ne!(clicks, before.frames[EDITED].clicks);
     let edited = now(&app).clone();
 
     let effects = app.update(solved(&order));
     assert!(!app.operations.bulk_solve.is_running());
-    let journalled = effects.iter().filter(|effect| matches!(effect, Effect::Journal { .. })).count();
+    let journalled = effects
+        .iter()
+        .filter(|effect| matches!(effect, Effect::Journal { .. }))
+        .count();
     assert_eq!((height_m(now(&app)), journalled), (18.5, 1));
-    assert_eq!(now(&app).frames[EDITED].clicks, clicks, "the edit is not overwritten");
-    assert!([0, 1, EDITED, 100, FRAMES - 2].into_iter().all(|index| is_solved_for(now(&app), index, 18.5)));
-    assert_eq!(now(&app).frames[FRAMES - 1].status, FrameStatus::New, "it was proposed for the old base");
-    assert!(app.session.messages.notices.iter().any(|notice| notice.text.starts_with("1 proposal ")));
+    assert_eq!(
+        now(&app).frames[EDITED].clicks,
+        clicks,
+        "the edit is not overwritten"
+    );
+    assert!(
+        [0, 1, EDITED, 100, FRAMES - 2]
+            .into_iter()
+            .all(|index| is_solved_for(now(&app), index, 18.5))
+    );
+    assert_eq!(
+        now(&app).frames[FRAMES - 1].status,
+        FrameStatus::New,
+        "it was proposed for the old base"
+    );
+    assert!(
+        app.session
+            .messages
+            .notices
+            .iter()
+            .any(|notice| notice.text.starts_with("1 proposal "))
+    );
 
     app.update(Action::Command(Command::Undo));
-    assert_eq!(uncounted(now(&app)), uncounted(&edited), "one step takes all of it back, and nothing else");
+    assert_eq!(
+        uncounted(now(&app)),
+        uncounted(&edited),
+        "one step takes all of it back, and nothing else"
+    );
     app.update(Action::Command(Command::Redo));
     assert_eq!(height_m(now(&app)), 18.5);
     app.update(Action::Command(Command::Undo));
@@ -175,11 +239,13 @@ fn the_work_tells_how_far_it_is_and_ends_when_it_is_stopped() {
     let mut told = told.into_inner().unwrap();
     told.sort_unstable();
     assert_eq!(told, (1..=FRAMES).collect::<Vec<_>>(), "each frame once");
-    let some = Progress::new(
-        |progress: Share| {
-            if progress.done > 20 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        },
-    );
+    let some = Progress::new(|progress: Share| {
+        if progress.done > 20 {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    });
     assert_eq!(work().run(&some).unwrap_err(), BulkError::Stopped);
 }
 
@@ -191,16 +257,42 @@ fn a_drag_is_not_cut_in_two() {
     app.update(Action::Navigate(Navigation::GoTo(EDITED)));
     let at = app.frame().unwrap().clicks[0].image;
     app.update(Action::Pointer(PointerAction::Press { at, on: Some(0) }));
-    app.update(Action::Pointer(PointerAction::Drag(ImagePoint::new(at.x + 2.0, at.y))));
+    app.update(Action::Pointer(PointerAction::Drag(ImagePoint::new(
+        at.x + 2.0,
+        at.y,
+    ))));
     app.update(solved(&order));
-    assert_eq!(height_m(now(&app)), 18.0, "it waits for the end of the drag");
-    app.update(Action::Pointer(PointerAction::Drag(ImagePoint::new(at.x + 5.0, at.y))));
+    assert_eq!(
+        height_m(now(&app)),
+        18.0,
+        "it waits for the end of the drag"
+    );
+    app.update(Action::Pointer(PointerAction::Drag(ImagePoint::new(
+        at.x + 5.0,
+        at.y,
+    ))));
     app.update(Action::Pointer(PointerAction::Release));
-    assert_eq!((height_m(now(&app)), now(&app).frames[EDITED].clicks[0].image.x), (18.5, at.x + 5.0));
+    assert_eq!(
+        (
+            height_m(now(&app)),
+            now(&app).frames[EDITED].clicks[0].image.x
+        ),
+        (18.5, at.x + 5.0)
+    );
     app.update(Action::Command(Command::Undo));
-    assert_eq!((height_m(now(&app)), now(&app).frames[EDITED].clicks[0].image.x), (18.0, at.x + 5.0));
+    assert_eq!(
+        (
+            height_m(now(&app)),
+            now(&app).frames[EDITED].clicks[0].image.x
+        ),
+        (18.0, at.x + 5.0)
+    );
     app.update(Action::Command(Command::Undo));
-    assert_eq!(now(&app).frames[EDITED].clicks[0].image, at, "the drag was one step");
+    assert_eq!(
+        now(&app).frames[EDITED].clicks[0].image,
+        at,
+        "the drag was one step"
+    );
 }
 
 #[test]
@@ -213,7 +305,8 @@ fn where_the_cameras_have_changed_meanwhile_it_is_worked_out_again() {
     let second = ordered(app.update(change)).unwrap();
     app.update(Action::Command(Command::Undo));
     assert_eq!(height_m(now(&app)), 18.0);
-    let again = ordered(app.update(solved(&second))).expect("the camera is not the one it was worked out for");
+    let again = ordered(app.update(solved(&second)))
+        .expect("the camera is not the one it was worked out for");
     assert!(again.id() != second.id() && height_m(now(&app)) == 18.0);
     app.update(solved(&again));
     assert_eq!(height_m(now(&app)), 19.0);
@@ -238,10 +331,18 @@ fn a_frame_that_is_given_away_while_it_is_edited_keeps_its_edit_and_gets_its_cam
     app.update(solved(&order));
     let frames = &now(&app).frames;
     assert!((3..FRAMES).all(|index| frames[index].camera.as_str() == "second"));
-    assert_eq!((frames[2].camera.as_str(), frames[EDITED].comment.as_deref()), ("main", Some("rain")));
+    assert_eq!(
+        (frames[2].camera.as_str(), frames[EDITED].comment.as_deref()),
+        ("main", Some("rain"))
+    );
     assert!(frames[EDITED].ptz.is_some() && frames[EDITED].ptz != frames[2].ptz);
     app.update(Action::Command(Command::Undo));
-    assert!(now(&app).frames.iter().all(|frame| frame.camera.as_str() == "main"));
+    assert!(
+        now(&app)
+            .frames
+            .iter()
+            .all(|frame| frame.camera.as_str() == "main")
+    );
     assert_eq!(now(&app).frames[EDITED].comment.as_deref(), Some("rain"));
 }
 
@@ -253,7 +354,13 @@ fn what_cannot_be_done_is_told_and_changes_nothing() {
     let order = ordered(app.update(change)).unwrap();
     app.update(Action::Report(order.panicked("out of grass".to_owned())));
     assert_eq!(*now(&app), before);
-    assert!(app.session.messages.notices.iter().any(|notice| notice.text.contains("out of grass")));
+    assert!(
+        app.session
+            .messages
+            .notices
+            .iter()
+            .any(|notice| notice.text.contains("out of grass"))
+    );
     assert!(!app.operations.bulk_solve.is_running());
 }
 
@@ -265,7 +372,10 @@ fn undo_in_a_blind_round_takes_back_its_own_click() {
     let change = higher(&app, 18.5);
     let order = ordered(app.update(change)).expect("many frames");
     app.update(Action::Command(Command::ClickAgain));
-    let asked = app.round().and_then(|round| round.asked().cloned()).expect("a round");
+    let asked = app
+        .round()
+        .and_then(|round| round.asked().cloned())
+        .expect("a round");
     let at = now(&app).frames[asked.frame].clicks[0].image;
     app.update(Action::Pointer(PointerAction::Press { at, on: None }));
     app.update(Action::Pointer(PointerAction::Release));
@@ -274,9 +384,17 @@ fn undo_in_a_blind_round_takes_back_its_own_click() {
     app.update(solved(&order));
     assert_eq!(height_m(now(&app)), 18.5, "it became a step meanwhile");
     app.update(Action::Command(Command::Undo));
-    assert_eq!((repeats(&app), height_m(now(&app))), (0, 18.5), "nothing else is taken back");
+    assert_eq!(
+        (repeats(&app), height_m(now(&app))),
+        (0, 18.5),
+        "nothing else is taken back"
+    );
     let again = app.round().and_then(|round| round.asked().cloned());
-    assert_eq!(again.map(|asked| asked.landmark), Some(asked.landmark), "it is asked for again");
+    assert_eq!(
+        again.map(|asked| asked.landmark),
+        Some(asked.landmark),
+        "it is asked for again"
+    );
 }
 
 #[test]
@@ -284,9 +402,21 @@ fn a_mask_that_is_drawn_meanwhile_stays() {
     let mut app = open(document());
     let change = higher(&app, 18.5);
     let order = ordered(app.update(change)).expect("many frames");
-    let mask = PixelBox { x: 60.0, y: 40.0, width: 300.0, height: 50.0 };
-    app.update(Action::Edit(EditAction::AddMask { of_camera: true, mask }));
-    let again = ordered(app.update(solved(&order))).expect("the camera changed meanwhile: it is worked out again");
+    let mask = PixelBox {
+        x: 60.0,
+        y: 40.0,
+        width: 300.0,
+        height: 50.0,
+    };
+    app.update(Action::Edit(EditAction::AddMask {
+        of_camera: true,
+        mask,
+    }));
+    let again = ordered(app.update(solved(&order)))
+        .expect("the camera changed meanwhile: it is worked out again");
     app.update(solved(&again));
-    assert_eq!((height_m(now(&app)), &now(&app).cameras[0].masks[..]), (18.5, &[mask][..]));
+    assert_eq!(
+        (height_m(now(&app)), &now(&app).cameras[0].masks[..]),
+        (18.5, &[mask][..])
+    );
 }

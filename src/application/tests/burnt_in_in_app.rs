@@ -10,11 +10,24 @@ use touchline_application::app::{
     Action, App, Command, EditAction, MaskList, Navigation, Opened, Settings, ViewAction,
 };
 use touchline_calibration::proposals::FoundMask;
-use touchline_documents::document::{Camera, Document, Extra, FieldSpec, Frame, MaskSource, RangedMask};
+use touchline_documents::document::{
+    Camera, Document, Extra, FieldSpec, Frame, MaskSource, RangedMask,
+};
 
 fn found(from: Option<u64>, to: Option<u64>) -> FoundMask {
-    let mask = RangedMask { pixel_box: BUG, from, to, source: MaskSource::Found, extra: Extra::new() };
-    FoundMask { camera: "main".into(), mask, frames: [0, 4], features: 40 }
+    let mask = RangedMask {
+        pixel_box: BUG,
+        from,
+        to,
+        source: MaskSource::Found,
+        extra: Extra::new(),
+    };
+    FoundMask {
+        camera: "main".into(),
+        mask,
+        frames: [0, 4],
+        features: 40,
+    }
 }
 
 fn bench_with_found() -> Bench {
@@ -25,25 +38,51 @@ fn bench_with_found() -> Bench {
 
 /// A document with what opening it started.
 fn opened(document: Document) -> Bench {
-    let mut bench = Bench { app: App::new(Settings::default()), effects: Vec::new() };
+    let mut bench = Bench {
+        app: App::new(Settings::default()),
+        effects: Vec::new(),
+    };
     open(&mut bench, document);
     bench
 }
 
 fn open(bench: &mut Bench, document: Document) {
-    bench.act(Action::Opened(Box::new(Opened::new(document, "/nowhere/project.json"))));
+    bench.act(Action::Opened(Box::new(Opened::new(
+        document,
+        "/nowhere/project.json",
+    ))));
 }
 
 #[test]
 fn what_looks_burned_in_is_asked_about_and_kept_in_one_step() {
     let mut bench = bench_with_found();
-    let [notice] = &bench.app.session.messages.notices[..] else { panic!("{:?}", bench.app.session.messages.notices) };
-    assert_eq!(notice.level, Level::Question, "it stays until somebody answers");
-    assert!(notice.text.contains("burned in") && notice.text.contains("300 × 50 px at 60, 40"), "{}", notice.text);
-    assert_eq!(notice.offers.iter().map(|(says, _)| *says).collect::<Vec<_>>(), ["Keep", "Change"]);
+    let [notice] = &bench.app.session.messages.notices[..] else {
+        panic!("{:?}", bench.app.session.messages.notices)
+    };
+    assert_eq!(
+        notice.level,
+        Level::Question,
+        "it stays until somebody answers"
+    );
+    assert!(
+        notice.text.contains("burned in") && notice.text.contains("300 × 50 px at 60, 40"),
+        "{}",
+        notice.text
+    );
+    assert_eq!(
+        notice
+            .offers
+            .iter()
+            .map(|(says, _)| *says)
+            .collect::<Vec<_>>(),
+        ["Keep", "Change"]
+    );
     assert_eq!(bench.app.asked_masks(), [BUG], "shown on the picture");
     bench.act(Action::Navigate(Navigation::GoTo(7)));
-    assert!(bench.app.asked_masks().is_empty(), "not where it is not shown");
+    assert!(
+        bench.app.asked_masks().is_empty(),
+        "not where it is not shown"
+    );
     bench.command(Command::KeepBurntIn);
     assert_eq!(ranged(&bench.app), [(None, Some(499), MaskSource::Found)]);
     assert!(bench.app.session.messages.notices.is_empty() && !bench.app.session.picture.masks);
@@ -60,7 +99,10 @@ fn change_keeps_them_and_opens_the_masks() {
     bench.command(Command::ChangeBurntIn);
     assert_eq!(ranged(&bench.app).len(), 1);
     assert!(bench.app.session.picture.masks && bench.app.session.panel == SidePanel::Camera);
-    bench.act(Action::Edit(EditAction::RemoveMask { list: MaskList::Ranged, index: 0 }));
+    bench.act(Action::Edit(EditAction::RemoveMask {
+        list: MaskList::Ranged,
+        index: 0,
+    }));
     assert!(ranged(&bench.app).is_empty());
 }
 
@@ -70,14 +112,24 @@ fn a_closed_question_shows_nothing_and_what_is_masked_is_not_asked_again() {
     let id = bench.app.session.messages.notices[0].id;
     bench.act(Action::View(ViewAction::DismissNotice(id)));
     assert!(bench.app.asked_masks().is_empty());
-    assert!(bench.app.why_not(Command::KeepBurntIn).is_none(), "the menu still offers it");
+    assert!(
+        bench.app.why_not(Command::KeepBurntIn).is_none(),
+        "the menu still offers it"
+    );
     bench.command(Command::KeepBurntIn);
     let before = bench.started::<BurntInSearch>().id();
     let document = (*bench.app.open().unwrap().document).clone();
     open(&mut bench, document);
     bench.report_end::<BurntInSearch>(Ok(vec![found(None, None)]));
-    bench.act(Action::Report(Report::of_end::<BurntInSearch>(before, Ok(vec![found(None, None)]))));
-    assert!(bench.app.session.messages.notices.is_empty(), "{:?}", bench.app.session.messages.notices);
+    bench.act(Action::Report(Report::of_end::<BurntInSearch>(
+        before,
+        Ok(vec![found(None, None)]),
+    )));
+    assert!(
+        bench.app.session.messages.notices.is_empty(),
+        "{:?}",
+        bench.app.session.messages.notices
+    );
 }
 
 #[test]
@@ -90,28 +142,54 @@ fn a_drawn_match_with_a_score_bug_is_asked_about_after_opening() {
 
     const DRAWN: ImageSize = ImageSize::new(640, 360);
     let folder = tempfile::tempdir().unwrap();
-    let scene = stadium(&StadiumOptions::new(builtin("soccer").unwrap().default_model().unwrap(), 7));
+    let scene = stadium(&StadiumOptions::new(
+        builtin("soccer").unwrap().default_model().unwrap(),
+        7,
+    ));
     let base = Preset::Easy.shoot().main_camera(DRAWN);
     let mut document = Document::new(FieldSpec::new("soccer"));
-    document.cameras.push(Camera::new("main".into(), DRAWN).into());
+    document
+        .cameras
+        .push(Camera::new("main".into(), DRAWN).into());
     for (index, pan_deg) in [-22.0, -9.0, 4.0, 18.0].into_iter().enumerate() {
         let camera = PtzCamera::new(base, Ptz::from_degrees(pan_deg, -11.0, 1100.0));
-        let graphics = Graphics { score_bug: true, ..Graphics::default() };
-        let options = FrameOptions { time_s: 3.0 * index as f64, graphics, ..FrameOptions::default() };
+        let graphics = Graphics {
+            score_bug: true,
+            ..Graphics::default()
+        };
+        let options = FrameOptions {
+            time_s: 3.0 * index as f64,
+            graphics,
+            ..FrameOptions::default()
+        };
         let name = format!("{index}.png");
-        scene.render(&camera, DRAWN, &options).image.save(folder.path().join(&name)).unwrap();
-        document.frames.push(Frame::from_image(&name, "main".into(), DRAWN).into());
+        scene
+            .render(&camera, DRAWN, &options)
+            .image
+            .save(folder.path().join(&name))
+            .unwrap();
+        document
+            .frames
+            .push(Frame::from_image(&name, "main".into(), DRAWN).into());
     }
     let text = touchline_documents::document::document_to_string(&document).unwrap();
     std::fs::write(folder.path().join("project.json"), text).unwrap();
     let mut headless = Headless::new();
     headless.act(Action::Open(folder.path().to_path_buf()));
-    headless.wait_until("the question", |app| app.session.offers(Command::KeepBurntIn));
+    headless.wait_until("the question", |app| {
+        app.session.offers(Command::KeepBurntIn)
+    });
     let masks = headless.app.asked_masks();
-    assert!(!masks.is_empty() && masks.iter().all(|mask| mask.y < 80.0 || mask.y > 280.0), "{masks:?}");
+    assert!(
+        !masks.is_empty() && masks.iter().all(|mask| mask.y < 80.0 || mask.y > 280.0),
+        "{masks:?}"
+    );
     headless.act(Action::Command(Command::KeepBurntIn));
     headless.wait_until("the journal", |app| {
-        matches!(app.session.disk.saving, touchline_application::app::session::Saving::Saved { .. })
+        matches!(
+            app.session.disk.saving,
+            touchline_application::app::session::Saving::Saved { .. }
+        )
     });
     assert_eq!(ranged(&headless.app).len(), masks.len());
 }

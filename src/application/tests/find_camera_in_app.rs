@@ -1,4 +1,5 @@
-//! The camera found without a click, in the application: begun, told of, taken over as one step, doubted in words.
+//! The camera found without a click, in the application: begun, told of, taken over as one step,
+//! doubted in words.
 #![cfg(feature = "opencv")]
 
 use crate::bench::{Bench, base, landmark_in, uncounted};
@@ -12,7 +13,9 @@ use touchline_application::app::{Action, App, Command, EditAction, Navigation, P
 use touchline_calibration::autocalibrate::{
     Abstention, AutocalibrationAnswer, AutocalibrationProgress, DecidingLandmark, Doubt,
 };
-use touchline_calibration::calibrate::{AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence};
+use touchline_calibration::calibrate::{
+    AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence,
+};
 use touchline_core::camera::{BaseSigma, CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec3};
 use touchline_documents::document::{Click, Document, FrameStatus, SolutionSource};
@@ -30,17 +33,41 @@ fn ptz(frame: usize) -> Ptz {
     Ptz::from_degrees(8.0 * frame as f64 - 16.0, -13.0, 2300.0)
 }
 
-/// The camera of the drawn truth moved sideways, over a flat field as the truth, found from all but the last frame.
+/// The camera of the drawn truth moved sideways, over a flat field as the truth, found from all but
+/// the last frame.
 fn found(frames: usize, sideways_m: f64) -> AutocalibratedCamera {
     let known = base();
-    let sigma = BaseSigma { position_m: Vec3::new(0.3, 0.4, 0.0), ..known.sigma };
-    let base = CameraBase { position_m: known.position_m + Vec3::new(sideways_m, 0.0, 0.0), sigma, ..known };
+    let sigma = BaseSigma {
+        position_m: Vec3::new(0.3, 0.4, 0.0),
+        ..known.sigma
+    };
+    let base = CameraBase {
+        position_m: known.position_m + Vec3::new(sideways_m, 0.0, 0.0),
+        sigma,
+        ..known
+    };
     let frames = (0..frames - 1)
-        .map(|index| AutocalibratedFrame { index, ptz: ptz(index), uncertainty: None, snapped: None })
+        .map(|index| AutocalibratedFrame {
+            index,
+            ptz: ptz(index),
+            uncertainty: None,
+            snapped: None,
+        })
         .collect();
-    let field = touchline_core::field::builtin("soccer").unwrap().default_model().unwrap();
+    let field = touchline_core::field::builtin("soccer")
+        .unwrap()
+        .default_model()
+        .unwrap();
     let evidence = AutocalibrationEvidence::default();
-    AutocalibratedCamera { base, field, sizes: Vec::new(), frames, others: Vec::new(), paint: Vec::new(), evidence }
+    AutocalibratedCamera {
+        base,
+        field,
+        sizes: Vec::new(),
+        frames,
+        others: Vec::new(),
+        paint: Vec::new(),
+        evidence,
+    }
 }
 
 fn report(bench: &mut Bench, answer: AutocalibrationAnswer) {
@@ -55,21 +82,56 @@ fn has_base(app: &App) -> bool {
 fn it_is_offered_where_a_base_is_missing_and_tells_what_it_is_at() {
     let mut bench = Bench::new(unknown(5));
     let offers = next_step(&bench.app).offers;
-    assert_eq!(offers[0], ("Find the camera automatically", Command::FindCamera), "{offers:?}");
-    assert!(Bench::new(blank(5)).app.why_not(Command::FindCamera).is_some(), "its base is known");
-    assert!(Bench::new(unknown(2)).app.why_not(Command::FindCamera).unwrap().contains("too few frames"));
+    assert_eq!(
+        offers[0],
+        ("Find the camera automatically", Command::FindCamera),
+        "{offers:?}"
+    );
+    assert!(
+        Bench::new(blank(5))
+            .app
+            .why_not(Command::FindCamera)
+            .is_some(),
+        "its base is known"
+    );
+    assert!(
+        Bench::new(unknown(2))
+            .app
+            .why_not(Command::FindCamera)
+            .unwrap()
+            .contains("too few frames")
+    );
     bench.command(Command::FindCamera);
     let search = bench.started::<CameraSearch>();
-    assert_eq!(bench.app.operations.camera_search.running().unwrap().camera.as_str(), "main");
-    assert!(bench.app.why_not(Command::FindCamera).is_some(), "one at a time");
+    assert_eq!(
+        bench
+            .app
+            .operations
+            .camera_search
+            .running()
+            .unwrap()
+            .camera
+            .as_str(),
+        "main"
+    );
+    assert!(
+        bench.app.why_not(Command::FindCamera).is_some(),
+        "one at a time"
+    );
     bench.report_progress::<CameraSearch>(AutocalibrationProgress::Tying { done: 212, of: 480 });
     let said = next_step(&bench.app);
-    assert_eq!(said.text, "Finding the camera: matching pairs of frames, 212 of 480…");
+    assert_eq!(
+        said.text,
+        "Finding the camera: matching pairs of frames, 212 of 480…"
+    );
     assert_eq!(said.offers, [("Stop", Command::StopFindCamera)]);
     bench.command(Command::StopFindCamera);
     assert!(search.is_cancelled() && bench.app.why_not(Command::FindCamera).is_none());
     // What arrives of it all the same is passed over.
-    report(&mut bench, AutocalibrationAnswer::Found(found(5, 0.0).into()));
+    report(
+        &mut bench,
+        AutocalibrationAnswer::Found(found(5, 0.0).into()),
+    );
     assert!(!has_base(&bench.app));
 }
 
@@ -78,39 +140,83 @@ fn what_is_found_is_one_step_of_undo_and_no_click_is_lost() {
     let start = unknown(5);
     let mut bench = Bench::new(start.clone());
     bench.command(Command::FindCamera);
-    // Somebody clicks in a frame while it is searched for, and is in the middle of a drag at its end.
+    // Somebody clicks in a frame while it is searched for, and is in the middle of a drag at its
+    // end.
     let placed = |landmark: &str| {
         let at = landmark_in(&PtzCamera::new(base(), ptz(1)), landmark);
         Click::landmark(landmark.into(), at)
     };
     bench.act(Action::Navigate(Navigation::GoTo(1)));
     for click in [placed("centre_mark"), placed("halfway_far")] {
-        bench.act(Action::Edit(EditAction::Pick(click.target.clone().unwrap())));
-        bench.act(Action::Pointer(PointerAction::Press { at: click.image, on: None }));
+        bench.act(Action::Edit(EditAction::Pick(
+            click.target.clone().unwrap(),
+        )));
+        bench.act(Action::Pointer(PointerAction::Press {
+            at: click.image,
+            on: None,
+        }));
         bench.act(Action::Pointer(PointerAction::Release));
     }
-    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(100.0, 100.0), on: None }));
-    report(&mut bench, AutocalibrationAnswer::Found(found(5, 0.0).into()));
+    bench.act(Action::Pointer(PointerAction::Press {
+        at: ImagePoint::new(100.0, 100.0),
+        on: None,
+    }));
+    report(
+        &mut bench,
+        AutocalibrationAnswer::Found(found(5, 0.0).into()),
+    );
     assert!(!has_base(&bench.app), "a drag is not cut in two");
     bench.command(Command::Cancel);
     bench.act(Action::Pointer(PointerAction::Release));
     bench.command(Command::Cancel);
     assert!(has_base(&bench.app), "{:?}", bench.app.session.mode);
-    assert!(bench.last_notice().starts_with("Camera found: 17.0 m high, 62.0 m"), "{}", bench.last_notice());
-    assert!(bench.last_notice().contains("known to ±0.5 m. 0 of 4 frames agree"), "{}", bench.last_notice());
+    assert!(
+        bench
+            .last_notice()
+            .starts_with("Camera found: 17.0 m high, 62.0 m"),
+        "{}",
+        bench.last_notice()
+    );
+    assert!(
+        bench
+            .last_notice()
+            .contains("known to ±0.5 m. 0 of 4 frames agree"),
+        "{}",
+        bench.last_notice()
+    );
 
     let open = bench.app.open().unwrap();
-    assert_eq!(open.document.cameras[0].base().unwrap().sigma.position_m, Vec3::new(0.3, 0.4, 0.0));
-    assert_eq!(bench.statuses(), "SDSSN", "the clicked frame is the person's, of the last nothing was found");
+    assert_eq!(
+        open.document.cameras[0].base().unwrap().sigma.position_m,
+        Vec3::new(0.3, 0.4, 0.0)
+    );
+    assert_eq!(
+        bench.statuses(),
+        "SDSSN",
+        "the clicked frame is the person's, of the last nothing was found"
+    );
     for index in [0, 2, 3] {
         let frame = &open.document.frames[index];
-        assert_eq!(frame.solution.as_ref().unwrap().source, Some(SolutionSource::Markings));
+        assert_eq!(
+            frame.solution.as_ref().unwrap().source,
+            Some(SolutionSource::Markings)
+        );
         assert!((frame.ptz.as_ref().unwrap().pan_deg - (8.0 * index as f64 - 16.0)).abs() < 1e-9);
     }
     // The clicks decide in their frame, now that its camera stands somewhere.
     let clicked = &open.document.frames[1];
-    assert_eq!((clicked.clicks.len(), clicked.solution.as_ref().unwrap().source), (2, Some(SolutionSource::Clicks)));
-    assert!((clicked.ptz.as_ref().unwrap().pan_deg + 8.0).abs() < 0.05, "{:?}", clicked.ptz);
+    assert_eq!(
+        (
+            clicked.clicks.len(),
+            clicked.solution.as_ref().unwrap().source
+        ),
+        (2, Some(SolutionSource::Clicks))
+    );
+    assert!(
+        (clicked.ptz.as_ref().unwrap().pan_deg + 8.0).abs() < 0.05,
+        "{:?}",
+        clicked.ptz
+    );
 
     let with = uncounted(&open.document);
     bench.command(Command::Undo);
@@ -125,20 +231,31 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
     let mut bench = Bench::new(unknown(5));
     for (why, says) in [
         (
-            Abstention::NotTied { frames: 40, tied: 7 },
+            Abstention::NotTied {
+                frames: 40,
+                tied: 7,
+            },
             "No camera was found: only 7 of 40 frames overlap with each other. Add frames in which the camera turns from one \
              view to the next, all of one camera that does not move, or click 4 landmarks on 2 wide frames.",
         ),
         (
             Abstention::Uncertain {
-                doubts: vec![Doubt::LinesMissing { lines: vec!["Centre circle".to_owned()] }],
+                doubts: vec![Doubt::LinesMissing {
+                    lines: vec!["Centre circle".to_owned()],
+                }],
                 best: None,
             },
             "No camera was found: the best answer is not certain (no paint lies where Centre circle should be). A view of \
              Centre circle is missing: add frames that show it, or click 2 landmarks far from each other and look again.",
         ),
         (
-            Abstention::Uncertain { doubts: vec![Doubt::FewSnapped { snapped: 3, frames: 9 }], best: None },
+            Abstention::Uncertain {
+                doubts: vec![Doubt::FewSnapped {
+                    snapped: 3,
+                    frames: 9,
+                }],
+                best: None,
+            },
             "No camera was found: the best answer is not certain (only 3 of 9 frames agree with the painted lines of their own \
              picture). Wide views of both ends and of the middle are missing: add such frames, or click 2 landmarks far \
              from each other and look again.",
@@ -150,11 +267,19 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
         let left = &bench.app.operations.camera_search.left;
         assert!(matches!(left, Left::Abstained { why, .. } if why == says));
     }
-    assert!(!has_base(&bench.app) && bench.app.open().unwrap().history.next_undo().is_none(), "nothing was changed");
+    assert!(
+        !has_base(&bench.app) && bench.app.open().unwrap().history.next_undo().is_none(),
+        "nothing was changed"
+    );
     bench.command(Command::FindCamera);
-    bench.report_end::<CameraSearch>(Err(Failure::Broken(Breakdown::Panicked("the rig fell".to_owned()))));
+    bench.report_end::<CameraSearch>(Err(Failure::Broken(Breakdown::Panicked(
+        "the rig fell".to_owned(),
+    ))));
     let last = bench.app.session.messages.notices.last().unwrap();
-    assert!(last.level == Level::Error && last.text.contains("the rig fell"), "{last:?}");
+    assert!(
+        last.level == Level::Error && last.text.contains("the rig fell"),
+        "{last:?}"
+    );
 }
 
 #[test]
@@ -168,14 +293,27 @@ fn of_two_answers_each_can_be_tried_and_undone() {
     };
     let two = |deciding| {
         let (best, other) = (found(5, 0.0).into(), found(5, 30.0).into());
-        AutocalibrationAnswer::Two { best, other, deciding }
+        AutocalibrationAnswer::Two {
+            best,
+            other,
+            deciding,
+        }
     };
     report(&mut bench, two(Some(deciding)));
     assert!(!has_base(&bench.app), "none is given");
     assert_eq!(bench.app.session.panel, SidePanel::Camera);
     let said = bench.last_notice();
-    assert!(said.contains("at (400, 300) px with the first and at (900, 310) px with the other"), "{said}");
-    let x_m = |bench: &Bench| bench.app.open().unwrap().document.cameras[0].base().unwrap().position_m.x;
+    assert!(
+        said.contains("at (400, 300) px with the first and at (900, 310) px with the other"),
+        "{said}"
+    );
+    let x_m = |bench: &Bench| {
+        bench.app.open().unwrap().document.cameras[0]
+            .base()
+            .unwrap()
+            .position_m
+            .x
+    };
     bench.command(Command::TryOtherCamera);
     assert!((x_m(&bench) - 31.0).abs() < 1e-9);
     bench.command(Command::TryFirstCamera);
@@ -191,7 +329,11 @@ fn of_two_answers_each_can_be_tried_and_undone() {
 
 #[test]
 fn of_two_answers_the_deciding_click_takes_the_right_one_by_itself() {
-    for (at, x_m) in [((403.0, 298.0), Some(1.0)), ((640.0, 305.0), None), ((905.0, 312.0), Some(31.0))] {
+    for (at, x_m) in [
+        ((403.0, 298.0), Some(1.0)),
+        ((640.0, 305.0), None),
+        ((905.0, 312.0), Some(31.0)),
+    ] {
         let mut bench = Bench::new(unknown(5));
         bench.command(Command::FindCamera);
         let deciding = DecidingLandmark {
@@ -200,20 +342,37 @@ fn of_two_answers_the_deciding_click_takes_the_right_one_by_itself() {
             image: [ImagePoint::new(400.0, 300.0), ImagePoint::new(900.0, 310.0)],
         };
         let (best, other) = (found(5, 0.0).into(), found(5, 30.0).into());
-        report(&mut bench, AutocalibrationAnswer::Two { best, other, deciding: Some(deciding) });
+        report(
+            &mut bench,
+            AutocalibrationAnswer::Two {
+                best,
+                other,
+                deciding: Some(deciding),
+            },
+        );
         bench.act(Action::Navigate(Navigation::GoTo(3)));
-        bench
-            .act(Action::Edit(EditAction::Pick(touchline_documents::document::Target::Landmark("halfway_far".into()))));
-        bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(at.0, at.1), on: None }));
+        bench.act(Action::Edit(EditAction::Pick(
+            touchline_documents::document::Target::Landmark("halfway_far".into()),
+        )));
+        bench.act(Action::Pointer(PointerAction::Press {
+            at: ImagePoint::new(at.0, at.1),
+            on: None,
+        }));
         bench.act(Action::Pointer(PointerAction::Release));
-        let found_x_m = bench.app.open().unwrap().document.cameras[0].base().map(|base| base.position_m.x);
+        let found_x_m = bench.app.open().unwrap().document.cameras[0]
+            .base()
+            .map(|base| base.position_m.x);
         assert_eq!(found_x_m.map(f64::round), x_m, "{at:?}");
         let waits = matches!(bench.app.operations.camera_search.left, Left::Two(_));
         assert_eq!(waits, x_m.is_none(), "between the two nothing is decided");
         if x_m.is_some() {
             bench.command(Command::Undo);
             assert!(!has_base(&bench.app), "one step");
-            assert_eq!(bench.app.open().unwrap().document.frames[3].clicks.len(), 1, "the click stays");
+            assert_eq!(
+                bench.app.open().unwrap().document.frames[3].clicks.len(),
+                1,
+                "the click stays"
+            );
         }
     }
 }

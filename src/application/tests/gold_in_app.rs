@@ -1,4 +1,5 @@
-//! Gold frames in the application: chosen, clicked again blind, undone, journalled; the resulting click noise and its use.
+//! Gold frames in the application: chosen, clicked again blind, undone, journalled; the resulting
+//! click noise and its use.
 
 use crate::bench::{Bench, SIZE, base, landmark_in, uncounted};
 use crate::seeded::{normal, rng};
@@ -6,17 +7,27 @@ use rand_pcg::Pcg64Mcg;
 use std::path::Path;
 use touchline_application::app::operation::{Breakdown, Failure};
 use touchline_application::app::operations::{Compared, Comparison};
-use touchline_application::app::{Action, Command, EditAction, Effect, Navigation, PointerAction, Question};
+use touchline_application::app::{
+    Action, Command, EditAction, Effect, Navigation, PointerAction, Question,
+};
 use touchline_calibration::calibrate::ENOUGH_REPEATS;
 use touchline_calibration::evaluate::agreement;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec2};
-use touchline_documents::document::{Camera, Click, Document, FieldSpec, Frame, FrameStatus, Target};
+use touchline_documents::document::{
+    Camera, Click, Document, FieldSpec, Frame, FrameStatus, Target,
+};
 
 const LANDMARKS: [&str; 3] = ["centre_mark", "halfway_far", "centre_circle_halfway_near"];
 
 fn exact(frame: usize, landmark: &str) -> ImagePoint {
-    landmark_in(&PtzCamera::new(base(), Ptz::from_degrees(2.0 * frame as f64 - 3.0, -12.0, 2200.0)), landmark)
+    landmark_in(
+        &PtzCamera::new(
+            base(),
+            Ptz::from_degrees(2.0 * frame as f64 - 3.0, -12.0, 2200.0),
+        ),
+        landmark,
+    )
 }
 
 fn moved(at: ImagePoint, sigma_px: f64, rng: &mut Pcg64Mcg) -> ImagePoint {
@@ -32,14 +43,20 @@ fn accepted(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Bench {
     for index in 0..frames {
         let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE);
         frame.status = FrameStatus::Draft;
-        frame.clicks =
-            LANDMARKS.iter().map(|id| Click::landmark((*id).into(), moved(exact(index, id), sigma_px, rng))).collect();
+        frame.clicks = LANDMARKS
+            .iter()
+            .map(|id| Click::landmark((*id).into(), moved(exact(index, id), sigma_px, rng)))
+            .collect();
         document.frames.push(frame.into());
     }
     let mut bench = Bench::new(document);
     for index in 0..frames {
         bench.act(Action::Navigate(Navigation::GoTo(index)));
-        bench.act(Action::Edit(EditAction::Nudge { dx_px: 0.0, dy_px: 0.0, held: false }));
+        bench.act(Action::Edit(EditAction::Nudge {
+            dx_px: 0.0,
+            dy_px: 0.0,
+            held: false,
+        }));
         bench.command(Command::AcceptAndStay);
     }
     bench
@@ -54,7 +71,11 @@ impl Bench {
     fn answer(&mut self, sigma_px: f64, rng: &mut Pcg64Mcg) {
         while let Some(asked) = self.app.round().and_then(|round| round.asked().cloned()) {
             assert_eq!(self.app.session.frame, asked.frame);
-            self.click(moved(exact(asked.frame, asked.landmark.as_str()), sigma_px, rng));
+            self.click(moved(
+                exact(asked.frame, asked.landmark.as_str()),
+                sigma_px,
+                rng,
+            ));
         }
     }
 }
@@ -67,20 +88,34 @@ fn a_blind_click_keeps_its_time_where_somebody_tells_it() {
     bench.command(Command::ClickAgain);
     let click_once = |bench: &mut Bench| {
         bench.click(ImagePoint::new(500.0, 400.0));
-        let repeats = bench.document().frames.iter().flat_map(|frame| &frame.repeats);
+        let repeats = bench
+            .document()
+            .frames
+            .iter()
+            .flat_map(|frame| &frame.repeats);
         repeats.map(|repeat| repeat.at.clone()).collect::<Vec<_>>()
     };
     assert_eq!(click_once(&mut bench), [None]);
     bench.command(Command::Undo);
-    bench.app = std::mem::take(&mut bench.app).with_clock(|| jiff::Timestamp::from_second(1_777_660_200).unwrap());
-    assert_eq!(click_once(&mut bench), [Some("2026-05-01T18:30:00Z".to_owned())]);
+    bench.app = std::mem::take(&mut bench.app)
+        .with_clock(|| jiff::Timestamp::from_second(1_777_660_200).unwrap());
+    assert_eq!(
+        click_once(&mut bench),
+        [Some("2026-05-01T18:30:00Z".to_owned())]
+    );
 }
 
 #[test]
 fn a_blind_round_asks_for_every_point_and_leaves_the_labels_alone() {
     let mut rng = rng("a_blind_round_asks_for_every_point_and_leaves_the_labels_alone");
     let mut bench = accepted(4, 0.8, &mut rng);
-    assert!(bench.document().frames.iter().all(|frame| frame.status == FrameStatus::Reference));
+    assert!(
+        bench
+            .document()
+            .frames
+            .iter()
+            .all(|frame| frame.status == FrameStatus::Reference)
+    );
     bench.command(Command::ClickAgain);
     assert!(bench.app.round().is_none() && bench.last_notice().starts_with("No frame is gold."));
     bench.command(Command::ChooseGold);
@@ -91,8 +126,13 @@ fn a_blind_round_asks_for_every_point_and_leaves_the_labels_alone() {
     assert_eq!(bench.app.round().unwrap().len(), 12);
 
     // Nothing that shows the label or leads away from it.
-    for command in [Command::Accept, Command::NextFrame, Command::NextClick, Command::CameraPanel, Command::Uncertainty]
-    {
+    for command in [
+        Command::Accept,
+        Command::NextFrame,
+        Command::NextClick,
+        Command::CameraPanel,
+        Command::Uncertainty,
+    ] {
         assert!(bench.app.why_not(command).is_some(), "{command:?}");
     }
     for action in [
@@ -102,31 +142,55 @@ fn a_blind_round_asks_for_every_point_and_leaves_the_labels_alone() {
     ] {
         bench.act(action);
         assert!(
-            bench.app.session.frame == 0 && bench.app.session.points.selected.is_none() && bench.app.round().is_some()
+            bench.app.session.frame == 0
+                && bench.app.session.points.selected.is_none()
+                && bench.app.round().is_some()
         );
     }
     // A press on the label's own click takes hold of nothing; outside of the picture it is none.
     let label = before.frames[0].clicks[0].image;
-    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(-5.0, 3.0), on: None }));
+    bench.act(Action::Pointer(PointerAction::Press {
+        at: ImagePoint::new(-5.0, 3.0),
+        on: None,
+    }));
     bench.act(Action::Pointer(PointerAction::Release));
     assert_eq!(bench.app.round().unwrap().clicked(), 0);
-    bench.act(Action::Pointer(PointerAction::Press { at: label, on: Some(0) }));
-    bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(500.0, 400.0))));
+    bench.act(Action::Pointer(PointerAction::Press {
+        at: label,
+        on: Some(0),
+    }));
+    bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(
+        500.0, 400.0,
+    ))));
     bench.act(Action::Pointer(PointerAction::Release));
     let frame = &bench.document().frames[0];
-    assert_eq!((frame.repeats[0].image, frame.repeats[0].round), (ImagePoint::new(500.0, 400.0), 1));
+    assert_eq!(
+        (frame.repeats[0].image, frame.repeats[0].round),
+        (ImagePoint::new(500.0, 400.0), 1)
+    );
     assert_eq!(bench.app.round().unwrap().number(), 2);
 
     // Back, skip, go on.
     bench.command(Command::Undo);
-    assert!(bench.document().frames[0].repeats.is_empty() && bench.app.round().unwrap().number() == 1);
+    assert!(
+        bench.document().frames[0].repeats.is_empty() && bench.app.round().unwrap().number() == 1
+    );
     bench.command(Command::SkipAgain);
     assert_eq!(bench.app.round().unwrap().skipped(), 1);
     bench.answer(0.8, &mut rng);
     assert!(bench.app.round().is_none());
-    assert!(bench.last_notice().starts_with("11 blind clicks are kept; after 1 more"), "{}", bench.last_notice());
+    assert!(
+        bench
+            .last_notice()
+            .starts_with("11 blind clicks are kept; after 1 more"),
+        "{}",
+        bench.last_notice()
+    );
     for (frame, labelled) in bench.document().frames.iter().zip(&before.frames) {
-        assert_eq!((&frame.clicks, &frame.ptz, frame.status), (&labelled.clicks, &labelled.ptz, labelled.status));
+        assert_eq!(
+            (&frame.clicks, &frame.ptz, frame.status),
+            (&labelled.clicks, &labelled.ptz, labelled.status)
+        );
     }
 
     // What the journal has gives the same document.
@@ -148,17 +212,38 @@ fn another_document_is_compared_on_the_quality_page() {
     let mut bench = accepted(3, 0.5, &mut rng);
     bench.effects.clear();
     bench.command(Command::CompareAnnotators);
-    assert_eq!(bench.effects.pop(), Some(Effect::Ask(Question::CompareWith)));
-    bench.act(Action::Answer(Question::CompareWith, "/other/project.json".into()));
+    assert_eq!(
+        bench.effects.pop(),
+        Some(Effect::Ask(Question::CompareWith))
+    );
+    bench.act(Action::Answer(
+        Question::CompareWith,
+        "/other/project.json".into(),
+    ));
     assert!(bench.app.session.quality.open && bench.app.operations.comparison.is_running());
     bench.started::<Comparison>();
     let asked = bench.app.operations.comparison.running().unwrap();
     let (document, with, revision) = (asked.document.clone(), asked.with.clone(), asked.revision);
-    assert_eq!((&document, with.as_path()), (bench.document(), Path::new("/other/project.json")));
-    assert!(bench.app.why_not(Command::CompareAnnotators).is_some(), "one at a time");
-    bench.report_end::<Comparison>(Err(Failure::Broken(Breakdown::Panicked("no such file".to_owned()))));
-    assert!(!bench.app.operations.comparison.is_running() && bench.app.operations.comparison.made().is_none());
-    assert!(bench.last_notice().contains("no such file"), "{}", bench.last_notice());
+    assert_eq!(
+        (&document, with.as_path()),
+        (bench.document(), Path::new("/other/project.json"))
+    );
+    assert!(
+        bench.app.why_not(Command::CompareAnnotators).is_some(),
+        "one at a time"
+    );
+    bench.report_end::<Comparison>(Err(Failure::Broken(Breakdown::Panicked(
+        "no such file".to_owned(),
+    ))));
+    assert!(
+        !bench.app.operations.comparison.is_running()
+            && bench.app.operations.comparison.made().is_none()
+    );
+    assert!(
+        bench.last_notice().contains("no such file"),
+        "{}",
+        bench.last_notice()
+    );
 
     let mut other = document.clone();
     for frame in &mut other.frames {
@@ -168,12 +253,28 @@ fn another_document_is_compared_on_the_quality_page() {
     }
     let agreement = agreement(document.at(Path::new("/a")), other.at(Path::new("/b"))).unwrap();
     bench.act(Action::Compare(with.clone()));
-    bench.report_end::<Comparison>(Ok(Compared { file: with, revision, agreement }));
+    bench.report_end::<Comparison>(Ok(Compared {
+        file: with,
+        revision,
+        agreement,
+    }));
     let made = bench.app.operations.comparison.made().unwrap();
-    assert_eq!((made.agreement.distances.unwrap().count, made.agreement.lone.len()), (9, 0));
+    assert_eq!(
+        (
+            made.agreement.distances.unwrap().count,
+            made.agreement.lone.len()
+        ),
+        (9, 0)
+    );
     let pair = made.agreement.frames[2].clicks[1].clicks[0];
-    bench.act(Action::Navigate(Navigation::LookAt { frame: 2, click: Some(pair) }));
-    assert_eq!((bench.app.session.frame, bench.app.session.points.selected), (2, Some(pair)));
+    bench.act(Action::Navigate(Navigation::LookAt {
+        frame: 2,
+        click: Some(pair),
+    }));
+    assert_eq!(
+        (bench.app.session.frame, bench.app.session.points.selected),
+        (2, Some(pair))
+    );
 }
 
 #[test]
@@ -189,22 +290,41 @@ fn enough_blind_clicks_weigh_the_points_until_that_is_undone() {
     bench.answer(0.5, &mut rng);
     assert!(bench.app.gold().own.repeats >= ENOUGH_REPEATS);
     let noise = bench.app.gold().own.noise.unwrap();
-    assert!(noise.interval_95[0] < 0.5 && 0.5 < noise.interval_95[1], "{noise:?}");
-    assert!(bench.last_notice().contains("Your click noise is"), "{}", bench.last_notice());
+    assert!(
+        noise.interval_95[0] < 0.5 && 0.5 < noise.interval_95[1],
+        "{noise:?}"
+    );
+    assert!(
+        bench.last_notice().contains("Your click noise is"),
+        "{}",
+        bench.last_notice()
+    );
 
     let sigma = |bench: &Bench| {
         let solution = bench.document().frames[2].solution.as_ref().unwrap();
-        (solution.worst_corner_sigma_px.unwrap(), bench.document().frames[2].status)
+        (
+            solution.worst_corner_sigma_px.unwrap(),
+            bench.document().frames[2].status,
+        )
     };
     let before = bench.document().clone();
     let (usual, _) = sigma(&bench);
     bench.command(Command::UseOwnNoise);
     let (own, status) = sigma(&bench);
-    assert!(own < 0.95 * usual && status == FrameStatus::Reference, "{own} of {usual}");
-    assert!(bench.app.why_not(Command::UseOwnNoise).is_some(), "it is in use");
+    assert!(
+        own < 0.95 * usual && status == FrameStatus::Reference,
+        "{own} of {usual}"
+    );
+    assert!(
+        bench.app.why_not(Command::UseOwnNoise).is_some(),
+        "it is in use"
+    );
     bench.command(Command::UseUsualNoise);
     assert!((sigma(&bench).0 - usual).abs() < 1e-9);
-    assert!(bench.document().own_click_noise().is_some(), "kept for later");
+    assert!(
+        bench.document().own_click_noise().is_some(),
+        "kept for later"
+    );
     bench.command(Command::Undo);
     assert!((sigma(&bench).0 - own).abs() < 1e-12);
     bench.command(Command::Undo);

@@ -1,6 +1,7 @@
-//! A model of two people and a sync client at one document: whatever is edited, saved, replaced outside, answered, killed, opened
-//! again and merged, in any order, each edit of a person stays in the window, the document, a copy beside it or a journal, until
-//! that person takes it back. `TOUCHLINE_SEQUENCES=10000` makes more of it; each sequence follows from its number.
+//! A model of two people and a sync client at one document: whatever is edited, saved, replaced
+//! outside, answered, killed, opened again and merged, in any order, each edit of a person stays in
+//! the window, the document, a copy beside it or a journal, until that person takes it back.
+//! `TOUCHLINE_SEQUENCES=10000` makes more of it; each sequence follows from its number.
 
 use crate::bench::{SIZE, base, landmark_in};
 use crate::headless::Headless;
@@ -23,7 +24,9 @@ use touchline_calibration::calibrate::{check_solutions, solve_document};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec3};
 use touchline_core::progress::Progress;
-use touchline_documents::document::{Click, Document, Frame, FrameStatus, document_from_bytes, document_to_string};
+use touchline_documents::document::{
+    Click, Document, Frame, FrameStatus, document_from_bytes, document_to_string,
+};
 
 const FRAMES: usize = 4;
 const STEPS: usize = 16;
@@ -33,7 +36,8 @@ fn sequences() -> usize {
     std::env::var("TOUCHLINE_SEQUENCES").map_or(24, |number| number.parse().unwrap())
 }
 
-/// A window on a project, a sync client beside it, and what people have done that must not get lost.
+/// A window on a project, a sync client beside it, and what people have done that must not get
+/// lost.
 struct World {
     random: Pcg64Mcg,
     folder: TempDir,
@@ -44,7 +48,8 @@ struct World {
     seen: Vec<Vec<u8>>,
     /// The marks of edits that nobody took back.
     live: BTreeSet<String>,
-    /// Those of them that others have just written over: only the window has them, and has not seen it yet.
+    /// Those of them that others have just written over: only the window has them, and has not seen
+    /// it yet.
     exposed: BTreeSet<String>,
     made: usize,
     story: Vec<String>,
@@ -63,10 +68,17 @@ impl World {
         drop(window);
         // Without the history: undo leaves these labels alone.
         let folder = tempfile::tempdir().unwrap();
-        fs::copy(path.join("project.json"), folder.path().join("project.json")).unwrap();
+        fs::copy(
+            path.join("project.json"),
+            folder.path().join("project.json"),
+        )
+        .unwrap();
         drop(root);
         let random = rng(&format!("kept_edits {number}"));
-        let (window, seen) = (None, vec![fs::read(folder.path().join("project.json")).unwrap()]);
+        let (window, seen) = (
+            None,
+            vec![fs::read(folder.path().join("project.json")).unwrap()],
+        );
         Self {
             random,
             folder,
@@ -134,10 +146,14 @@ impl World {
                 let (other, here) = (self.other.clone(), self.folder.path().to_path_buf());
                 let is_untouched = window.app.session.disk.saving == Saving::Untouched;
                 leave(&mut window, || Action::Open(other.clone()));
-                window.wait_until("the other project", |app| app.open().unwrap().document.frames.len() == 1);
+                window.wait_until("the other project", |app| {
+                    app.open().unwrap().document.frames.len() == 1
+                });
                 self.forget_exposed(is_untouched);
                 window.act(Action::Open(here));
-                window.wait_until("this project", |app| app.open().unwrap().document.frames.len() == FRAMES);
+                window.wait_until("this project", |app| {
+                    app.open().unwrap().document.frames.len() == FRAMES
+                });
             }
             _ => self.merge_set_aside(&mut window),
         }
@@ -169,7 +185,8 @@ impl World {
             window.act(Action::Command(Command::Undo));
         }
         let now = marks_in(&window.app);
-        self.live.retain(|mark| !before.contains(mark) || now.contains(mark));
+        self.live
+            .retain(|mark| !before.contains(mark) || now.contains(mark));
         // What it brings back, and not what others have taken back meanwhile.
         self.live.extend(now.difference(&before).cloned());
         settle(window);
@@ -180,13 +197,16 @@ impl World {
         self.tell("proposals");
         let document = window.app.open().unwrap().document.clone();
         let pan_deg = self.random.random_range(-6.0..6.0);
-        let proposals = (0..FRAMES).map(|frame| proposal_in(&document, frame, self.made as u64 + 1, Some(pan_deg)));
-        window.act(Action::Trainer(TrainerReport::Proposals(proposals.collect())));
+        let proposals = (0..FRAMES)
+            .map(|frame| proposal_in(&document, frame, self.made as u64 + 1, Some(pan_deg)));
+        window.act(Action::Trainer(TrainerReport::Proposals(
+            proposals.collect(),
+        )));
         settle(window);
     }
 
-    /// A colleague's program or a sync client replaces the document: from what is there, or from an earlier state of it. What it
-    /// destroys by that while no window has it is its own loss.
+    /// A colleague's program or a sync client replaces the document: from what is there, or from an
+    /// earlier state of it. What it destroys by that while no window has it is its own loss.
     fn write_outside(&mut self) {
         let file = self.file();
         self.seen.push(fs::read(&file).unwrap());
@@ -198,11 +218,17 @@ impl World {
         let mut document = document_from_bytes(&self.seen[from]).unwrap();
         let frame = self.random.random_range(0..document.frames.len());
         let mark = self.mark();
-        self.tell(format!("outside: state {from} of {}, {mark} on {frame}", self.seen.len()));
+        self.tell(format!(
+            "outside: state {from} of {}, {mark} on {frame}",
+            self.seen.len()
+        ));
         match self.random.random_range(0..6) {
             0 => {
                 let moved = Vec3::new(self.random.random_range(-3.0..3.0), -62.0, 17.0);
-                document.cameras[0].set_base(&CameraBase { position_m: moved, ..base() });
+                document.cameras[0].set_base(&CameraBase {
+                    position_m: moved,
+                    ..base()
+                });
                 solve_document(&mut document, self.folder.path(), &Progress::default()).unwrap();
             }
             1 => click(&mut document, frame),
@@ -218,32 +244,47 @@ impl World {
         let before = self.everything();
         fs::write(&file, document_to_string(&document).unwrap()).unwrap();
         let after = self.lasting();
-        self.live.retain(|mark| after.contains(mark) || !before.contains(mark));
+        self.live
+            .retain(|mark| after.contains(mark) || !before.contains(mark));
         self.live.insert(mark);
         let on_disk = self.files(false);
-        self.exposed = self.live.iter().filter(|mark| !on_disk.contains(*mark)).cloned().collect();
+        self.exposed = self
+            .live
+            .iter()
+            .filter(|mark| !on_disk.contains(*mark))
+            .cloned()
+            .collect();
     }
 
-    /// The window is gone. What others wrote over is their loss where the window was killed before it could look, or had nothing of
-    /// its own to look for.
+    /// The window is gone. What others wrote over is their loss where the window was killed before
+    /// it could look, or had nothing of its own to look for.
     fn forget_exposed(&mut self, cannot_look: bool) {
         let exposed = std::mem::take(&mut self.exposed);
         if cannot_look {
             let on_disk = self.files(false);
-            self.live.retain(|mark| !exposed.contains(mark) || on_disk.contains(mark));
+            self.live
+                .retain(|mark| !exposed.contains(mark) || on_disk.contains(mark));
         }
     }
 
     fn answer(&mut self, window: &mut Headless) {
-        let choices = [OutsideChoice::Merge, OutsideChoice::Replace, OutsideChoice::TakeTheirs];
+        let choices = [
+            OutsideChoice::Merge,
+            OutsideChoice::Replace,
+            OutsideChoice::TakeTheirs,
+        ];
         let choice = choices[self.random.random_range(0..3)];
         self.tell(format!("answer {choice:?}"));
         let before = marks_in(&window.app);
         window.act(Action::ResolveOutside(choice));
         if choice == OutsideChoice::TakeTheirs {
-            window.wait_until("the other version", |app| app.session.disk.opening.is_none());
+            window.wait_until("the other version", |app| {
+                app.session.disk.opening.is_none()
+            });
         } else {
-            window.wait_until("the answer", |app| app.session.disk.changed_outside.is_none());
+            window.wait_until("the answer", |app| {
+                app.session.disk.changed_outside.is_none()
+            });
         }
         if choice == OutsideChoice::Merge {
             self.take_back_named(window, &before);
@@ -264,37 +305,72 @@ impl World {
 
     fn merge_set_aside(&mut self, window: &mut Headless) {
         window.act(Action::View(ViewAction::CloseDialog));
-        let Some(orphan) = window.app.session.disk.orphans.first().map(|orphan| orphan.path.clone()) else { return };
-        self.tell(format!("merge {}", orphan.file_name().unwrap().to_string_lossy()));
+        let Some(orphan) = window
+            .app
+            .session
+            .disk
+            .orphans
+            .first()
+            .map(|orphan| orphan.path.clone())
+        else {
+            return;
+        };
+        self.tell(format!(
+            "merge {}",
+            orphan.file_name().unwrap().to_string_lossy()
+        ));
         let before = marks_in(&window.app);
-        let told = window.app.session.messages.notices.last().map_or(0, |notice| notice.id);
+        let told = window
+            .app
+            .session
+            .messages
+            .notices
+            .last()
+            .map_or(0, |notice| notice.id);
         window.act(Action::MergeOrphan(orphan));
-        // What the window holds may be set aside again at once, under the same name; or it was put away with what it replaced.
+        // What the window holds may be set aside again at once, under the same name; or it was put
+        // away with what it replaced.
         let ends = ["The edits are merged", "cannot read"];
-        let is_told = |notice: &Notice| notice.id > told && ends.iter().any(|end| notice.text.starts_with(end));
-        window.wait_until("merging", |app| app.session.messages.notices.iter().any(is_told));
+        let is_told = |notice: &Notice| {
+            notice.id > told && ends.iter().any(|end| notice.text.starts_with(end))
+        };
+        window.wait_until("merging", |app| {
+            app.session.messages.notices.iter().any(is_told)
+        });
         self.take_back_named(window, &before);
         settle(window);
     }
 
-    /// A person merges a version and is told what it replaces, with undo beside it: that is taken back, as by an edit. What a merge
-    /// replaces without a word is lost.
+    /// A person merges a version and is told what it replaces, with undo beside it: that is taken
+    /// back, as by an edit. What a merge replaces without a word is lost.
     fn take_back_named(&mut self, window: &Headless, before: &BTreeSet<String>) {
         let now = marks_in(&window.app);
-        let is_named =
-            |text: &str| text.contains("Changed on both sides") || text.contains("Taken from the other version");
-        if window.app.session.messages.notices.iter().any(|notice| is_named(&notice.text)) {
-            self.live.retain(|mark| !before.contains(mark) || now.contains(mark));
+        let is_named = |text: &str| {
+            text.contains("Changed on both sides") || text.contains("Taken from the other version")
+        };
+        if window
+            .app
+            .session
+            .messages
+            .notices
+            .iter()
+            .any(|notice| is_named(&notice.text))
+        {
+            self.live
+                .retain(|mark| !before.contains(mark) || now.contains(mark));
         }
     }
 
-    /// What is kept on disk, as text. Steps of undo and the state that a version set aside started from keep nothing: they serve
-    /// one version of the document.
+    /// What is kept on disk, as text. Steps of undo and the state that a version set aside started
+    /// from keep nothing: they serve one version of the document.
     fn files(&self, with_backup: bool) -> String {
         let mut text = String::new();
         for (name, bytes) in contents(self.folder.path()) {
             let name = name.to_string_lossy();
-            if !name.ends_with(".history") && !name.ends_with(".base") && (with_backup || !name.ends_with(".bak")) {
+            if !name.ends_with(".history")
+                && !name.ends_with(".base")
+                && (with_backup || !name.ends_with(".bak"))
+            {
                 text += &String::from_utf8_lossy(&bytes);
             }
         }
@@ -306,19 +382,25 @@ impl World {
         self.files(true) + &self.open_document()
     }
 
-    /// What stays whatever is saved next: the backup is of one version only, and the next save replaces it.
+    /// What stays whatever is saved next: the backup is of one version only, and the next save
+    /// replaces it.
     fn lasting(&self) -> String {
         self.files(false) + &self.open_document()
     }
 
     fn open_document(&self) -> String {
         let open = self.window.as_ref().and_then(|window| window.app.open());
-        open.map(|open| document_to_string(&open.document).unwrap()).unwrap_or_default()
+        open.map(|open| document_to_string(&open.document).unwrap())
+            .unwrap_or_default()
     }
 
     /// Once the window has seen what others did, it has kept what it holds.
     fn look(&mut self) {
-        if self.window.as_ref().is_some_and(|window| window.app.session.disk.changed_outside.is_some()) {
+        if self
+            .window
+            .as_ref()
+            .is_some_and(|window| window.app.session.disk.changed_outside.is_some())
+        {
             self.exposed.clear();
         }
     }
@@ -326,7 +408,10 @@ impl World {
     /// The marks that are nowhere.
     fn lost(&self) -> Vec<&String> {
         let kept = self.everything();
-        self.live.iter().filter(|mark| !kept.contains(*mark)).collect()
+        self.live
+            .iter()
+            .filter(|mark| !kept.contains(*mark))
+            .collect()
     }
 
     fn check(&self) {
@@ -338,7 +423,11 @@ impl World {
                 lost = self.lost();
             }
         }
-        assert!(lost.is_empty(), "{lost:?} is nowhere after\n{}", self.story.join("\n"));
+        assert!(
+            lost.is_empty(),
+            "{lost:?} is nowhere after\n{}",
+            self.story.join("\n")
+        );
         if let Some(open) = self.window.as_ref().and_then(|window| window.app.open()) {
             self.check_document(&open.document);
         }
@@ -346,22 +435,38 @@ impl World {
 
     fn check_document(&self, document: &Document) {
         let stale = check_solutions(document.at(self.folder.path()));
-        assert!(stale.is_empty(), "{stale:?} after\n{}", self.story.join("\n"));
-        let replaced = document.frames.iter().take(2).filter(|frame| frame.status != FrameStatus::Reference);
-        assert_eq!(replaced.count(), 0, "a label gave way to a machine after\n{}", self.story.join("\n"));
+        assert!(
+            stale.is_empty(),
+            "{stale:?} after\n{}",
+            self.story.join("\n")
+        );
+        let replaced = document
+            .frames
+            .iter()
+            .take(2)
+            .filter(|frame| frame.status != FrameStatus::Reference);
+        assert_eq!(
+            replaced.count(),
+            0,
+            "a label gave way to a machine after\n{}",
+            self.story.join("\n")
+        );
     }
 }
 
 /// Waits until all that was done is on disk, or somebody has to decide.
 fn settle(window: &mut Headless) {
-    window.wait_until("the disk", |app| !matches!(app.session.disk.saving, Saving::Pending));
+    window.wait_until("the disk", |app| {
+        !matches!(app.session.disk.saving, Saving::Pending)
+    });
 }
 
 /// Saves, and waits for the document or for the question whose version it is to be.
 fn save(window: &mut Headless) {
     window.act(Action::Command(Command::Save));
     window.wait_until("saving", |app| {
-        app.session.disk.changed_outside.is_some() || app.open().is_some_and(crate::outside::is_written)
+        app.session.disk.changed_outside.is_some()
+            || app.open().is_some_and(crate::outside::is_written)
     });
 }
 
@@ -369,9 +474,16 @@ fn save(window: &mut Headless) {
 fn leave(window: &mut Headless, how: impl Fn() -> Action) {
     settle(window);
     window.act(how());
-    let is_asked = |app: &App| matches!(app.session.dialog, Some(Dialog::ChangedOutside | Dialog::NotSaved(_)));
+    let is_asked = |app: &App| {
+        matches!(
+            app.session.dialog,
+            Some(Dialog::ChangedOutside | Dialog::NotSaved(_))
+        )
+    };
     if window.app.session.disk.leaving.is_some() {
-        window.wait_until("leaving or a question", |app| app.session.disk.leaving.is_none() || is_asked(app));
+        window.wait_until("leaving or a question", |app| {
+            app.session.disk.leaving.is_none() || is_asked(app)
+        });
     }
     if is_asked(&window.app) {
         window.act(Action::View(ViewAction::CloseDialog));
@@ -381,9 +493,17 @@ fn leave(window: &mut Headless, how: impl Fn() -> Action) {
 }
 
 fn click(document: &mut Document, frame: usize) {
-    let camera = PtzCamera::new(document.cameras[0].base().unwrap(), Ptz::from_degrees(-3.0, -14.0, 2300.0));
+    let camera = PtzCamera::new(
+        document.cameras[0].base().unwrap(),
+        Ptz::from_degrees(-3.0, -14.0, 2300.0),
+    );
     let at = landmark_in(&camera, "centre_mark");
-    document.frames[frame].clicks.push(Click::unnamed(ImagePoint::new(at.x.clamp(1.0, f64::from(SIZE.width)), 500.0)));
+    document.frames[frame]
+        .clicks
+        .push(Click::unnamed(ImagePoint::new(
+            at.x.clamp(1.0, f64::from(SIZE.width)),
+            500.0,
+        )));
 }
 
 /// The marks in a frame.
@@ -392,7 +512,13 @@ fn marks(frame: &Frame) -> Vec<String> {
 }
 
 fn marks_in(app: &App) -> BTreeSet<String> {
-    app.open().unwrap().document.frames.iter().flat_map(|frame| marks(frame)).collect()
+    app.open()
+        .unwrap()
+        .document
+        .frames
+        .iter()
+        .flat_map(|frame| marks(frame))
+        .collect()
 }
 
 /// Copies the files of a folder as they are at one moment, as a kill leaves them.
@@ -413,7 +539,9 @@ fn copy_files(from: &Path, to: &Path) {
 /// The files of a folder by name; one that is renamed between listing and reading is left out.
 fn contents(folder: &Path) -> BTreeMap<OsString, Vec<u8>> {
     let entries = fs::read_dir(folder).unwrap().flatten();
-    entries.filter_map(|entry| Some((entry.file_name(), fs::read(entry.path()).ok()?))).collect()
+    entries
+        .filter_map(|entry| Some((entry.file_name(), fs::read(entry.path()).ok()?)))
+        .collect()
 }
 
 #[test]

@@ -1,21 +1,36 @@
 //! Masks by hand in the application, which get their frames.
 
 use crate::bench::{Bench, SIZE};
-use touchline_application::app::{Action, App, Command, EditAction, MaskList, MaskScope, Navigation};
+use touchline_application::app::{
+    Action, App, Command, EditAction, MaskList, MaskScope, Navigation,
+};
 use touchline_core::geometry::PixelBox;
-use touchline_documents::document::{Camera, Clip, Document, Extra, FieldSpec, Frame, MaskSource, VideoFrame};
+use touchline_documents::document::{
+    Camera, Clip, Document, Extra, FieldSpec, Frame, MaskSource, VideoFrame,
+};
 
-pub const BUG: PixelBox = PixelBox { x: 60.0, y: 40.0, width: 300.0, height: 50.0 };
+pub const BUG: PixelBox = PixelBox {
+    x: 60.0,
+    y: 40.0,
+    width: 300.0,
+    height: 50.0,
+};
 
 /// Ten frames of a video, the last four another shot.
 pub fn video() -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
-    document.cameras.push(Camera::new("main".into(), SIZE).into());
+    document
+        .cameras
+        .push(Camera::new("main".into(), SIZE).into());
     for index in 0..10 {
         let mut frame = Frame::from_image("", "main".into(), SIZE);
         frame.image = None;
-        frame.video =
-            Some(VideoFrame { path: "match.mp4".into(), frame_index: 100 * index, pts_s: None, extra: Extra::new() });
+        frame.video = Some(VideoFrame {
+            path: "match.mp4".into(),
+            frame_index: 100 * index,
+            pts_s: None,
+            extra: Extra::new(),
+        });
         frame.clip = Some(Clip::Number(i64::from(index >= 6)));
         document.frames.push(frame.into());
     }
@@ -24,26 +39,51 @@ pub fn video() -> Document {
 
 pub fn ranged(app: &App) -> Vec<(Option<u64>, Option<u64>, MaskSource)> {
     let document = &app.open().unwrap().document;
-    document.cameras[0].ranged_masks.iter().map(|mask| (mask.from, mask.to, mask.source)).collect()
+    document.cameras[0]
+        .ranged_masks
+        .iter()
+        .map(|mask| (mask.from, mask.to, mask.source))
+        .collect()
 }
 
 #[test]
 fn a_mask_by_hand_is_for_a_frame_a_shot_a_range_or_all() {
     let mut bench = Bench::new(video());
-    let scope =
-        |bench: &mut Bench, list, scope| bench.act(Action::Edit(EditAction::ScopeMask { list, index: 0, scope }));
+    let scope = |bench: &mut Bench, list, scope| {
+        bench.act(Action::Edit(EditAction::ScopeMask {
+            list,
+            index: 0,
+            scope,
+        }))
+    };
     bench.act(Action::Navigate(Navigation::GoTo(2)));
-    bench.act(Action::Edit(EditAction::AddMask { of_camera: false, mask: BUG }));
+    bench.act(Action::Edit(EditAction::AddMask {
+        of_camera: false,
+        mask: BUG,
+    }));
     scope(&mut bench, MaskList::Frame, MaskScope::Shot);
-    assert_eq!(ranged(&bench.app), [(Some(0), Some(500), MaskSource::ByHand)]);
+    assert_eq!(
+        ranged(&bench.app),
+        [(Some(0), Some(500), MaskSource::ByHand)]
+    );
     scope(&mut bench, MaskList::Ranged, MaskScope::FromHere);
-    assert_eq!(ranged(&bench.app), [(Some(200), Some(500), MaskSource::ByHand)]);
+    assert_eq!(
+        ranged(&bench.app),
+        [(Some(200), Some(500), MaskSource::ByHand)]
+    );
     bench.act(Action::Navigate(Navigation::GoTo(4)));
     scope(&mut bench, MaskList::Ranged, MaskScope::UpToHere);
-    assert_eq!(ranged(&bench.app), [(Some(200), Some(400), MaskSource::ByHand)]);
+    assert_eq!(
+        ranged(&bench.app),
+        [(Some(200), Some(400), MaskSource::ByHand)]
+    );
     let covered = |bench: &Bench| {
         let document = &bench.app.open().unwrap().document;
-        document.frames.iter().map(|frame| document.masks_of(frame).len()).collect::<Vec<_>>()
+        document
+            .frames
+            .iter()
+            .map(|frame| document.masks_of(frame).len())
+            .collect::<Vec<_>>()
     };
     assert_eq!(covered(&bench), [0, 0, 1, 1, 1, 0, 0, 0, 0, 0]);
     scope(&mut bench, MaskList::Ranged, MaskScope::All);
@@ -63,13 +103,32 @@ fn images_have_no_range_in_time_but_a_shot() {
     }
     let mut bench = Bench::new(document);
     bench.act(Action::Navigate(Navigation::GoTo(8)));
-    bench.act(Action::Edit(EditAction::AddMask { of_camera: true, mask: BUG }));
+    bench.act(Action::Edit(EditAction::AddMask {
+        of_camera: true,
+        mask: BUG,
+    }));
     assert!(bench.app.why_not_scope(MaskScope::FromHere).is_some());
-    bench.act(Action::Edit(EditAction::ScopeMask { list: MaskList::Camera, index: 0, scope: MaskScope::FromHere }));
-    assert_eq!(bench.app.open().unwrap().document.cameras[0].masks, [BUG], "refused");
-    bench.act(Action::Edit(EditAction::ScopeMask { list: MaskList::Camera, index: 0, scope: MaskScope::Shot }));
+    bench.act(Action::Edit(EditAction::ScopeMask {
+        list: MaskList::Camera,
+        index: 0,
+        scope: MaskScope::FromHere,
+    }));
+    assert_eq!(
+        bench.app.open().unwrap().document.cameras[0].masks,
+        [BUG],
+        "refused"
+    );
+    bench.act(Action::Edit(EditAction::ScopeMask {
+        list: MaskList::Camera,
+        index: 0,
+        scope: MaskScope::Shot,
+    }));
     let document = &bench.app.open().unwrap().document;
-    let covered: Vec<usize> = document.frames.iter().map(|frame| frame.masks.len()).collect();
+    let covered: Vec<usize> = document
+        .frames
+        .iter()
+        .map(|frame| frame.masks.len())
+        .collect();
     assert_eq!(covered, [0, 0, 0, 0, 0, 0, 1, 1, 1, 1]);
     assert!(document.cameras[0].masks.is_empty());
 }
@@ -81,7 +140,10 @@ fn escape_leaves_the_masks_and_enter_accepts_nothing_below_them() {
     bench.command(Command::Accept);
     bench.command(Command::AcceptAndStay);
     assert_eq!(bench.statuses(), "SS");
-    assert_eq!(bench.last_notice(), "Masks are being drawn: Esc ends that first.");
+    assert_eq!(
+        bench.last_notice(),
+        "Masks are being drawn: Esc ends that first."
+    );
     bench.command(Command::Cancel);
     assert!(!bench.app.session.picture.masks);
     bench.command(Command::AcceptAndStay);

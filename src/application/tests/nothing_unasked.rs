@@ -5,7 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use touchline_application::app::session::{Dialog, Leaving, Saving};
-use touchline_application::app::{Action, Command, EditAction, Navigation, OutsideChoice, Question, ViewAction};
+use touchline_application::app::{
+    Action, Command, EditAction, Navigation, OutsideChoice, Question, ViewAction,
+};
 use touchline_application::jobs::Request;
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Document, FieldSpec, Frame};
@@ -17,9 +19,16 @@ fn new_project() -> (TempDir, PathBuf) {
     let root = tempfile::tempdir().unwrap();
     let path = root.path().join("match");
     let mut document = Document::new(FieldSpec::new("soccer"));
-    let frame = |name: &&str| Frame::from_image(name, "main".into(), ImageSize::new(1280, 720)).into();
+    let frame =
+        |name: &&str| Frame::from_image(name, "main".into(), ImageSize::new(1280, 720)).into();
     document.frames = FRAMES.iter().map(frame).collect();
-    drop(Store::create(&Location::for_new_document(&path.join("")).unwrap(), &document).unwrap());
+    drop(
+        Store::create(
+            &Location::for_new_document(&path.join("")).unwrap(),
+            &document,
+        )
+        .unwrap(),
+    );
     (root, path)
 }
 
@@ -30,11 +39,17 @@ fn comment(headless: &mut Headless, frame: usize, text: &str) {
 }
 
 fn wait_until_saved(headless: &mut Headless) {
-    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| {
+        matches!(app.session.disk.saving, Saving::Saved { .. })
+    });
 }
 
 fn comments(document: &Document) -> Vec<String> {
-    document.frames.iter().map(|frame| frame.comment.clone().unwrap_or_default()).collect()
+    document
+        .frames
+        .iter()
+        .map(|frame| frame.comment.clone().unwrap_or_default())
+        .collect()
 }
 
 /// Another program writes a comment on a frame into the file.
@@ -43,7 +58,11 @@ fn write_outside(path: &Path, frame: usize, text: &str) {
     let bytes = fs::read(&file).unwrap();
     let mut document = touchline_documents::document::document_from_bytes(&bytes).unwrap();
     document.frames[frame].comment = Some(text.to_owned());
-    fs::write(&file, touchline_documents::document::document_to_string(&document).unwrap()).unwrap();
+    fs::write(
+        &file,
+        touchline_documents::document::document_to_string(&document).unwrap(),
+    )
+    .unwrap();
 }
 
 /// A window on a project whose disk takes nothing any more, with an edit that is only in memory.
@@ -52,7 +71,9 @@ fn with_a_refusing_disk(root: &TempDir, path: &Path) -> (Headless, PathBuf) {
     let away = root.path().join("away");
     fs::rename(path, &away).unwrap();
     comment(&mut headless, 0, "only in memory");
-    headless.wait_until("the refusal", |app| matches!(app.session.disk.saving, Saving::Failed { .. }));
+    headless.wait_until("the refusal", |app| {
+        matches!(app.session.disk.saving, Saving::Failed { .. })
+    });
     (headless, away)
 }
 
@@ -64,8 +85,14 @@ fn a_window_that_cannot_save_asks_before_it_closes_and_does_close() {
         let (mut headless, _) = with_a_refusing_disk(&root, &path);
         for _ in 0..2 {
             headless.act(close());
-            assert_eq!(headless.app.session.dialog, Some(Dialog::NotSaved(Leaving::Close)));
-            assert!(!headless.requests.contains(&Request::Close), "nothing goes unasked");
+            assert_eq!(
+                headless.app.session.dialog,
+                Some(Dialog::NotSaved(Leaving::Close))
+            );
+            assert!(
+                !headless.requests.contains(&Request::Close),
+                "nothing goes unasked"
+            );
             headless.act(Action::View(ViewAction::CloseDialog));
         }
         headless.act(close());
@@ -82,7 +109,9 @@ fn a_disk_that_refuses_only_while_the_window_closes_is_told_of() {
     wait_until_saved(&mut headless);
     fs::rename(&path, root.path().join("away")).unwrap();
     headless.act(Action::CloseRequested);
-    headless.wait_until("the question", |app| app.session.dialog == Some(Dialog::NotSaved(Leaving::Close)));
+    headless.wait_until("the question", |app| {
+        app.session.dialog == Some(Dialog::NotSaved(Leaving::Close))
+    });
     assert!(!headless.requests.contains(&Request::Close));
 }
 
@@ -92,7 +121,9 @@ fn a_disk_that_takes_again_what_it_refused_lets_the_window_close() {
     let (mut headless, away) = with_a_refusing_disk(&root, &path);
     fs::rename(away, &path).unwrap();
     headless.act(Action::CloseRequested);
-    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| {
+        matches!(app.session.disk.saving, Saving::Saved { .. })
+    });
     headless.wait_until("closing", |app| app.session.dialog.is_none());
     assert!(headless.requests.contains(&Request::Close));
     assert!(headless.runner.close().is_empty());
@@ -105,8 +136,13 @@ fn a_copy_elsewhere_holds_everything() {
     let (mut headless, _) = with_a_refusing_disk(&root, &path);
     let copy = root.path().join("copy");
     headless.answer(Question::CopyTo, &copy);
-    headless
-        .wait_until("the copy", |app| app.session.messages.notices.iter().any(|n| n.text.starts_with("Copy written")));
+    headless.wait_until("the copy", |app| {
+        app.session
+            .messages
+            .notices
+            .iter()
+            .any(|n| n.text.starts_with("Copy written"))
+    });
     assert_eq!(comments(&read(&copy).unwrap().1)[0], "only in memory");
     headless.act(Action::CloseRequested);
     assert!(headless.requests.contains(&Request::Close) && headless.app.session.dialog.is_none());
@@ -118,10 +154,18 @@ fn opening_another_document_asks_as_well() {
     let (_other_root, other) = new_project();
     let (mut headless, _) = with_a_refusing_disk(&root, &path);
     headless.act(Action::Open(other.clone()));
-    assert_eq!(headless.app.session.dialog, Some(Dialog::NotSaved(Leaving::Open(other.clone()))));
+    assert_eq!(
+        headless.app.session.dialog,
+        Some(Dialog::NotSaved(Leaving::Open(other.clone())))
+    );
     assert!(headless.app.session.disk.opening.is_none());
     headless.act(Action::LeaveUnsaved);
-    headless.wait_until("opening", |app| app.open().unwrap().file.starts_with(fs::canonicalize(&other).unwrap()));
+    headless.wait_until("opening", |app| {
+        app.open()
+            .unwrap()
+            .file
+            .starts_with(fs::canonicalize(&other).unwrap())
+    });
 }
 
 #[test]
@@ -129,17 +173,28 @@ fn the_document_that_is_open_is_not_opened_again() {
     let (_root, path) = new_project();
     let mut headless = Headless::opened(&path);
     comment(&mut headless, 1, "mine");
-    for way in [path.clone(), path.join("project.json"), path.join("../match/project.json")] {
+    for way in [
+        path.clone(),
+        path.join("project.json"),
+        path.join("../match/project.json"),
+    ] {
         headless.act(Action::Open(way));
         headless.wait_until("the word", |app| app.session.disk.opening.is_none());
         let notice = headless.app.session.messages.notices.last().unwrap();
-        assert!(notice.text.ends_with("project.json is already open."), "{}", notice.text);
+        assert!(
+            notice.text.ends_with("project.json is already open."),
+            "{}",
+            notice.text
+        );
         assert_eq!(headless.app.open().unwrap().read_only, None);
     }
     comment(&mut headless, 2, "still mine");
     wait_until_saved(&mut headless);
     assert!(headless.runner.close().is_empty());
-    assert_eq!(comments(&read(&path).unwrap().1), ["", "mine", "still mine"]);
+    assert_eq!(
+        comments(&read(&path).unwrap().1),
+        ["", "mine", "still mine"]
+    );
 }
 
 /// A window whose document another program has changed: it commented b, the window a.
@@ -149,7 +204,9 @@ fn changed_outside(path: &Path) -> Headless {
     wait_until_saved(&mut headless);
     write_outside(path, 1, "theirs");
     headless.act(Action::Command(Command::Save));
-    headless.wait_until("the question", |app| app.session.dialog == Some(Dialog::ChangedOutside));
+    headless.wait_until("the question", |app| {
+        app.session.dialog == Some(Dialog::ChangedOutside)
+    });
     headless
 }
 
@@ -163,11 +220,18 @@ fn changes_of_another_program_are_merged() {
     let mut headless = changed_outside(&path);
     headless.act(Action::ResolveOutside(OutsideChoice::Merge));
     headless.wait_until("merging", |app| app.session.disk.changed_outside.is_none());
-    assert_eq!(comments(&headless.app.open().unwrap().document), ["mine", "theirs", ""]);
+    assert_eq!(
+        comments(&headless.app.open().unwrap().document),
+        ["mine", "theirs", ""]
+    );
     assert_eq!(comments(&read(&path).unwrap().1), ["mine", "theirs", ""]);
     assert_eq!(kept_version(&path), ["", "theirs", ""]);
     headless.act(Action::Command(Command::Undo));
-    assert_eq!(comments(&headless.app.open().unwrap().document), ["mine", "", ""], "one step of undo");
+    assert_eq!(
+        comments(&headless.app.open().unwrap().document),
+        ["mine", "", ""],
+        "one step of undo"
+    );
 }
 
 #[test]
@@ -176,10 +240,16 @@ fn a_version_of_another_program_is_replaced_and_kept_beside() {
     let mut headless = changed_outside(&path);
     headless.act(Action::View(ViewAction::CloseDialog));
     headless.act(Action::CloseRequested);
-    assert_eq!(headless.app.session.dialog, Some(Dialog::NotSaved(Leaving::Close)), "nothing goes unasked");
+    assert_eq!(
+        headless.app.session.dialog,
+        Some(Dialog::NotSaved(Leaving::Close)),
+        "nothing goes unasked"
+    );
     headless.act(Action::AskOutside);
     headless.act(Action::ResolveOutside(OutsideChoice::Replace));
-    headless.wait_until("replacing", |app| app.session.disk.changed_outside.is_none());
+    headless.wait_until("replacing", |app| {
+        app.session.disk.changed_outside.is_none()
+    });
     assert_eq!(comments(&read(&path).unwrap().1), ["mine", "", ""]);
     assert_eq!(kept_version(&path), ["", "theirs", ""]);
 }
@@ -189,18 +259,40 @@ fn edits_that_were_set_aside_are_taken_in_later_or_become_a_document() {
     let (_root, path) = new_project();
     let mut headless = changed_outside(&path);
     headless.act(Action::ResolveOutside(OutsideChoice::TakeTheirs));
-    headless.wait_until("the other version", |app| app.open().unwrap().document.frames[1].comment.is_some());
-    assert_eq!(comments(&headless.app.open().unwrap().document), ["", "theirs", ""]);
-    let [orphan] = &headless.app.session.disk.orphans[..] else { panic!("{:?}", headless.app.session.disk.orphans) };
+    headless.wait_until("the other version", |app| {
+        app.open().unwrap().document.frames[1].comment.is_some()
+    });
+    assert_eq!(
+        comments(&headless.app.open().unwrap().document),
+        ["", "theirs", ""]
+    );
+    let [orphan] = &headless.app.session.disk.orphans[..] else {
+        panic!("{:?}", headless.app.session.disk.orphans)
+    };
     let orphan = orphan.path.clone();
-    assert!(headless.app.session.messages.notices.iter().any(|n| n.text.starts_with("1 edit of another version")));
+    assert!(
+        headless
+            .app
+            .session
+            .messages
+            .notices
+            .iter()
+            .any(|n| n.text.starts_with("1 edit of another version"))
+    );
     headless.act(Action::SaveOrphan(orphan.clone()));
     headless.wait_until("the document", |app| {
-        app.session.messages.notices.iter().any(|n| n.text.contains(".recovered-1.json"))
+        app.session
+            .messages
+            .notices
+            .iter()
+            .any(|n| n.text.contains(".recovered-1.json"))
     });
     headless.act(Action::MergeOrphan(orphan));
     headless.wait_until("taking in", |app| app.session.disk.orphans.is_empty());
-    assert_eq!(comments(&headless.app.open().unwrap().document), ["mine", "theirs", ""]);
+    assert_eq!(
+        comments(&headless.app.open().unwrap().document),
+        ["mine", "theirs", ""]
+    );
     wait_until_saved(&mut headless);
     assert!(headless.runner.close().is_empty());
     let again = Headless::opened(&path);
@@ -219,12 +311,22 @@ fn an_orphan_finds_the_version_it_starts_from() {
     fs::copy(path.join("project.json"), path.join("project.json.before")).unwrap();
     write_outside(&path, 0, "theirs");
     drop(headless);
-    let Access::Writable(store) = open(&path).unwrap().access else { panic!("read-only") };
+    let Access::Writable(store) = open(&path).unwrap().access else {
+        panic!("read-only")
+    };
     let location = store.location().clone();
-    let [orphan] = &touchline_documents::store::orphans(&location)[..] else { panic!("no orphan") };
+    let [orphan] = &touchline_documents::store::orphans(&location)[..] else {
+        panic!("no orphan")
+    };
     assert_eq!(orphan.edits.len(), 1);
     let edits = touchline_documents::store::read_orphan(&location, &orphan.path).unwrap();
     assert!(edits.base.is_some());
     let merged = edits.merged_into(&read(&path).unwrap().1);
-    assert_eq!((comments(&merged.document)[0].as_str(), &merged.conflicts[..]), ("mine", &["a.jpg".to_owned()][..]));
+    assert_eq!(
+        (
+            comments(&merged.document)[0].as_str(),
+            &merged.conflicts[..]
+        ),
+        ("mine", &["a.jpg".to_owned()][..])
+    );
 }

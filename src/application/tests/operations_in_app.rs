@@ -8,8 +8,13 @@ use touchline_application::app::{Action, App, Effect, Opened, Settings};
 
 /// What was started.
 fn jobs(effects: &[Effect]) -> Vec<Job> {
-    let jobs =
-        effects.iter().filter_map(|effect| if let Effect::Start(job) = effect { Some(job.clone()) } else { None });
+    let jobs = effects.iter().filter_map(|effect| {
+        if let Effect::Start(job) = effect {
+            Some(job.clone())
+        } else {
+            None
+        }
+    });
     jobs.collect()
 }
 
@@ -20,24 +25,42 @@ fn names(jobs: &[Job]) -> Vec<&'static str> {
 /// Opens another document and delivers what the operations before report all the same.
 fn open_another(bench: &mut Bench, jobs: &[Job]) {
     assert!(jobs.iter().all(|job| !job.is_cancelled()), "{jobs:?}");
-    bench.act(Action::Opened(Box::new(Opened::new(blank(1), "/elsewhere/project.json"))));
+    bench.act(Action::Opened(Box::new(Opened::new(
+        blank(1),
+        "/elsewhere/project.json",
+    ))));
     assert!(jobs.iter().all(Job::is_cancelled), "{jobs:?}");
     let before = bench.app.session.messages.notices.len();
     for job in jobs {
         bench.act(Action::Report(job.panicked("too late".to_owned())));
     }
-    assert_eq!(bench.app.session.messages.notices.len(), before, "{:?}", bench.app.session.messages.notices);
+    assert_eq!(
+        bench.app.session.messages.notices.len(),
+        before,
+        "{:?}",
+        bench.app.session.messages.notices
+    );
 }
 
 #[test]
 fn another_document_ends_a_comparison_and_what_runs_unasked() {
-    let mut bench = Bench { app: App::new(Settings::default()), effects: Vec::new() };
+    let mut bench = Bench {
+        app: App::new(Settings::default()),
+        effects: Vec::new(),
+    };
     let document = suggested(&[Some(0.9), Some(0.8)]);
-    bench.act(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+    bench.act(Action::Opened(Box::new(Opened::new(
+        document,
+        "/match/project.json",
+    ))));
     bench.act(Action::Compare("/other/project.json".into()));
     assert!(bench.app.operations.comparison.is_running());
     let started = jobs(&bench.effects);
-    let unasked = if cfg!(feature = "opencv") { &["burned-in graphics", "line check"][..] } else { &["line check"] };
+    let unasked = if cfg!(feature = "opencv") {
+        &["burned-in graphics", "line check"][..]
+    } else {
+        &["line check"]
+    };
     assert_eq!(names(&started), [unasked, &[Comparison::NAME]].concat());
     open_another(&mut bench, &started);
     assert!(!bench.app.operations.comparison.is_running());
@@ -51,12 +74,22 @@ fn another_document_ends_the_tracking_of_a_clip() {
     use touchline_application::app::operations::ClipTracking;
     let mut bench = Bench::new(suggested(&[Some(0.9), None]));
     bench.command(Command::Track);
-    assert!(names(&jobs(&bench.effects)).contains(&ClipTracking::NAME), "{:?}", bench.app.why_not(Command::Track));
-    assert_eq!(next_step(&bench.app).text, "Carrying cameras through the shot…");
+    assert!(
+        names(&jobs(&bench.effects)).contains(&ClipTracking::NAME),
+        "{:?}",
+        bench.app.why_not(Command::Track)
+    );
+    assert_eq!(
+        next_step(&bench.app).text,
+        "Carrying cameras through the shot…"
+    );
     assert!(bench.app.why_not(Command::Track).is_some(), "one at a time");
     let started = vec![bench.started::<ClipTracking>()];
     open_another(&mut bench, &started);
-    assert!(bench.app.why_not(Command::StopTracking).is_some(), "nothing is left to stop");
+    assert!(
+        bench.app.why_not(Command::StopTracking).is_some(),
+        "nothing is left to stop"
+    );
 }
 
 #[cfg(feature = "opencv")]

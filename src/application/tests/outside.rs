@@ -1,4 +1,5 @@
-//! Another program replaces the document while it is open: whatever is chosen, no edit of a person is lost.
+//! Another program replaces the document while it is open: whatever is chosen, no edit of a person
+//! is lost.
 
 use crate::bench::{SIZE, base, landmark_in};
 use crate::headless::Headless;
@@ -6,14 +7,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use touchline_application::app::session::{Dialog, Leaving, Saving};
-use touchline_application::app::{Action, Command, EditAction, Navigation, OutsideChoice, PointerAction, ViewAction};
+use touchline_application::app::{
+    Action, Command, EditAction, Navigation, OutsideChoice, PointerAction, ViewAction,
+};
 use touchline_application::jobs::Request;
 use touchline_calibration::calibrate::check_solutions;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::Vec3;
 use touchline_documents::document::{
-    Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target, document_from_bytes,
-    document_to_string,
+    Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target,
+    document_from_bytes, document_to_string,
 };
 use touchline_documents::store::{Location, Store, read};
 
@@ -26,7 +29,13 @@ pub fn new_project(frames: usize) -> (TempDir, PathBuf) {
     document.cameras.push(camera.into());
     let frame = |index| Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE).into();
     document.frames.extend((0..frames).map(frame));
-    drop(Store::create(&Location::for_new_document(&path.join("")).unwrap(), &document).unwrap());
+    drop(
+        Store::create(
+            &Location::for_new_document(&path.join("")).unwrap(),
+            &document,
+        )
+        .unwrap(),
+    );
     (root, path)
 }
 
@@ -35,19 +44,29 @@ pub fn accept(headless: &mut Headless, frame: usize, pan_deg: f64) {
     headless.act(Action::Navigate(Navigation::GoTo(frame)));
     let camera = PtzCamera::new(base(), Ptz::from_degrees(pan_deg, -14.0, 2300.0));
     for landmark in ["centre_mark", "halfway_far"] {
-        headless.act(Action::Pointer(PointerAction::Press { at: landmark_in(&camera, landmark), on: None }));
+        headless.act(Action::Pointer(PointerAction::Press {
+            at: landmark_in(&camera, landmark),
+            on: None,
+        }));
         headless.act(Action::Pointer(PointerAction::Release));
         let click = headless.app.frame().unwrap().clicks.len() - 1;
-        headless.act(Action::Edit(EditAction::Name { click, target: Target::Landmark(landmark.into()) }));
+        headless.act(Action::Edit(EditAction::Name {
+            click,
+            target: Target::Landmark(landmark.into()),
+        }));
     }
     headless.act(Action::Command(Command::AcceptAndStay));
-    assert_eq!(headless.app.open().unwrap().document.frames[frame].status, FrameStatus::Reference);
+    assert_eq!(
+        headless.app.open().unwrap().document.frames[frame].status,
+        FrameStatus::Reference
+    );
 }
 
 fn save(headless: &mut Headless) {
     let whole = |app: &touchline_application::app::App| {
         app.session.disk.changed_outside.is_some()
-            || matches!(app.session.disk.saving, Saving::Saved { .. }) && app.open().is_some_and(is_written)
+            || matches!(app.session.disk.saving, Saving::Saved { .. })
+                && app.open().is_some_and(is_written)
     };
     headless.act(Action::Command(Command::Save));
     headless.wait_until("saving", whole);
@@ -55,7 +74,9 @@ fn save(headless: &mut Headless) {
 
 /// Whether the file holds what the window shows.
 pub fn is_written(open: &touchline_application::app::OpenProject) -> bool {
-    read(&open.file).is_ok_and(|(_, document, recovery)| recovery.is_empty() && document.frames == open.document.frames)
+    read(&open.file).is_ok_and(|(_, document, recovery)| {
+        recovery.is_empty() && document.frames == open.document.frames
+    })
 }
 
 /// Another program edits the file.
@@ -76,8 +97,8 @@ fn statuses(document: &Document) -> Vec<FrameStatus> {
     document.frames.iter().map(|frame| frame.status).collect()
 }
 
-/// A window that accepted frame 0 and saved, and whose document another program then set back to how it was opened, with a
-/// comment on frame 1.
+/// A window that accepted frame 0 and saved, and whose document another program then set back to
+/// how it was opened, with a comment on frame 1.
 fn set_back(path: &Path) -> Headless {
     let before = fs::read(path.join("project.json")).unwrap();
     let mut headless = Headless::opened(path);
@@ -85,13 +106,17 @@ fn set_back(path: &Path) -> Headless {
     save(&mut headless);
     assert_eq!(on_disk(path).frames[0].status, FrameStatus::Reference);
     fs::write(path.join("project.json"), before).unwrap();
-    write_outside(path, |document| document.frames[1].comment = Some("theirs".to_owned()));
+    write_outside(path, |document| {
+        document.frames[1].comment = Some("theirs".to_owned())
+    });
     headless
 }
 
 fn ask(headless: &mut Headless) {
     headless.act(Action::Command(Command::Save));
-    headless.wait_until("the question", |app| app.session.dialog == Some(Dialog::ChangedOutside));
+    headless.wait_until("the question", |app| {
+        app.session.dialog == Some(Dialog::ChangedOutside)
+    });
 }
 
 #[test]
@@ -101,11 +126,25 @@ fn replace_it_replaces_what_another_program_wrote_although_nothing_was_edited_si
     let theirs = fs::read(path.join("project.json")).unwrap();
     ask(&mut headless);
     headless.act(Action::ResolveOutside(OutsideChoice::Replace));
-    headless.wait_until("replacing", |app| app.session.disk.changed_outside.is_none());
-    assert_eq!(on_disk(&path).frames, headless.app.open().unwrap().document.frames);
-    assert_eq!(statuses(&on_disk(&path)), [FrameStatus::Reference, FrameStatus::New]);
-    assert_eq!(fs::read(path.join("project.json.outside-1")).unwrap(), theirs);
-    assert!(!path.join("project.json.mine-1").exists(), "the document holds it");
+    headless.wait_until("replacing", |app| {
+        app.session.disk.changed_outside.is_none()
+    });
+    assert_eq!(
+        on_disk(&path).frames,
+        headless.app.open().unwrap().document.frames
+    );
+    assert_eq!(
+        statuses(&on_disk(&path)),
+        [FrameStatus::Reference, FrameStatus::New]
+    );
+    assert_eq!(
+        fs::read(path.join("project.json.outside-1")).unwrap(),
+        theirs
+    );
+    assert!(
+        !path.join("project.json.mine-1").exists(),
+        "the document holds it"
+    );
     assert!(headless.app.session.disk.orphans.is_empty());
 }
 
@@ -116,7 +155,14 @@ fn what_the_window_holds_is_kept_beside_as_soon_as_a_change_is_seen() {
     ask(&mut headless);
     let own = document_from_bytes(&fs::read(path.join("project.json.mine-1")).unwrap()).unwrap();
     assert_eq!(own.frames, headless.app.open().unwrap().document.frames);
-    let listed: Vec<_> = headless.app.session.disk.orphans.iter().flat_map(|orphan| orphan.edits.clone()).collect();
+    let listed: Vec<_> = headless
+        .app
+        .session
+        .disk
+        .orphans
+        .iter()
+        .flat_map(|orphan| orphan.edits.clone())
+        .collect();
     assert_eq!(listed, ["Changes in 0.jpg"]);
     // Edits that come after it are kept as well.
     headless.act(Action::View(ViewAction::CloseDialog));
@@ -126,15 +172,27 @@ fn what_the_window_holds_is_kept_beside_as_soon_as_a_change_is_seen() {
     headless.wait_until("the other version", |app| {
         app.open().unwrap().document.frames[1].comment.as_deref() == Some("theirs")
     });
-    let [orphan] = &headless.app.session.disk.orphans[..] else { panic!("{:?}", headless.app.session.disk.orphans) };
+    let [orphan] = &headless.app.session.disk.orphans[..] else {
+        panic!("{:?}", headless.app.session.disk.orphans)
+    };
     assert_eq!(orphan.edits, ["Changes in 0.jpg", "Changes in 1.jpg"]);
     let orphan = orphan.path.clone();
     headless.act(Action::MergeOrphan(orphan));
     headless.wait_until("merging", |app| app.session.disk.orphans.is_empty());
     let document = &headless.app.open().unwrap().document;
-    assert_eq!((document.frames[0].status, document.frames[0].clicks.len()), (FrameStatus::Reference, 2));
-    assert_eq!(document.frames[1].comment.as_deref(), Some("mine"), "both wrote one: the edits win");
-    assert!(path.join("project.json.merged-1").exists() && !path.join("project.json.mine-1.base").exists());
+    assert_eq!(
+        (document.frames[0].status, document.frames[0].clicks.len()),
+        (FrameStatus::Reference, 2)
+    );
+    assert_eq!(
+        document.frames[1].comment.as_deref(),
+        Some("mine"),
+        "both wrote one: the edits win"
+    );
+    assert!(
+        path.join("project.json.merged-1").exists()
+            && !path.join("project.json.mine-1.base").exists()
+    );
 }
 
 #[test]
@@ -145,15 +203,25 @@ fn merging_with_an_earlier_state_keeps_what_was_saved_since() {
     headless.act(Action::ResolveOutside(OutsideChoice::Merge));
     headless.wait_until("merging", |app| app.session.disk.changed_outside.is_none());
     let document = on_disk(&path);
-    assert_eq!((document.frames[0].status, document.frames[0].clicks.len()), (FrameStatus::Reference, 2));
+    assert_eq!(
+        (document.frames[0].status, document.frames[0].clicks.len()),
+        (FrameStatus::Reference, 2)
+    );
     assert_eq!(document.frames[1].comment.as_deref(), Some("theirs"));
-    assert!(headless.app.session.offers(Command::Undo), "{:?}", headless.app.session.messages.notices);
+    assert!(
+        headless.app.session.offers(Command::Undo),
+        "{:?}",
+        headless.app.session.messages.notices
+    );
 }
 
 #[test]
 fn leaving_the_document_asks_and_keeps_what_another_program_replaced() {
     let (_other_root, other) = new_project(1);
-    for (way, leaving) in [Leaving::Close, Leaving::Close, Leaving::Open(other.clone())].into_iter().enumerate() {
+    for (way, leaving) in [Leaving::Close, Leaving::Close, Leaving::Open(other.clone())]
+        .into_iter()
+        .enumerate()
+    {
         let leave = || match way {
             0 => Action::CloseRequested,
             1 => Action::Command(Command::Quit),
@@ -162,21 +230,39 @@ fn leaving_the_document_asks_and_keeps_what_another_program_replaced() {
         let (_root, path) = new_project(2);
         let mut headless = set_back(&path);
         headless.act(leave());
-        headless.wait_until("the question", |app| app.session.dialog == Some(Dialog::ChangedOutside));
-        assert!(headless.app.session.disk.opening.is_none() && !headless.requests.contains(&Request::Close));
+        headless.wait_until("the question", |app| {
+            app.session.dialog == Some(Dialog::ChangedOutside)
+        });
+        assert!(
+            headless.app.session.disk.opening.is_none()
+                && !headless.requests.contains(&Request::Close)
+        );
         assert!(path.join("project.json.mine-1").exists());
         headless.act(Action::View(ViewAction::CloseDialog));
         headless.act(leave());
-        assert_eq!(headless.app.session.dialog, Some(Dialog::NotSaved(leaving.clone())), "nothing goes unasked");
+        assert_eq!(
+            headless.app.session.dialog,
+            Some(Dialog::NotSaved(leaving.clone())),
+            "nothing goes unasked"
+        );
         headless.act(Action::LeaveUnsaved);
         if leaving == Leaving::Close {
             assert!(headless.requests.contains(&Request::Close));
             headless.runner.close();
         } else {
-            headless.wait_until("opening", |app| app.open().unwrap().document.frames.len() == 1);
+            headless.wait_until("opening", |app| {
+                app.open().unwrap().document.frames.len() == 1
+            });
         }
         let again = Headless::opened(&path);
-        let listed: Vec<_> = again.app.session.disk.orphans.iter().flat_map(|orphan| orphan.edits.clone()).collect();
+        let listed: Vec<_> = again
+            .app
+            .session
+            .disk
+            .orphans
+            .iter()
+            .flat_map(|orphan| orphan.edits.clone())
+            .collect();
         assert_eq!(listed, ["Changes in 0.jpg"]);
     }
 }
@@ -188,7 +274,9 @@ fn opening_another_project_after_saving_still_opens_it() {
     let mut headless = Headless::opened(&path);
     accept(&mut headless, 0, -4.0);
     headless.act(Action::Open(other));
-    headless.wait_until("opening", |app| app.open().unwrap().document.frames.len() == 1);
+    headless.wait_until("opening", |app| {
+        app.open().unwrap().document.frames.len() == 1
+    });
     assert_eq!(on_disk(&path).frames[0].status, FrameStatus::Reference);
 }
 
@@ -196,18 +284,26 @@ fn opening_another_project_after_saving_still_opens_it() {
 fn propose(frame: &mut Frame) {
     frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
     frame.status = FrameStatus::Suggested;
-    let solution = Solution { source: Some(SolutionSource::Forest), confidence: Some(0.3), ..Solution::default() };
+    let solution = Solution {
+        source: Some(SolutionSource::Forest),
+        confidence: Some(0.3),
+        ..Solution::default()
+    };
     frame.solution = Some(solution);
 }
 
 #[test]
 fn a_proposal_beats_no_label_of_another_person() {
     let (_root, path) = new_project(3);
-    write_outside(&path, |document| document.frames.iter_mut().for_each(|frame| propose(frame)));
+    write_outside(&path, |document| {
+        document.frames.iter_mut().for_each(|frame| propose(frame))
+    });
     let mut headless = Headless::opened(&path);
     headless.act(Action::Navigate(Navigation::GoTo(2)));
     headless.act(Action::Edit(EditAction::SetComment("mine".to_owned())));
-    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| {
+        matches!(app.session.disk.saving, Saving::Saved { .. })
+    });
     // The colleague accepts the first two.
     let accepted = {
         let (_root, path) = new_project(3);
@@ -225,8 +321,21 @@ fn a_proposal_beats_no_label_of_another_person() {
     headless.act(Action::ResolveOutside(OutsideChoice::Merge));
     headless.wait_until("merging", |app| app.session.disk.changed_outside.is_none());
     let document = on_disk(&path);
-    assert_eq!(statuses(&document), [FrameStatus::Reference, FrameStatus::Reference, FrameStatus::Suggested]);
-    assert_eq!((document.frames[0].clicks.len(), document.frames[2].comment.as_deref()), (2, Some("mine")));
+    assert_eq!(
+        statuses(&document),
+        [
+            FrameStatus::Reference,
+            FrameStatus::Reference,
+            FrameStatus::Suggested
+        ]
+    );
+    assert_eq!(
+        (
+            document.frames[0].clicks.len(),
+            document.frames[2].comment.as_deref()
+        ),
+        (2, Some("mine"))
+    );
 }
 
 #[test]
@@ -234,17 +343,29 @@ fn a_reference_is_solved_again_where_the_merge_takes_another_base() {
     let (_root, path) = new_project(2);
     let mut headless = Headless::opened(&path);
     accept(&mut headless, 0, -4.0);
-    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
-    let moved = CameraBase { position_m: Vec3::new(6.0, -60.0, 19.0), ..base() };
+    headless.wait_until("saving", |app| {
+        matches!(app.session.disk.saving, Saving::Saved { .. })
+    });
+    let moved = CameraBase {
+        position_m: Vec3::new(6.0, -60.0, 19.0),
+        ..base()
+    };
     write_outside(&path, |document| document.cameras[0].set_base(&moved));
     ask(&mut headless);
     headless.act(Action::ResolveOutside(OutsideChoice::Merge));
     headless.wait_until("merging", |app| app.session.disk.changed_outside.is_none());
     let document = on_disk(&path);
-    assert_eq!(document.cameras[0].base().unwrap().position_m, moved.position_m);
+    assert_eq!(
+        document.cameras[0].base().unwrap().position_m,
+        moved.position_m
+    );
     assert_eq!(document.frames[0].status, FrameStatus::Reference);
     assert_eq!(check_solutions(document.at(&path)), []);
     let mut stale = document.clone();
     stale.cameras[0].set_base(&base());
-    assert_eq!(check_solutions(stale.at(&path)).len(), 1, "check names what the base does not give");
+    assert_eq!(
+        check_solutions(stale.at(&path)).len(),
+        1,
+        "check names what the base does not give"
+    );
 }

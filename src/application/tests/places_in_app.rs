@@ -1,4 +1,5 @@
-//! Going to a frame by its number or its time in the application: numbers are those of the video's frames.
+//! Going to a frame by its number or its time in the application: numbers are those of the video's
+//! frames.
 
 use touchline_application::app::place::Place;
 use touchline_application::app::{Action, App, Navigation, Opened, Settings};
@@ -9,22 +10,37 @@ use touchline_documents::document::{Camera, Document, FieldSpec, Frame, VideoFra
 fn sampled() -> App {
     let size = ImageSize::new(64, 36);
     let mut document = Document::new(FieldSpec::new("soccer"));
-    document.cameras.push(Camera::new("main".into(), size).into());
+    document
+        .cameras
+        .push(Camera::new("main".into(), size).into());
     let one = (0..100).step_by(5).map(|index| ("one.mp4", index));
     for (video, index) in one.chain((0..10).map(|index| ("other.mp4", index))) {
         let video = VideoFrame::new(video, index, Some(index as f64 / 25.0));
-        document.frames.push(Frame::from_video(video, "main".into(), size).into());
+        document
+            .frames
+            .push(Frame::from_video(video, "main".into(), size).into());
     }
     let mut app = App::new(Settings::default());
-    app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+    app.update(Action::Opened(Box::new(Opened::new(
+        document,
+        "/match/project.json",
+    ))));
     app
 }
 
 /// The number of the frame that is shown after going to a place, and what was said.
 fn shown(app: &mut App, place: &str) -> (u64, String) {
     app.session.messages.notices.clear();
-    app.update(Action::Navigate(Navigation::GoToPlace(place.parse::<Place>().unwrap())));
-    let said = app.session.messages.notices.iter().map(|notice| notice.text.clone()).collect();
+    app.update(Action::Navigate(Navigation::GoToPlace(
+        place.parse::<Place>().unwrap(),
+    )));
+    let said = app
+        .session
+        .messages
+        .notices
+        .iter()
+        .map(|notice| notice.text.clone())
+        .collect();
     (app.open().unwrap().frame_number(app.session.frame), said)
 }
 
@@ -33,10 +49,29 @@ fn a_number_is_that_of_the_videos_frame() {
     let mut app = sampled();
     assert_eq!(shown(&mut app, "45"), (45, String::new()));
     assert_eq!(app.session.frame, 9);
-    assert_eq!(shown(&mut app, "1:00"), (95, String::new()), "the last one is nearest to a time behind it");
-    assert_eq!(shown(&mut app, "17"), (15, "There is no frame 17: the nearest one is 15.".to_owned()));
-    assert_eq!(shown(&mut app, "500"), (95, "There is no frame 500: the nearest one is 95.".to_owned()));
-    assert_eq!(app.open().unwrap().numbers_beside(app.session.frame), (0, 95));
+    assert_eq!(
+        shown(&mut app, "1:00"),
+        (95, String::new()),
+        "the last one is nearest to a time behind it"
+    );
+    assert_eq!(
+        shown(&mut app, "17"),
+        (
+            15,
+            "There is no frame 17: the nearest one is 15.".to_owned()
+        )
+    );
+    assert_eq!(
+        shown(&mut app, "500"),
+        (
+            95,
+            "There is no frame 500: the nearest one is 95.".to_owned()
+        )
+    );
+    assert_eq!(
+        app.open().unwrap().numbers_beside(app.session.frame),
+        (0, 95)
+    );
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! The quality page in the application: what it derives and when, what it leaves alone, the way to a frame and back.
+//! The quality page in the application: what it derives and when, what it leaves alone, the way to
+//! a frame and back.
 
 use crate::bench::{Bench, SIZE, base};
 use touchline_application::app::quality::TimeAxis;
@@ -7,7 +8,9 @@ use touchline_application::app::{Action, Command, EditAction, Navigation, ViewAc
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::ImagePoint;
 use touchline_core::solve::Verdict;
-use touchline_documents::document::{Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus};
+use touchline_documents::document::{
+    Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus,
+};
 
 /// Two cameras in turns, a slow pan of each; the fifth frame of the first looks elsewhere.
 fn document() -> Document {
@@ -22,10 +25,20 @@ fn document() -> Document {
         let mut frame = Frame::from_image(&format!("{index:04}.jpg"), name.into(), SIZE);
         // Of one shot: they follow each other in time.
         frame.clip = Some(Clip::Number(1));
-        let pan_deg = if index == 8 { 30.0 } else { 0.1 * f64::from(index) };
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -12.0, 2000.0), None));
+        let pan_deg = if index == 8 {
+            30.0
+        } else {
+            0.1 * f64::from(index)
+        };
+        frame.ptz = Some(FramePtz::new(
+            Ptz::from_degrees(pan_deg, -12.0, 2000.0),
+            None,
+        ));
         frame.status = FrameStatus::Reference;
-        frame.clicks.push(Click::landmark("centre_mark".into(), ImagePoint::new(900.0, 500.0)));
+        frame.clicks.push(Click::landmark(
+            "centre_mark".into(),
+            ImagePoint::new(900.0, 500.0),
+        ));
         document.frames.push(frame.into());
     }
     document
@@ -46,14 +59,29 @@ fn an_accepted_frame_off_its_neighbours_way_is_to_be_looked_at() {
     bench.act(Action::Navigate(Navigation::GoTo(8)));
     let judgement = bench.app.judgement().unwrap();
     assert_eq!(judgement.verdict, Verdict::Check);
-    assert!(judgement.reason.ends_with("px off the way between the frames before and after it"), "{judgement:?}");
+    assert!(
+        judgement
+            .reason
+            .ends_with("px off the way between the frames before and after it"),
+        "{judgement:?}"
+    );
     bench.act(Action::Navigate(Navigation::GoTo(6)));
-    assert_eq!(bench.app.judgement(), None, "nothing speaks against it, nor for it");
+    assert_eq!(
+        bench.app.judgement(),
+        None,
+        "nothing speaks against it, nor for it"
+    );
     bench.act(Action::Navigate(Navigation::GoTo(8)));
     bench.act(Action::Edit(EditAction::Begin("Pan")));
-    bench.act(Action::Edit(EditAction::Ptz(Ptz::from_degrees(0.8, -12.0, 2000.0))));
+    bench.act(Action::Edit(EditAction::Ptz(Ptz::from_degrees(
+        0.8, -12.0, 2000.0,
+    ))));
     bench.act(Action::Edit(EditAction::End));
-    assert!(!bench.app.judgement().unwrap().reason.contains("px off"), "{:?}", bench.app.judgement());
+    assert!(
+        !bench.app.judgement().unwrap().reason.contains("px off"),
+        "{:?}",
+        bench.app.judgement()
+    );
 }
 
 #[test]
@@ -62,13 +90,24 @@ fn nothing_is_derived_while_the_page_is_closed_and_what_changes_is_derived_again
     assert!(bench.app.quality().course.points.is_empty());
     bench.command(Command::QualityPage);
     assert_eq!(bench.app.quality().camera, Some("main".into()));
-    assert_eq!((bench.app.quality().course.points.len(), pan(&bench, 4)), (10, 300));
+    assert_eq!(
+        (bench.app.quality().course.points.len(), pan(&bench, 4)),
+        (10, 300)
+    );
     assert_eq!(bench.app.quality().course.standing_out, [4]);
-    bench.act(Action::Navigate(Navigation::LookAt { frame: 8, click: Some(0) }));
+    bench.act(Action::Navigate(Navigation::LookAt {
+        frame: 8,
+        click: Some(0),
+    }));
     assert!(!bench.app.session.quality.open && bench.app.quality().course.points.is_empty());
-    assert_eq!((bench.app.session.frame, bench.app.session.points.selected), (8, Some(0)));
+    assert_eq!(
+        (bench.app.session.frame, bench.app.session.points.selected),
+        (8, Some(0))
+    );
     bench.act(Action::Edit(EditAction::Begin("Pan")));
-    bench.act(Action::Edit(EditAction::Ptz(Ptz::from_degrees(0.8, -12.0, 2000.0))));
+    bench.act(Action::Edit(EditAction::Ptz(Ptz::from_degrees(
+        0.8, -12.0, 2000.0,
+    ))));
     bench.act(Action::Edit(EditAction::End));
     bench.command(Command::QualityPage);
     assert_eq!(pan(&bench, 4), 8);
@@ -80,14 +119,24 @@ fn the_page_speaks_of_one_camera_and_another_document_closes_it() {
     let mut bench = Bench::new(document());
     bench.act(Action::Navigate(Navigation::GoTo(3)));
     bench.command(Command::QualityPage);
-    assert_eq!(bench.app.quality().camera, Some("high".into()), "the shown frame's");
+    assert_eq!(
+        bench.app.quality().camera,
+        Some("high".into()),
+        "the shown frame's"
+    );
     bench.act(Action::View(ViewAction::SetQualityCamera("main".into())));
     assert_eq!(bench.app.quality().course.points[1].frame, 2);
     bench.act(Action::View(ViewAction::SetQualityCamera("gone".into())));
     assert_eq!(bench.app.quality().camera, Some("high".into()));
     bench.act(Action::View(ViewAction::SetTimeAxis(TimeAxis::Video)));
-    assert_eq!(bench.app.quality().course.axis, TimeAxis::Frame, "no frame knows a time");
-    bench.act(Action::Opened(Box::new(touchline_application::app::Opened::new(document(), "/nowhere/other.json"))));
+    assert_eq!(
+        bench.app.quality().course.axis,
+        TimeAxis::Frame,
+        "no frame knows a time"
+    );
+    bench.act(Action::Opened(Box::new(
+        touchline_application::app::Opened::new(document(), "/nowhere/other.json"),
+    )));
     assert!(!bench.app.session.quality.open && bench.app.quality().camera.is_none());
 }
 
@@ -97,16 +146,28 @@ fn keys_of_the_picture_sleep_and_those_of_the_time_go_on() {
     bench.act(Action::Navigate(Navigation::Select(Some(0))));
     bench.command(Command::QualityPage);
     let before = bench.app.open().unwrap().document.clone();
-    for command in [Command::DeleteClick, Command::Accept, Command::Reject, Command::ToggleCheck, Command::EstimateBase]
-    {
+    for command in [
+        Command::DeleteClick,
+        Command::Accept,
+        Command::Reject,
+        Command::ToggleCheck,
+        Command::EstimateBase,
+    ] {
         bench.command(command);
-        assert_eq!(bench.last_notice(), "Close the quality page first.", "{command:?}");
+        assert_eq!(
+            bench.last_notice(),
+            "Close the quality page first.",
+            "{command:?}"
+        );
     }
     assert_eq!(bench.app.open().unwrap().document.clone(), before);
     bench.act(Action::Navigate(Navigation::GoTo(10)));
     bench.command(Command::ZoomIn);
     let [from, upto] = bench.app.session.quality.span.unwrap();
-    assert!(from < 11.0 && 11.0 < upto && upto - from < 10.0, "{from} {upto}");
+    assert!(
+        from < 11.0 && 11.0 < upto && upto - from < 10.0,
+        "{from} {upto}"
+    );
     bench.command(Command::NextFrame);
     assert!(bench.app.session.quality.open);
     bench.command(Command::ZoomOut);
@@ -124,7 +185,10 @@ fn escape_closes_the_page_and_a_panel_takes_its_place() {
     assert!(!bench.app.session.quality.open);
     bench.command(Command::QualityPage);
     bench.command(Command::ReviewPanel);
-    assert_eq!((bench.app.session.quality.open, bench.app.session.panel), (false, SidePanel::Review));
+    assert_eq!(
+        (bench.app.session.quality.open, bench.app.session.panel),
+        (false, SidePanel::Review)
+    );
     let mut empty = Bench::new(Document::new(FieldSpec::new("soccer")));
     empty.command(Command::QualityPage);
     assert!(empty.app.session.quality.open && empty.app.quality().course.whole.is_none());

@@ -1,4 +1,5 @@
-//! Suggestions in the application: looked through in an order, accepted one by one and together, corrected, rejected.
+//! Suggestions in the application: looked through in an order, accepted one by one and together,
+//! corrected, rejected.
 
 use crate::bench::{Bench, base, landmark_in};
 use crate::proposed::{blank, proposal_in, suggested, truth};
@@ -29,7 +30,10 @@ impl Bench {
             FrameStatus::Reference => 'R',
             FrameStatus::Rejected => 'X',
         };
-        self.frames().iter().map(|frame| letter(frame.status)).collect()
+        self.frames()
+            .iter()
+            .map(|frame| letter(frame.status))
+            .collect()
     }
 
     pub fn listed(&self) -> Vec<usize> {
@@ -38,7 +42,10 @@ impl Bench {
 
     /// Where the truth has a landmark in the shown frame.
     fn point_of(&self, landmark: &str) -> ImagePoint {
-        landmark_in(&PtzCamera::new(base(), truth(self.app.session.frame)), landmark)
+        landmark_in(
+            &PtzCamera::new(base(), truth(self.app.session.frame)),
+            landmark,
+        )
     }
 
     /// Clicks a landmark of the shown frame where the truth has it.
@@ -46,7 +53,10 @@ impl Bench {
         self.click(self.point_of(landmark));
         if let Mode::Naming(naming) = &self.app.session.mode {
             let click = naming.click;
-            self.act(Action::Edit(EditAction::Name { click, target: Target::Landmark(landmark.into()) }));
+            self.act(Action::Edit(EditAction::Name {
+                click,
+                target: Target::Landmark(landmark.into()),
+            }));
         }
     }
 
@@ -57,8 +67,17 @@ impl Bench {
 
 #[test]
 fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
-    let mut bench = Bench::new(suggested(&[Some(0.7), Some(0.99), None, Some(0.9), Some(0.8)]));
-    assert_eq!(bench.said(), "Dashed = proposed. Enter takes it, a click corrects it, X rejects it.");
+    let mut bench = Bench::new(suggested(&[
+        Some(0.7),
+        Some(0.99),
+        None,
+        Some(0.9),
+        Some(0.8),
+    ]));
+    assert_eq!(
+        bench.said(),
+        "Dashed = proposed. Enter takes it, a click corrects it, X rejects it."
+    );
     bench.command(Command::ReviewPanel);
     assert_eq!(bench.app.session.panel, SidePanel::Review);
     assert_eq!(bench.listed(), [0, 4, 3, 1], "the most doubtful first");
@@ -68,21 +87,43 @@ fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
     assert_eq!(bench.app.session.frame, 0, "the next in the list");
     let accepted = &bench.frames()[1];
     assert_eq!(accepted.status, FrameStatus::Reference);
-    assert_eq!(accepted.solution.as_ref().unwrap().source, Some(SolutionSource::Forest));
-    assert!(!accepted.is_used_for_training(), "a label that is not used for training");
+    assert_eq!(
+        accepted.solution.as_ref().unwrap().source,
+        Some(SolutionSource::Forest)
+    );
+    assert!(
+        !accepted.is_used_for_training(),
+        "a label that is not used for training"
+    );
     bench.act(Action::View(ViewAction::SetReviewOrder(ReviewOrder::Time)));
     assert_eq!(bench.listed(), [0, 3, 4]);
     bench.command(Command::Accept);
     bench.command(Command::Accept);
     bench.command(Command::Accept);
     assert_eq!(bench.statuses(), "RRNRR");
-    assert_eq!(bench.last_notice(), "Accepted (not used for training), 1 to do.");
-    assert_eq!(bench.app.session.frame, 2, "what has no answer is to do as well");
+    assert_eq!(
+        bench.last_notice(),
+        "Accepted (not used for training), 1 to do."
+    );
+    assert_eq!(
+        bench.app.session.frame, 2,
+        "what has no answer is to do as well"
+    );
     bench.act(Action::Navigate(Navigation::GoTo(1)));
-    assert_eq!(bench.said(), "1 frame has no answer: label frame 2, near pan\u{a0}−4°.");
+    assert_eq!(
+        bench.said(),
+        "1 frame has no answer: label frame 2, near pan\u{a0}−4°."
+    );
     bench.command(Command::NextUnanswered);
-    assert_eq!(bench.app.session.frame, 2, "the very frame that the sentence names");
-    assert!(bench.said().starts_with("No proposal here. Click a spot"), "{}", bench.said());
+    assert_eq!(
+        bench.app.session.frame, 2,
+        "the very frame that the sentence names"
+    );
+    assert!(
+        bench.said().starts_with("No proposal here. Click a spot"),
+        "{}",
+        bench.said()
+    );
 }
 
 #[test]
@@ -92,31 +133,68 @@ fn without_the_panel_n_goes_through_every_frame_that_is_neither_accepted_nor_rej
     assert_eq!(bench.app.session.frame, 1);
     assert!(Filter::ToDo.shows(&bench.frames()[1]) && Filter::Unanswered.shows(&bench.frames()[1]));
     let counts = bench.app.open().unwrap().counts();
-    assert_eq!((counts.to_do, counts.describe_to_do().unwrap().as_str()), (3, "2 to review, 1 without an answer"));
+    assert_eq!(
+        (counts.to_do, counts.describe_to_do().unwrap().as_str()),
+        (3, "2 to review, 1 without an answer")
+    );
 }
 
 #[test]
 fn several_are_accepted_in_one_step_after_a_preview() {
-    let mut bench = Bench::new(suggested(&[Some(0.7), Some(0.99), None, Some(0.96), Some(0.8)]));
+    let mut bench = Bench::new(suggested(&[
+        Some(0.7),
+        Some(0.99),
+        None,
+        Some(0.96),
+        Some(0.8),
+    ]));
     bench.command(Command::AcceptAllAbove);
     assert_eq!(bench.app.session.dialog, Some(Dialog::AcceptAll));
     bench.act(Action::View(ViewAction::SetReviewThreshold(0.75)));
-    let taken = |bench: &Bench| bench.app.bulk_accept().taken().map(|row| row.frame).collect::<Vec<_>>();
+    let taken = |bench: &Bench| {
+        bench
+            .app
+            .bulk_accept()
+            .taken()
+            .map(|row| row.frame)
+            .collect::<Vec<_>>()
+    };
     assert_eq!(taken(&bench), [4, 3, 1], "the least certain first");
     // What follows from it is worked out once for each change.
     let sheet = |bench: &Bench| bench.app.accept_sheet().map(Arc::clone);
     let before = sheet(&bench).unwrap();
-    assert!((before.expected_wrong.mean - 0.25).abs() < 1e-9, "{:?}", before.expected_wrong);
+    assert!(
+        (before.expected_wrong.mean - 0.25).abs() < 1e-9,
+        "{:?}",
+        before.expected_wrong
+    );
     bench.act(Action::Pointer(PointerAction::Hover(None)));
     assert!(Arc::ptr_eq(&before, &sheet(&bench).unwrap()));
-    bench.act(Action::View(ViewAction::TickSuggestion { frame: 3, ticked: false }));
+    bench.act(Action::View(ViewAction::TickSuggestion {
+        frame: 3,
+        ticked: false,
+    }));
     assert_eq!(taken(&bench), [4, 1]);
     assert!((sheet(&bench).unwrap().expected_wrong.mean - 0.21).abs() < 1e-9);
-    bench.act(Action::View(ViewAction::TickSuggestion { frame: 3, ticked: true }));
+    bench.act(Action::View(ViewAction::TickSuggestion {
+        frame: 3,
+        ticked: true,
+    }));
     bench.act(Action::Edit(EditAction::AcceptAll));
     assert_eq!((bench.statuses().as_str(), sheet(&bench)), ("SRNRR", None));
-    assert_eq!(bench.effects.iter().filter(|effect| matches!(effect, Effect::Journal { .. })).count(), 1);
-    assert!(bench.last_notice().starts_with("3 suggestions accepted."), "{}", bench.last_notice());
+    assert_eq!(
+        bench
+            .effects
+            .iter()
+            .filter(|effect| matches!(effect, Effect::Journal { .. }))
+            .count(),
+        1
+    );
+    assert!(
+        bench.last_notice().starts_with("3 suggestions accepted."),
+        "{}",
+        bench.last_notice()
+    );
     bench.command(Command::Undo);
     assert_eq!(bench.statuses(), "SSNSS");
     bench.act(Action::View(ViewAction::SetReviewThreshold(0.999)));
@@ -131,7 +209,15 @@ fn one_that_jumps_out_of_its_neighbours_is_not_accepted_with_the_others() {
     let mut bench = Bench::new(document);
     bench.command(Command::AcceptAllAbove);
     let rows = &bench.app.review().rows;
-    assert!(rows.iter().find(|row| row.frame == 2).unwrap().apart_px().unwrap() > 300.0, "{rows:?}");
+    assert!(
+        rows.iter()
+            .find(|row| row.frame == 2)
+            .unwrap()
+            .apart_px()
+            .unwrap()
+            > 300.0,
+        "{rows:?}"
+    );
     bench.act(Action::Edit(EditAction::AcceptAll));
     assert_eq!(bench.statuses(), "RRSRR");
     bench.command(Command::AcceptAllAbove);
@@ -145,31 +231,56 @@ fn a_click_corrects_and_taking_it_away_leaves_the_suggestion() {
     let mut bench = Bench::new(suggested(&[Some(0.9), Some(0.9)]));
     let before = bench.frames()[0].clone();
     let at = bench.point_of("centre_mark");
-    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(at.x + 9.0, at.y), on: None }));
+    bench.act(Action::Pointer(PointerAction::Press {
+        at: ImagePoint::new(at.x + 9.0, at.y),
+        on: None,
+    }));
     bench.act(Action::Pointer(PointerAction::Release));
     assert_eq!(bench.statuses(), "DS");
-    assert_eq!(bench.frames()[0].clicks[0].target, Some(Target::Landmark("centre_mark".into())), "named by itself");
+    assert_eq!(
+        bench.frames()[0].clicks[0].target,
+        Some(Target::Landmark("centre_mark".into())),
+        "named by itself"
+    );
     let moved = bench.app.current().camera.unwrap().ptz();
-    assert!((moved.pan - truth(0).pan).degrees() < -0.1 && (moved.focal_px - 2300.0).abs() < 5.0, "{moved:?}");
+    assert!(
+        (moved.pan - truth(0).pan).degrees() < -0.1 && (moved.focal_px - 2300.0).abs() < 5.0,
+        "{moved:?}"
+    );
     bench.act(Action::Edit(EditAction::DeleteClick(0)));
     assert_eq!(bench.frames()[0].status, FrameStatus::Suggested);
     assert_eq!(bench.frames()[0].ptz, before.ptz);
     bench.command(Command::Undo);
     bench.command(Command::AcceptAndStay);
-    assert!(!bench.frames()[0].is_used_for_training(), "one click moves a proposal, but it stays one");
+    assert!(
+        !bench.frames()[0].is_used_for_training(),
+        "one click moves a proposal, but it stays one"
+    );
     bench.command(Command::Undo);
     bench.act(Action::Edit(EditAction::DeleteClick(0)));
     bench.label("centre_mark");
     bench.label("halfway_far");
     let corrected = &bench.frames()[0];
-    assert_eq!(corrected.solution.as_ref().unwrap().source, Some(SolutionSource::Clicks));
+    assert_eq!(
+        corrected.solution.as_ref().unwrap().source,
+        Some(SolutionSource::Clicks)
+    );
     bench.command(Command::AcceptAndStay);
-    assert!(bench.frames()[0].is_used_for_training(), "clicked by a person");
+    assert!(
+        bench.frames()[0].is_used_for_training(),
+        "clicked by a person"
+    );
     for _ in 0..12 {
         bench.command(Command::Undo);
     }
     let undone = (*bench.frames()[0]).clone();
-    assert_eq!(Frame { revision: before.revision, ..undone }, *before);
+    assert_eq!(
+        Frame {
+            revision: before.revision,
+            ..undone
+        },
+        *before
+    );
 }
 
 #[test]
@@ -178,7 +289,11 @@ fn a_rejected_suggestion_comes_back_as_one() {
     bench.command(Command::ReviewPanel);
     bench.command(Command::Reject);
     bench.act(Action::Edit(EditAction::RejectAs(RejectReason::Replay)));
-    assert_eq!((bench.statuses().as_str(), bench.app.session.frame), ("XSS", 2), "the most doubtful");
+    assert_eq!(
+        (bench.statuses().as_str(), bench.app.session.frame),
+        ("XSS", 2),
+        "the most doubtful"
+    );
     bench.act(Action::Navigate(Navigation::GoTo(0)));
     bench.command(Command::Reject);
     assert_eq!(bench.statuses(), "SSS");
@@ -190,9 +305,20 @@ fn using_an_accepted_suggestion_for_training_is_one_step() {
     bench.command(Command::UseForTraining);
     assert!(!bench.frames()[0].is_used_for_training());
     bench.command(Command::AcceptAndStay);
-    bench.act(Action::Edit(EditAction::SetUseForTraining { frame: 0, used: true }));
+    bench.act(Action::Edit(EditAction::SetUseForTraining {
+        frame: 0,
+        used: true,
+    }));
     assert!(bench.frames()[0].is_used_for_training());
-    let name = bench.app.open().unwrap().history.next_undo().unwrap().name.clone();
+    let name = bench
+        .app
+        .open()
+        .unwrap()
+        .history
+        .next_undo()
+        .unwrap()
+        .name
+        .clone();
     assert_eq!(name, "Use for training");
     bench.command(Command::Undo);
     assert!(!bench.frames()[0].is_used_for_training());
@@ -202,16 +328,23 @@ fn using_an_accepted_suggestion_for_training_is_one_step() {
 
 #[test]
 fn ten_thousand_suggestions_are_listed_and_accepted_together() {
-    let confidences: Vec<Option<f64>> =
-        (0..10_000).map(|index| (index % 10 != 0).then_some(0.5 + 0.05 * f64::from(index % 10))).collect();
+    let confidences: Vec<Option<f64>> = (0..10_000)
+        .map(|index| (index % 10 != 0).then_some(0.5 + 0.05 * f64::from(index % 10)))
+        .collect();
     let mut bench = Bench::new(suggested(&confidences));
     bench.command(Command::ReviewPanel);
     assert_eq!(bench.listed().len(), 9_000);
     bench.act(Action::View(ViewAction::SetReviewThreshold(0.9)));
     bench.act(Action::View(ViewAction::SetWithDisagreeing(true)));
     bench.act(Action::Edit(EditAction::AcceptAll));
-    assert_eq!(bench.app.open().unwrap().count(FrameStatus::Reference), 2_000);
-    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(700.0, 700.0), on: None }));
+    assert_eq!(
+        bench.app.open().unwrap().count(FrameStatus::Reference),
+        2_000
+    );
+    bench.act(Action::Pointer(PointerAction::Press {
+        at: ImagePoint::new(700.0, 700.0),
+        on: None,
+    }));
     bench.command(Command::Cancel);
     bench.command(Command::Undo);
     assert_eq!(bench.app.open().unwrap().count(FrameStatus::Reference), 0);
@@ -219,7 +352,12 @@ fn ten_thousand_suggestions_are_listed_and_accepted_together() {
 
 /// What the forest says of a frame as it is now.
 pub fn proposal(bench: &Bench, frame: usize, generation: u64, pan_deg: Option<f64>) -> Proposal {
-    proposal_in(&bench.app.open().unwrap().document, frame, generation, pan_deg)
+    proposal_in(
+        &bench.app.open().unwrap().document,
+        frame,
+        generation,
+        pan_deg,
+    )
 }
 
 impl Bench {
@@ -235,7 +373,10 @@ impl Bench {
     }
 
     pub fn pan_deg(&self, frame: usize) -> Option<f64> {
-        self.frames()[frame].ptz.as_ref().map(|ptz| (1e6 * ptz.pan_deg).round() / 1e6)
+        self.frames()[frame]
+            .ptz
+            .as_ref()
+            .map(|ptz| (1e6 * ptz.pan_deg).round() / 1e6)
     }
 }
 
@@ -250,13 +391,30 @@ fn proposals_are_for_frames_that_nobody_touched_and_no_step_of_undo() {
     let step = bench.app.open().unwrap().history.next_undo().cloned();
     let batch = [0, 1, 2].map(|frame| proposal(&bench, frame, 1, Some(5.0)));
     let unanswered = proposal(&bench, 3, 1, None);
-    bench.act(Action::Trainer(TrainerReport::Proposals(batch.into_iter().chain([unanswered]).collect())));
+    bench.act(Action::Trainer(TrainerReport::Proposals(
+        batch.into_iter().chain([unanswered]).collect(),
+    )));
     assert_eq!(bench.statuses(), "DXSNN");
-    assert!(bench.frames()[3].no_answer().unwrap().starts_with("3 features look like the references"));
+    assert!(
+        bench.frames()[3]
+            .no_answer()
+            .unwrap()
+            .starts_with("3 features look like the references")
+    );
     let solution = bench.frames()[2].solution.as_ref().unwrap();
-    assert_eq!((solution.confidence, solution.source), (Some(0.9), Some(SolutionSource::Forest)));
-    assert_eq!(bench.app.open().unwrap().history.next_undo().cloned(), step, "nobody's step");
-    assert_eq!(bench.journalled(&start), *bench.app.open().unwrap().document);
+    assert_eq!(
+        (solution.confidence, solution.source),
+        (Some(0.9), Some(SolutionSource::Forest))
+    );
+    assert_eq!(
+        bench.app.open().unwrap().history.next_undo().cloned(),
+        step,
+        "nobody's step"
+    );
+    assert_eq!(
+        bench.journalled(&start),
+        *bench.app.open().unwrap().document
+    );
 }
 
 #[test]
@@ -272,40 +430,74 @@ fn undo_and_redo_neither_lose_nor_resurrect_what_is_proposed() {
     let asked_of_untouched = Asked::of(&start, &start.frames[1]);
     let second = [2, 3].map(|frame| proposal(&bench, frame, 2, Some(2.0)));
     // Of frame 1 the answer arrives after it was clicked.
-    let late = Proposal { asked: asked_of_untouched, ..proposal(&bench, 1, 2, Some(2.0)) };
-    bench.act(Action::Trainer(TrainerReport::Proposals(second.into_iter().chain([late]).collect())));
+    let late = Proposal {
+        asked: asked_of_untouched,
+        ..proposal(&bench, 1, 2, Some(2.0))
+    };
+    bench.act(Action::Trainer(TrainerReport::Proposals(
+        second.into_iter().chain([late]).collect(),
+    )));
     assert_eq!(bench.statuses(), "RDSS");
     for _ in 0..8 {
         bench.command(Command::Undo);
     }
     assert!(bench.frames()[0].comment.is_none(), "everything was undone");
     assert_eq!(bench.statuses(), "SSSS");
-    assert_eq!([0, 1, 2, 3].map(|frame| bench.pan_deg(frame)), [Some(1.0), Some(2.0), Some(2.0), Some(2.0)]);
+    assert_eq!(
+        [0, 1, 2, 3].map(|frame| bench.pan_deg(frame)),
+        [Some(1.0), Some(2.0), Some(2.0), Some(2.0)]
+    );
     for _ in 0..8 {
         bench.command(Command::Redo);
     }
     assert_eq!(bench.statuses(), "RDSS");
     assert_eq!([2, 3].map(|frame| bench.pan_deg(frame)), [Some(2.0); 2]);
-    assert_eq!(bench.journalled(&start), *bench.app.open().unwrap().document);
+    assert_eq!(
+        bench.journalled(&start),
+        *bench.app.open().unwrap().document
+    );
 }
 
 #[test]
 fn proposals_that_arrive_in_the_middle_of_a_drag_leave_it_alone() {
     let start = blank(3);
     let mut bench = Bench::new(start.clone());
-    let batch: Vec<Proposal> = (0..3).map(|frame| proposal(&bench, frame, 1, Some(3.0))).collect();
-    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(900.0, 600.0), on: None }));
-    bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(910.0, 600.0))));
+    let batch: Vec<Proposal> = (0..3)
+        .map(|frame| proposal(&bench, frame, 1, Some(3.0)))
+        .collect();
+    bench.act(Action::Pointer(PointerAction::Press {
+        at: ImagePoint::new(900.0, 600.0),
+        on: None,
+    }));
+    bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(
+        910.0, 600.0,
+    ))));
     bench.act(Action::Trainer(TrainerReport::Proposals(batch)));
     assert!(matches!(bench.app.session.mode, Mode::Dragging { .. }));
     assert_eq!(bench.statuses(), "DSS");
-    assert!(bench.journalled(&start).frames[0].clicks.is_empty(), "half a drag is not journalled");
+    assert!(
+        bench.journalled(&start).frames[0].clicks.is_empty(),
+        "half a drag is not journalled"
+    );
     bench.command(Command::Cancel);
-    assert_eq!(bench.statuses(), "SSS", "without the point the frame is as it was proposed");
-    assert_eq!(bench.journalled(&start), *bench.app.open().unwrap().document);
-    bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(900.0, 600.0), on: None }));
+    assert_eq!(
+        bench.statuses(),
+        "SSS",
+        "without the point the frame is as it was proposed"
+    );
+    assert_eq!(
+        bench.journalled(&start),
+        *bench.app.open().unwrap().document
+    );
+    bench.act(Action::Pointer(PointerAction::Press {
+        at: ImagePoint::new(900.0, 600.0),
+        on: None,
+    }));
     bench.act(Action::Pointer(PointerAction::Release));
-    assert_eq!(bench.journalled(&start), *bench.app.open().unwrap().document);
+    assert_eq!(
+        bench.journalled(&start),
+        *bench.app.open().unwrap().document
+    );
     bench.command(Command::Undo);
     assert_eq!(bench.statuses(), "SSS");
 }
@@ -314,26 +506,54 @@ fn proposals_that_arrive_in_the_middle_of_a_drag_leave_it_alone() {
 fn answers_that_no_longer_hold_are_dropped() {
     let mut bench = Bench::new(blank(4));
     let old = proposal(&bench, 0, 1, Some(1.0));
-    bench.act(Action::Trainer(TrainerReport::Proposals(vec![proposal(&bench, 1, 2, Some(2.0))])));
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![proposal(
+        &bench,
+        1,
+        2,
+        Some(2.0),
+    )])));
     bench.act(Action::Trainer(TrainerReport::Proposals(vec![old])));
-    assert_eq!(bench.statuses(), "NSNN", "an older forest is not heard any more");
-    bench.act(Action::Trainer(TrainerReport::Proposals(vec![proposal(&bench, 1, 3, None)])));
-    assert_eq!(bench.statuses(), "NNNN", "a better forest takes its suggestion back");
+    assert_eq!(
+        bench.statuses(),
+        "NSNN",
+        "an older forest is not heard any more"
+    );
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![proposal(
+        &bench, 1, 3, None,
+    )])));
+    assert_eq!(
+        bench.statuses(),
+        "NNNN",
+        "a better forest takes its suggestion back"
+    );
     assert!(bench.frames()[1].is_unanswered() && bench.pan_deg(1).is_none());
     let journalled = bench.effects.len();
-    bench.act(Action::Trainer(TrainerReport::Proposals(vec![proposal(&bench, 1, 4, None)])));
-    assert_eq!(bench.effects.len(), journalled, "the same is not said twice");
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![proposal(
+        &bench, 1, 4, None,
+    )])));
+    assert_eq!(
+        bench.effects.len(),
+        journalled,
+        "the same is not said twice"
+    );
     let mut other = proposal(&bench, 2, 4, Some(2.0));
     other.asked.sha256 = Some("another picture".into());
-    let beyond = Proposal { frame: "99".into(), ..proposal(&bench, 2, 4, Some(2.0)) };
-    bench.act(Action::Trainer(TrainerReport::Proposals(vec![other, beyond])));
+    let beyond = Proposal {
+        frame: "99".into(),
+        ..proposal(&bench, 2, 4, Some(2.0))
+    };
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![
+        other, beyond,
+    ])));
     assert_eq!(bench.statuses(), "NNNN");
 }
 
 #[test]
 fn a_base_that_moves_takes_what_was_proposed_with_it_and_undo_brings_both_back() {
     let mut bench = Bench::new(blank(4));
-    let batch: Vec<Proposal> = (0..4).map(|frame| proposal(&bench, frame, 1, Some(3.0))).collect();
+    let batch: Vec<Proposal> = (0..4)
+        .map(|frame| proposal(&bench, frame, 1, Some(3.0)))
+        .collect();
     bench.act(Action::Trainer(TrainerReport::Proposals(batch.clone())));
     bench.command(Command::AcceptAndStay);
     let accepted = bench.frames()[0].ptz.clone();
@@ -346,11 +566,26 @@ fn a_base_that_moves_takes_what_was_proposed_with_it_and_undo_brings_both_back()
     };
     moved(&mut bench, 20.0);
     assert_eq!(bench.statuses(), "RNNN", "what was accepted stays");
-    assert_ne!(bench.frames()[0].ptz, accepted, "turned so that its lines stay on the picture");
-    assert!(bench.last_notice().starts_with("3 proposals for the old base were discarded"), "{}", bench.last_notice());
+    assert_ne!(
+        bench.frames()[0].ptz,
+        accepted,
+        "turned so that its lines stay on the picture"
+    );
+    assert!(
+        bench
+            .last_notice()
+            .starts_with("3 proposals for the old base were discarded"),
+        "{}",
+        bench.last_notice()
+    );
     bench.act(Action::Trainer(TrainerReport::Proposals(batch)));
     assert_eq!(bench.statuses(), "RNNN", "made for the old base");
-    bench.act(Action::Trainer(TrainerReport::Proposals(vec![proposal(&bench, 1, 2, Some(9.0))])));
+    bench.act(Action::Trainer(TrainerReport::Proposals(vec![proposal(
+        &bench,
+        1,
+        2,
+        Some(9.0),
+    )])));
     assert_eq!(bench.statuses(), "RSNN");
     bench.command(Command::Undo);
     assert_eq!(bench.statuses(), "RSSS");
@@ -372,19 +607,32 @@ fn ten_thousand_proposals_arrive_while_a_person_works() {
         bench.act(Action::Edit(EditAction::SetComment(format!("{step}"))));
     }
     for batch in 0..100 {
-        let frames = (100 * batch..100 * (batch + 1)).map(|frame| proposal(&bench, frame, 1, Some(3.0))).collect();
+        let frames = (100 * batch..100 * (batch + 1))
+            .map(|frame| proposal(&bench, frame, 1, Some(3.0)))
+            .collect();
         bench.act(Action::Trainer(TrainerReport::Proposals(frames)));
         bench.act(Action::Navigate(Navigation::GoTo(9_999 - batch)));
-        bench.act(Action::Pointer(PointerAction::Press { at: ImagePoint::new(900.0, 600.0), on: None }));
-        bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(910.0, 600.0))));
+        bench.act(Action::Pointer(PointerAction::Press {
+            at: ImagePoint::new(900.0, 600.0),
+            on: None,
+        }));
+        bench.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(
+            910.0, 600.0,
+        ))));
         bench.command(Command::Cancel);
     }
-    assert_eq!(bench.app.open().unwrap().count(FrameStatus::Suggested), 10_000);
+    assert_eq!(
+        bench.app.open().unwrap().count(FrameStatus::Suggested),
+        10_000
+    );
     for _ in 0..302 {
         bench.command(Command::Undo);
     }
     assert!(bench.frames()[0].comment.is_none());
-    assert_eq!(bench.app.open().unwrap().count(FrameStatus::Suggested), 10_000);
+    assert_eq!(
+        bench.app.open().unwrap().count(FrameStatus::Suggested),
+        10_000
+    );
     let shared = |frame: usize| bench.frames()[frame].is_same(&bench.journalled_frame(frame));
     assert!(shared(17), "states share what they have in common");
 }
@@ -397,7 +645,9 @@ impl Bench {
         });
         let wanted = &self.frames()[frame].id;
         let found = changes.flatten().find_map(|change| match change {
-            Change::Frame { id, frame: found, .. } if id == wanted => Some(found.clone()),
+            Change::Frame {
+                id, frame: found, ..
+            } if id == wanted => Some(found.clone()),
             _ => None,
         });
         found.unwrap()
@@ -410,7 +660,9 @@ fn what_comes_while_the_question_stands_is_not_accepted_with_the_others() {
     bench.command(Command::AcceptAllAbove);
     bench.act(Action::View(ViewAction::SetReviewThreshold(0.0)));
     // The forest answers two more, and the last one otherwise.
-    let proposals = [2, 3, 4].map(|frame| proposal(&bench, frame, 1, Some(-3.0))).to_vec();
+    let proposals = [2, 3, 4]
+        .map(|frame| proposal(&bench, frame, 1, Some(-3.0)))
+        .to_vec();
     bench.act(Action::Trainer(TrainerReport::Proposals(proposals)));
     assert_eq!(bench.statuses(), "SSSSS");
     let sheet = bench.app.accept_sheet().map(Arc::clone).unwrap();
@@ -418,5 +670,9 @@ fn what_comes_while_the_question_stands_is_not_accepted_with_the_others() {
     bench.act(Action::Edit(EditAction::AcceptAll));
     assert_eq!(bench.statuses(), "RRSSS");
     bench.command(Command::AcceptAllAbove);
-    assert_eq!(bench.app.bulk_accept().late, 0, "asked again, they are part of it");
+    assert_eq!(
+        bench.app.bulk_accept().late,
+        0,
+        "asked again, they are part of it"
+    );
 }

@@ -1,4 +1,5 @@
-//! A whole session without a window: open a folder of frames, take a camera over, label, save, export, reopen.
+//! A whole session without a window: open a folder of frames, take a camera over, label, save,
+//! export, reopen.
 
 use crate::headless::Headless;
 use touchline_application::app::session::Saving;
@@ -15,7 +16,11 @@ use touchline_documents::exchange::Format;
 const SIZE: ImageSize = ImageSize::new(640, 360);
 
 fn truth() -> PtzCamera {
-    let base = CameraBase::new(Vec3::new(1.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre());
+    let base = CameraBase::new(
+        Vec3::new(1.0, -62.0, 17.0),
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    );
     PtzCamera::new(base, Ptz::from_degrees(2.0, -13.0, 760.0))
 }
 
@@ -23,11 +28,16 @@ fn truth() -> PtzCamera {
 fn click(headless: &mut Headless, landmark: &str) {
     let field = builtin("soccer").unwrap().default_model().unwrap();
     let landmark = field.landmark(landmark).unwrap();
-    let at = truth().image_from_world(field.landmark_in_world(landmark)).unwrap();
+    let at = truth()
+        .image_from_world(field.landmark_in_world(landmark))
+        .unwrap();
     headless.act(Action::Pointer(PointerAction::Press { at, on: None }));
     headless.act(Action::Pointer(PointerAction::Release));
     let click = headless.app.frame().unwrap().clicks.len() - 1;
-    headless.act(Action::Edit(EditAction::Name { click, target: Target::Landmark(landmark.id.clone()) }));
+    headless.act(Action::Edit(EditAction::Name {
+        click,
+        target: Target::Landmark(landmark.id.clone()),
+    }));
 }
 
 #[test]
@@ -36,7 +46,9 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
     let frames = root.path().join("frames");
     std::fs::create_dir(&frames).unwrap();
     for name in ["1.png", "2.png", "10.png"] {
-        image::RgbImage::new(SIZE.width, SIZE.height).save(frames.join(name)).unwrap();
+        image::RgbImage::new(SIZE.width, SIZE.height)
+            .save(frames.join(name))
+            .unwrap();
     }
     let mut other = Document::new(FieldSpec::new("soccer"));
     let mut camera = Camera::new("gantry".into(), SIZE);
@@ -46,8 +58,14 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
     std::fs::write(&camera_file, document_to_string(&other).unwrap()).unwrap();
 
     let mut headless = Headless::opened(&frames);
-    let PictureState::Ready(_, picture) = headless.wait_for_picture() else { panic!("no picture") };
-    assert_eq!(picture.size(), SIZE, "an application without a window has pictures");
+    let PictureState::Ready(_, picture) = headless.wait_for_picture() else {
+        panic!("no picture")
+    };
+    assert_eq!(
+        picture.size(),
+        SIZE,
+        "an application without a window has pictures"
+    );
     headless.answer(Question::CameraFrom, &camera_file);
     headless.wait_until("taking the camera over", |app| app.current().base.is_some());
 
@@ -55,20 +73,29 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
     click(&mut headless, "halfway_far");
     let at = headless.app.frame().unwrap().clicks[1].image;
     headless.act(Action::Pointer(PointerAction::Press { at, on: Some(1) }));
-    headless.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(at.x + 9.0, at.y))));
+    headless.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(
+        at.x + 9.0,
+        at.y,
+    ))));
     headless.act(Action::Pointer(PointerAction::Release));
     headless.act(Action::Command(Command::Undo));
     let ptz = headless.app.frame().unwrap().ptz.as_ref().unwrap().ptz();
     assert!((ptz.focal_px - 760.0).abs() < 1e-6, "{ptz:?}");
     headless.act(Action::Command(Command::Accept));
-    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| {
+        matches!(app.session.disk.saving, Saving::Saved { .. })
+    });
     let labelled = headless.app.open().unwrap().document.clone();
 
     let dataset = root.path().join("out").join("dataset.json");
     std::fs::create_dir(root.path().join("out")).unwrap();
     headless.answer(Question::ExportAs(Format::Json), &dataset);
     headless.wait_until("exporting", |app| {
-        app.session.messages.notices.iter().any(|n| n.text.starts_with("1 frame written as json"))
+        app.session
+            .messages
+            .notices
+            .iter()
+            .any(|n| n.text.starts_with("1 frame written as json"))
     });
     let exported = document_from_bytes(&std::fs::read(&dataset).unwrap()).unwrap();
     assert_eq!(exported.frames[0].name(), "../frames/1.png");
@@ -91,7 +118,13 @@ fn what_cannot_be_opened_leaves_everything_as_it_is() {
     let root = tempfile::tempdir().unwrap();
     let mut headless = Headless::new();
     headless.act(Action::Open(root.path().join("nothing")));
-    headless.wait_until("the message", |app| !app.session.messages.notices.is_empty());
+    headless.wait_until("the message", |app| {
+        !app.session.messages.notices.is_empty()
+    });
     assert!(headless.app.open().is_none() && headless.app.session.disk.opening.is_none());
-    assert!(headless.app.session.messages.notices[0].text.contains("there is no such file or folder"));
+    assert!(
+        headless.app.session.messages.notices[0]
+            .text
+            .contains("there is no such file or folder")
+    );
 }

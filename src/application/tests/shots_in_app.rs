@@ -1,12 +1,17 @@
-//! Shots of a video in the application: found when it is imported, changed cut by cut, each change one step of undo.
+//! Shots of a video in the application: found when it is imported, changed cut by cut, each change
+//! one step of undo.
 #![cfg(feature = "opencv")]
 
 use touchline_application::app::operation::{Failure, Job, Operation, Report};
 use touchline_application::app::operations::{BurntInSearch, FoundShots, ShotSearch};
 use touchline_application::app::session::Mode;
-use touchline_application::app::{Action, App, Command, EditAction, Effect, Navigation, Opened, Settings};
+use touchline_application::app::{
+    Action, App, Command, EditAction, Effect, Navigation, Opened, Settings,
+};
 use touchline_core::geometry::ImageSize;
-use touchline_documents::document::{Document, FieldSpec, Frame, FrameStatus, RejectReason, ShotKind, VideoFrame};
+use touchline_documents::document::{
+    Document, FieldSpec, Frame, FrameStatus, RejectReason, ShotKind, VideoFrame,
+};
 use touchline_vision::media::MediaError;
 
 const FRAMES: u64 = 30;
@@ -14,10 +19,14 @@ const FRAMES: u64 = 30;
 fn document() -> Document {
     let size = ImageSize::new(64, 36);
     let mut document = Document::new(FieldSpec::new("soccer"));
-    document.cameras.push(touchline_documents::document::Camera::new("main".into(), size).into());
+    document
+        .cameras
+        .push(touchline_documents::document::Camera::new("main".into(), size).into());
     for index in 0..FRAMES {
         let video = VideoFrame::new("match.mp4", index, Some(index as f64 / 25.0));
-        document.frames.push(Frame::from_video(video, "main".into(), size).into());
+        document
+            .frames
+            .push(Frame::from_video(video, "main".into(), size).into());
     }
     document
 }
@@ -25,7 +34,10 @@ fn document() -> Document {
 /// An application on a document, and the search for cuts that it asked for.
 fn opened(document: Document) -> (App, Option<Job>) {
     let mut app = App::new(Settings::default());
-    let effects = app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+    let effects = app.update(Action::Opened(Box::new(Opened::new(
+        document,
+        "/match/project.json",
+    ))));
     let search = started::<ShotSearch>(&effects);
     (app, search)
 }
@@ -40,19 +52,27 @@ fn started<O: Operation>(effects: &[Effect]) -> Option<Job> {
 
 /// A search has ended like this.
 fn ended(search: &Job, result: Result<FoundShots, MediaError>) -> Action {
-    Action::Report(Report::of_end::<ShotSearch>(search.id(), result.map_err(Failure::Failed)))
+    Action::Report(Report::of_end::<ShotSearch>(
+        search.id(),
+        result.map_err(Failure::Failed),
+    ))
 }
 
 /// The same with two cuts found, the second one a fade.
 fn with_shots() -> App {
     let (mut app, search) = opened(document());
-    let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut), (20, ShotKind::Fade)] };
+    let found = FoundShots {
+        last: FRAMES - 1,
+        cuts: vec![(10, ShotKind::Cut), (20, ShotKind::Fade)],
+    };
     app.update(ended(&search.unwrap(), Ok(found)));
     app
 }
 
 fn starts(app: &App) -> Vec<u64> {
-    app.shots().map(|shots| shots.starts().map(|(from, _)| from).collect()).unwrap_or_default()
+    app.shots()
+        .map(|shots| shots.starts().map(|(from, _)| from).collect())
+        .unwrap_or_default()
 }
 
 fn undo(app: &mut App) {
@@ -69,11 +89,18 @@ fn cuts_are_looked_for_when_a_video_is_imported_and_only_then() {
     let (app, search) = opened(document());
     assert!(search.is_some());
     let search = app.operations.shot_search.running().unwrap();
-    assert_eq!((search.video.as_str(), search.path.as_path()), ("match.mp4", std::path::Path::new("/match/match.mp4")));
+    assert_eq!(
+        (search.video.as_str(), search.path.as_path()),
+        ("match.mp4", std::path::Path::new("/match/match.mp4"))
+    );
     assert!(app.operations.shot_search.running().is_some() && app.shots().is_none());
     let mut labelled = document();
     labelled.frames[3].status = FrameStatus::Reference;
-    assert_eq!(opened(labelled).1, None, "somebody has worked here: nothing is changed unasked");
+    assert_eq!(
+        opened(labelled).1,
+        None,
+        "somebody has worked here: nothing is changed unasked"
+    );
     let (again, none) = opened((*with_shots().open().unwrap().document).clone());
     assert_eq!((starts(&again), none), (vec![0, 10, 20], None));
 }
@@ -81,25 +108,59 @@ fn cuts_are_looked_for_when_a_video_is_imported_and_only_then() {
 #[test]
 fn shots_are_marked_in_one_step_once_a_drag_is_over() {
     let mut app = App::new(Settings::default());
-    let effects = app.update(Action::Opened(Box::new(Opened::new(document(), "/match/project.json"))));
-    let [search, other] = [started::<ShotSearch>(&effects), started::<BurntInSearch>(&effects)].map(Option::unwrap);
+    let effects = app.update(Action::Opened(Box::new(Opened::new(
+        document(),
+        "/match/project.json",
+    ))));
+    let [search, other] = [
+        started::<ShotSearch>(&effects),
+        started::<BurntInSearch>(&effects),
+    ]
+    .map(Option::unwrap);
     app.update(Action::Edit(EditAction::Begin("Pan")));
-    let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut)] };
-    app.update(ended(&other, Ok(FoundShots { last: FRAMES - 1, cuts: vec![(12, ShotKind::Cut)] })));
+    let found = FoundShots {
+        last: FRAMES - 1,
+        cuts: vec![(10, ShotKind::Cut)],
+    };
+    app.update(ended(
+        &other,
+        Ok(FoundShots {
+            last: FRAMES - 1,
+            cuts: vec![(12, ShotKind::Cut)],
+        }),
+    ));
     app.update(ended(&search, Ok(found)));
     assert_eq!((starts(&app), &app.session.mode), (vec![], &Mode::Editing));
     app.update(Action::Edit(EditAction::End));
     assert_eq!(starts(&app), [0, 10]);
     undo(&mut app);
     assert_eq!(starts(&app), [0; 0]);
-    assert!(app.open().unwrap().document.frames.iter().all(|frame| frame.clip.is_none()));
+    assert!(
+        app.open()
+            .unwrap()
+            .document
+            .frames
+            .iter()
+            .all(|frame| frame.clip.is_none())
+    );
 }
 
 #[test]
 fn a_search_that_fails_says_so_and_one_that_is_stopped_does_not() {
-    for (error, notices) in
-        [(MediaError::Missing { path: "match.mp4".into() }, 1), (MediaError::Stopped { path: "match.mp4".into() }, 0)]
-    {
+    for (error, notices) in [
+        (
+            MediaError::Missing {
+                path: "match.mp4".into(),
+            },
+            1,
+        ),
+        (
+            MediaError::Stopped {
+                path: "match.mp4".into(),
+            },
+            0,
+        ),
+    ] {
         let (mut app, search) = opened(document());
         app.update(ended(&search.unwrap(), Err(error)));
         assert_eq!(app.session.messages.notices.len(), notices);
@@ -123,7 +184,12 @@ fn a_cut_is_added_moved_and_removed() {
     app.update(Action::Navigate(Navigation::GoTo(2)));
     app.update(Action::Command(Command::RemoveCut));
     assert_eq!(starts(&app), [0, 10, 20], "before the first shot is none");
-    for expected in [vec![0, 10, 17, 20], vec![0, 10, 15, 20], vec![0, 10, 20], vec![]] {
+    for expected in [
+        vec![0, 10, 17, 20],
+        vec![0, 10, 15, 20],
+        vec![0, 10, 20],
+        vec![],
+    ] {
         undo(&mut app);
         assert_eq!(starts(&app), expected);
     }
@@ -182,7 +248,10 @@ fn undo_takes_back_what_a_person_did_before_what_was_found_meanwhile() {
     app.update(Action::Edit(EditAction::SetComment("mine".to_owned())));
     app.update(Action::Edit(EditAction::SetComment("undone".to_owned())));
     app.update(Action::Command(Command::Undo));
-    let found = FoundShots { last: FRAMES - 1, cuts: vec![(10, ShotKind::Cut)] };
+    let found = FoundShots {
+        last: FRAMES - 1,
+        cuts: vec![(10, ShotKind::Cut)],
+    };
     let effects = app.update(ended(&search.unwrap(), Ok(found)));
     assert_eq!(starts(&app), [0, 10]);
     let given = effects.iter().find_map(|effect| match effect {
@@ -190,13 +259,23 @@ fn undo_takes_back_what_a_person_did_before_what_was_found_meanwhile() {
         _ => None,
     });
     let given = given.expect("the saver is given the history as it is now");
-    assert_eq!(given, (&*app.open().unwrap().document, &app.open().unwrap().history));
+    assert_eq!(
+        given,
+        (&*app.open().unwrap().document, &app.open().unwrap().history)
+    );
     assert!(effects.contains(&Effect::WriteDocument), "and writes it");
     app.update(Action::Command(Command::Redo));
-    assert_eq!(app.frame().unwrap().comment.as_deref(), Some("undone"), "redo stays");
+    assert_eq!(
+        app.frame().unwrap().comment.as_deref(),
+        Some("undone"),
+        "redo stays"
+    );
     for comment in [Some("mine"), None] {
         app.update(Action::Command(Command::Undo));
-        assert_eq!((app.frame().unwrap().comment.as_deref(), starts(&app)), (comment, vec![0, 10]));
+        assert_eq!(
+            (app.frame().unwrap().comment.as_deref(), starts(&app)),
+            (comment, vec![0, 10])
+        );
     }
     undo(&mut app);
     assert_eq!(starts(&app), [0; 0]);

@@ -1,14 +1,18 @@
-//! Exports, datasets and imports in the application: looked at first, written on request, taken over in one step.
+//! Exports, datasets and imports in the application: looked at first, written on request, taken
+//! over in one step.
 
 use crate::headless::Headless;
 use std::path::Path;
 use touchline_application::app::selection::Selecting;
 use touchline_application::app::transfer::{Look, TransferAction, TransferTab, in_dialog};
-use touchline_application::app::{Action, Command, EditAction, Navigation, Question, Settings, ViewAction};
+use touchline_application::app::{
+    Action, Command, EditAction, Navigation, Question, Settings, ViewAction,
+};
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline_documents::document::{
-    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, document_to_string,
+    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
+    document_to_string,
 };
 use touchline_documents::exchange::{DatasetOptions, Format, Gaps, Splitting};
 
@@ -32,15 +36,31 @@ fn opened(folder: &Path) -> Headless {
         let mut frame = Frame::from_image(&name, "main".into(), SIZE);
         if index < 2 {
             frame.status = FrameStatus::Reference;
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(f64::from(index) - 38.0, -13.0, 190.0), None));
-            frame.solution = Some(Solution { source: Some(SolutionSource::Clicks), ..Solution::default() });
-            frame.clicks = vec![Click::landmark("centre_mark".into(), ImagePoint::new(80.0, 50.0))];
+            frame.ptz = Some(FramePtz::new(
+                Ptz::from_degrees(f64::from(index) - 38.0, -13.0, 190.0),
+                None,
+            ));
+            frame.solution = Some(Solution {
+                source: Some(SolutionSource::Clicks),
+                ..Solution::default()
+            });
+            frame.clicks = vec![Click::landmark(
+                "centre_mark".into(),
+                ImagePoint::new(80.0, 50.0),
+            )];
         }
         document.frames.push(frame.into());
     }
-    std::fs::write(folder.join("project.json"), document_to_string(&document).unwrap()).unwrap();
+    std::fs::write(
+        folder.join("project.json"),
+        document_to_string(&document).unwrap(),
+    )
+    .unwrap();
     let mut headless = Headless::new();
-    headless.app = touchline_application::app::App::new(Settings { snap_points: false, ..Settings::default() });
+    headless.app = touchline_application::app::App::new(Settings {
+        snap_points: false,
+        ..Settings::default()
+    });
     headless.act(Action::Open(folder.to_path_buf()));
     headless.wait_until("opening", |app| app.open().is_some());
     headless
@@ -50,13 +70,15 @@ fn act(headless: &mut Headless, action: TransferAction) {
     headless.act(Action::Transfer(action));
 }
 
-/// Whether a text names an option of the command line. That a place is taken is said in words of the window's own.
+/// Whether a text names an option of the command line. That a place is taken is said in words of
+/// the window's own.
 fn names_option(text: &str) -> bool {
     let is_option = |rest: &str| rest.starts_with(|first: char| first.is_ascii_lowercase());
     !text.contains("--force") && text.split("--").skip(1).any(is_option)
 }
 
-/// The texts in double quotes of the sources below a folder that name an option of the command line; their tests are left out.
+/// The texts in double quotes of the sources below a folder that name an option of the command
+/// line; their tests are left out.
 fn texts_with_options(folder: &Path) -> Vec<String> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -67,7 +89,9 @@ fn texts_with_options(folder: &Path) -> Vec<String> {
         }
         let source = std::fs::read_to_string(&path).unwrap();
         let source = source.split("#[cfg(test)]").next().unwrap_or_default();
-        let lines = source.lines().filter(|line| !line.trim_start().starts_with("//"));
+        let lines = source
+            .lines()
+            .filter(|line| !line.trim_start().starts_with("//"));
         let texts = lines.flat_map(|line| line.split('"').skip(1).step_by(2));
         found.extend(texts.filter(|text| names_option(text)).map(str::to_owned));
     }
@@ -76,10 +100,15 @@ fn texts_with_options(folder: &Path) -> Vec<String> {
 
 #[test]
 fn every_option_that_an_export_or_import_speaks_of_has_words_in_the_dialog() {
-    let texts = texts_with_options(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../documents/exchange"));
+    let texts =
+        texts_with_options(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../documents/exchange"));
     assert!(texts.len() > 15, "{texts:?}");
     for text in texts {
-        assert!(!names_option(&in_dialog(&text)), "{text:?} is {:?} in the dialog", in_dialog(&text));
+        assert!(
+            !names_option(&in_dialog(&text)),
+            "{text:?} is {:?} in the dialog",
+            in_dialog(&text)
+        );
     }
 }
 
@@ -94,28 +123,44 @@ fn an_export_is_shown_with_its_losses_before_it_is_written() {
     let mut headless = opened(folder.path());
     headless.act(Action::Command(Command::Export));
     act(&mut headless, TransferAction::Format(Format::Wc14));
-    let Look::Export(Ok(made)) = found(&mut headless) else { panic!("an export was looked at") };
+    let Look::Export(Ok(made)) = found(&mut headless) else {
+        panic!("an export was looked at")
+    };
     assert_eq!(made.frames, 2);
-    assert!(made.loss.as_ref().is_some_and(|loss| loss.off_ground > 0), "{:?}", made.loss);
+    assert!(
+        made.loss.as_ref().is_some_and(|loss| loss.off_ground > 0),
+        "{:?}",
+        made.loss
+    );
     let out = folder.path().join("out");
     headless.answer(Question::ExportAs(Format::Wc14), &out);
     headless.wait_until("writing", |app| {
-        app.session.messages.notices.iter().any(|notice| notice.text.contains("2 frames written as wc14"))
+        app.session
+            .messages
+            .notices
+            .iter()
+            .any(|notice| notice.text.contains("2 frames written as wc14"))
     });
     assert!(out.join("0001.homographyMatrix").is_file());
     assert_eq!(headless.app.session.dialog, None);
     // A folder that holds something else gets a new one in it.
     headless.act(Action::Command(Command::Export));
     headless.answer(Question::ExportAs(Format::Wc14), folder.path());
-    // What cannot be is said in one line, also where it was chosen while something was being written.
+    // What cannot be is said in one line, also where it was chosen while something was being
+    // written.
     headless.act(Action::Command(Command::Export));
     act(&mut headless, TransferAction::Format(Format::FreeD));
     let mut options = headless.app.operations.transfer.export.clone();
     options.frames.statuses = vec![FrameStatus::Rejected];
     options.gaps = Gaps::Takes;
     act(&mut headless, TransferAction::Export(Box::new(options)));
-    let Look::Export(Err(why)) = found(&mut headless) else { panic!("no frame is rejected") };
-    assert_eq!(why, "No frame to export as freed: no frame has the status, camera and confidence that were asked for.");
+    let Look::Export(Err(why)) = found(&mut headless) else {
+        panic!("no frame is rejected")
+    };
+    assert_eq!(
+        why,
+        "No frame to export as freed: no frame has the status, camera and confidence that were asked for."
+    );
     assert!(folder.path().join("wc14/0000.homographyMatrix").is_file());
 }
 
@@ -125,18 +170,39 @@ fn a_dataset_is_planned_written_and_can_be_stopped() {
     let mut headless = opened(folder.path());
     headless.act(Action::Command(Command::ExportDataset));
     assert_eq!(headless.app.operations.transfer.tab, TransferTab::Dataset);
-    let options =
-        DatasetOptions { splitting: Some(Splitting::default()), undistorted: true, ..DatasetOptions::default() };
+    let options = DatasetOptions {
+        splitting: Some(Splitting::default()),
+        undistorted: true,
+        ..DatasetOptions::default()
+    };
     act(&mut headless, TransferAction::Dataset(Box::new(options)));
-    let Look::Dataset(Ok(plan)) = found(&mut headless) else { panic!("a dataset was planned") };
-    assert_eq!((plan.frames.len(), plan.pictures(), plan.counts()), (2, 4, [2, 0, 0]));
-    assert!(plan.notes.iter().any(|note| note.contains("none is left for validation, test")), "{:?}", plan.notes);
+    let Look::Dataset(Ok(plan)) = found(&mut headless) else {
+        panic!("a dataset was planned")
+    };
+    assert_eq!(
+        (plan.frames.len(), plan.pictures(), plan.counts()),
+        (2, 4, [2, 0, 0])
+    );
+    assert!(
+        plan.notes
+            .iter()
+            .any(|note| note.contains("none is left for validation, test")),
+        "{:?}",
+        plan.notes
+    );
     let out = folder.path().join("set");
     headless.answer(Question::DatasetTo, &out);
     headless.wait_until("writing", |app| {
-        app.session.messages.notices.iter().any(|notice| notice.text.contains("Dataset of 2 frames written"))
+        app.session
+            .messages
+            .notices
+            .iter()
+            .any(|notice| notice.text.contains("Dataset of 2 frames written"))
     });
-    assert!(out.join("manifest.sha256").is_file() && out.join("undistorted/images/train/0001.png").is_file());
+    assert!(
+        out.join("manifest.sha256").is_file()
+            && out.join("undistorted/images/train/0001.png").is_file()
+    );
     // Once more, stopped at once: nothing temporary stays.
     headless.act(Action::Command(Command::ExportDataset));
     headless.answer(Question::DatasetTo, &folder.path().join("other"));
@@ -144,8 +210,13 @@ fn a_dataset_is_planned_written_and_can_be_stopped() {
     let transfer = &headless.app.operations.transfer;
     assert!(!transfer.is_looking() && transfer.writing().is_none());
     drop(headless);
-    let left = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    assert!(left.filter(|name| name.contains(".tmp")).count() == 0, "nothing temporary is left");
+    let left = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    assert!(
+        left.filter(|name| name.contains(".tmp")).count() == 0,
+        "nothing temporary is left"
+    );
 }
 
 #[test]
@@ -173,16 +244,36 @@ fn labels_of_another_program_come_in_after_a_look_in_one_step_of_undo() {
     let Look::Import(Ok(joined)) = found(&mut headless) else {
         panic!("{:?}", headless.app.operations.transfer.found);
     };
-    assert_eq!((joined.matched, joined.kept, joined.added, joined.clicks), (1, 1, 0, 2));
-    assert_eq!(headless.app.open().unwrap().document.frames, before, "a look changes nothing");
+    assert_eq!(
+        (joined.matched, joined.kept, joined.added, joined.clicks),
+        (1, 1, 0, 2)
+    );
+    assert_eq!(
+        headless.app.open().unwrap().document.frames,
+        before,
+        "a look changes nothing"
+    );
     act(&mut headless, TransferAction::TakeOver);
     let frames = &headless.app.open().unwrap().document.frames;
-    assert_eq!((frames[2].clicks.len(), frames[2].status), (2, FrameStatus::Draft));
+    assert_eq!(
+        (frames[2].clicks.len(), frames[2].status),
+        (2, FrameStatus::Draft)
+    );
     assert_eq!(frames[0], before[0], "a person's own label stays");
-    let next = headless.app.open().unwrap().history.next_undo().map(|step| step.name.clone());
+    let next = headless
+        .app
+        .open()
+        .unwrap()
+        .history
+        .next_undo()
+        .map(|step| step.name.clone());
     assert_eq!(next.as_deref(), Some("Import labels"));
     headless.act(Action::Command(Command::Undo));
-    assert!(headless.app.open().unwrap().document.frames[2].clicks.is_empty());
+    assert!(
+        headless.app.open().unwrap().document.frames[2]
+            .clicks
+            .is_empty()
+    );
 }
 
 #[test]
@@ -193,17 +284,27 @@ fn a_typed_path_replaces_no_file_unasked() {
     std::fs::write(&precious, "precious").unwrap();
     headless.act(Action::Command(Command::Export));
     act(&mut headless, TransferAction::Format(Format::Csv));
-    headless.act(Action::View(ViewAction::TypePath(Question::ExportAs(Format::Csv))));
+    headless.act(Action::View(ViewAction::TypePath(Question::ExportAs(
+        Format::Csv,
+    ))));
     headless.answer(Question::ExportAs(Format::Csv), &precious);
     headless.wait_until("the refusal", |app| {
-        app.session.messages.notices.iter().any(|notice| notice.text.contains("exists"))
+        app.session
+            .messages
+            .notices
+            .iter()
+            .any(|notice| notice.text.contains("exists"))
     });
     assert_eq!(std::fs::read_to_string(&precious).unwrap(), "precious");
     // A file dialog has asked.
     headless.act(Action::Command(Command::Export));
     headless.answer(Question::ExportAs(Format::Csv), &precious);
     headless.wait_until("writing", |app| {
-        app.session.messages.notices.iter().any(|notice| notice.text.contains("written as csv"))
+        app.session
+            .messages
+            .notices
+            .iter()
+            .any(|notice| notice.text.contains("written as csv"))
     });
     assert_ne!(std::fs::read_to_string(&precious).unwrap(), "precious");
 }
@@ -215,27 +316,53 @@ fn undo_of_an_import_shows_a_frame_that_is_there() {
     // Another project brings six frames of its own.
     let other = tempfile::tempdir().unwrap();
     let mut theirs = (*headless.app.open().unwrap().document).clone();
-    let frame = |index: usize| Frame::from_image(&format!("{index}-theirs.png"), "main".into(), SIZE);
+    let frame =
+        |index: usize| Frame::from_image(&format!("{index}-theirs.png"), "main".into(), SIZE);
     theirs.frames = (0..6).map(|index| frame(index).into()).collect();
     for frame in &mut theirs.frames {
-        frame.clicks = vec![Click::landmark("centre_mark".into(), ImagePoint::new(80.0, 50.0))];
+        frame.clicks = vec![Click::landmark(
+            "centre_mark".into(),
+            ImagePoint::new(80.0, 50.0),
+        )];
         frame.status = FrameStatus::Draft;
     }
-    std::fs::write(other.path().join("project.json"), document_to_string(&theirs).unwrap()).unwrap();
+    std::fs::write(
+        other.path().join("project.json"),
+        document_to_string(&theirs).unwrap(),
+    )
+    .unwrap();
     headless.act(Action::Command(Command::Import));
     act(&mut headless, TransferAction::ImportFormat(Format::Json));
-    headless.answer(Question::ImportFrom(Format::Json), &other.path().join("project.json"));
-    let Look::Import(Ok(joined)) = found(&mut headless) else { panic!("{:?}", headless.app.operations.transfer.found) };
+    headless.answer(
+        Question::ImportFrom(Format::Json),
+        &other.path().join("project.json"),
+    );
+    let Look::Import(Ok(joined)) = found(&mut headless) else {
+        panic!("{:?}", headless.app.operations.transfer.found)
+    };
     assert_eq!(joined.added, 6);
     act(&mut headless, TransferAction::TakeOver);
     for frame in [9, 1] {
-        headless.act(Action::Navigate(Navigation::SelectFrame { frame, how: Selecting::Toggle }));
+        headless.act(Action::Navigate(Navigation::SelectFrame {
+            frame,
+            how: Selecting::Toggle,
+        }));
     }
     headless.act(Action::Navigate(Navigation::GoTo(9)));
     headless.act(Action::Command(Command::Undo));
     assert_eq!(headless.app.open().unwrap().document.frames.len(), 4);
-    assert_eq!((headless.app.session.frame, headless.app.frame().is_some()), (3, true));
-    assert!(headless.app.session.frames_selected.iter().all(|frame| *frame < 4));
+    assert_eq!(
+        (headless.app.session.frame, headless.app.frame().is_some()),
+        (3, true)
+    );
+    assert!(
+        headless
+            .app
+            .session
+            .frames_selected
+            .iter()
+            .all(|frame| *frame < 4)
+    );
 }
 
 #[test]
@@ -244,7 +371,10 @@ fn an_import_that_was_looked_at_before_a_change_is_not_taken_over() {
     let mut headless = opened(folder.path());
     let labels = folder.path().join("labels.json");
     let mut document = (*headless.app.open().unwrap().document).clone();
-    document.frames[2].clicks = vec![Click::landmark("halfway_far".into(), ImagePoint::new(70.0, 30.0))];
+    document.frames[2].clicks = vec![Click::landmark(
+        "halfway_far".into(),
+        ImagePoint::new(70.0, 30.0),
+    )];
     document.frames[2].status = FrameStatus::Draft;
     std::fs::write(&labels, document_to_string(&document).unwrap()).unwrap();
     headless.act(Action::Command(Command::Import));
@@ -253,12 +383,28 @@ fn an_import_that_was_looked_at_before_a_change_is_not_taken_over() {
     // The document changes while the background looks, before it reports.
     headless.act(Action::Edit(EditAction::SetComment("meanwhile".to_owned())));
     let changed = headless.app.open().unwrap().document.frames.clone();
-    assert!(changed.iter().any(|frame| frame.comment.as_deref() == Some("meanwhile")));
+    assert!(
+        changed
+            .iter()
+            .any(|frame| frame.comment.as_deref() == Some("meanwhile"))
+    );
     assert!(matches!(found(&mut headless), Look::Import(Ok(_))));
     act(&mut headless, TransferAction::TakeOver);
-    assert_eq!(headless.app.open().unwrap().document.frames, changed, "the change is not taken back");
+    assert_eq!(
+        headless.app.open().unwrap().document.frames,
+        changed,
+        "the change is not taken back"
+    );
     let said = "The document changed in the meantime; choose the file again.";
-    assert!(headless.app.session.messages.notices.iter().any(|notice| notice.text == said));
+    assert!(
+        headless
+            .app
+            .session
+            .messages
+            .notices
+            .iter()
+            .any(|notice| notice.text == said)
+    );
 }
 
 #[test]
@@ -267,22 +413,34 @@ fn another_picture_in_place_of_a_labelled_one_is_named_on_its_frame() {
     let headless = opened(folder.path());
     let mut document = (*headless.app.open().unwrap().document).clone();
     for frame in &mut document.frames {
-        frame.sha256 = touchline_vision::media::sha256_of_file(&frame.image_path(folder.path()).unwrap()).ok();
+        frame.sha256 =
+            touchline_vision::media::sha256_of_file(&frame.image_path(folder.path()).unwrap()).ok();
     }
     drop(headless);
-    std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
+    std::fs::write(
+        folder.path().join("project.json"),
+        document_to_string(&document).unwrap(),
+    )
+    .unwrap();
     image::RgbImage::from_pixel(SIZE.width, SIZE.height, image::Rgb([9, 9, 9]))
         .save(folder.path().join("0001.png"))
         .unwrap();
     let mut headless = Headless::opened(folder.path());
     headless.wait_until("comparing", |app| app.other_picture(1).is_some());
-    assert!(headless.app.other_picture(1).unwrap().starts_with("the image changed since it was labelled"));
+    assert!(
+        headless
+            .app
+            .other_picture(1)
+            .unwrap()
+            .starts_with("the image changed since it was labelled")
+    );
     headless.wait_until("the notice", |app| {
-        app.session
-            .messages
-            .notices
-            .iter()
-            .any(|notice| notice.text == "The picture of 0001.png is not the one that was labelled.")
+        app.session.messages.notices.iter().any(|notice| {
+            notice.text == "The picture of 0001.png is not the one that was labelled."
+        })
     });
-    assert_eq!([0, 2, 3].map(|index| headless.app.other_picture(index)), [None; 3]);
+    assert_eq!(
+        [0, 2, 3].map(|index| headless.app.other_picture(index)),
+        [None; 3]
+    );
 }

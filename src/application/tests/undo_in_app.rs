@@ -1,4 +1,5 @@
-//! Undo survives closing the window, a kill and another program's changes: by actions, with files on disk.
+//! Undo survives closing the window, a kill and another program's changes: by actions, with files
+//! on disk.
 
 use crate::bench::{SIZE, base, landmark_in, uncounted};
 use crate::headless::Headless;
@@ -8,11 +9,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Stdio};
 use tempfile::TempDir;
 use touchline_application::app::session::Saving;
-use touchline_application::app::{Action, Command, EditAction, Navigation, OutsideChoice, PointerAction};
+use touchline_application::app::{
+    Action, Command, EditAction, Navigation, OutsideChoice, PointerAction,
+};
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, PixelBox, Vec3};
 use touchline_documents::document::{
-    Camera, Document, FieldSpec, Frame, RejectReason, Target, document_from_bytes, document_to_string,
+    Camera, Document, FieldSpec, Frame, RejectReason, Target, document_from_bytes,
+    document_to_string,
 };
 use touchline_documents::store::{Location, Store};
 
@@ -21,7 +25,8 @@ fn document(frames: usize) -> Document {
     let mut camera = Camera::new("main".into(), SIZE);
     camera.set_base(&base());
     document.cameras.push(camera.into());
-    let frame = |index| Frame::from_image(&format!("images/{index:04}.jpg"), "main".into(), SIZE).into();
+    let frame =
+        |index| Frame::from_image(&format!("images/{index:04}.jpg"), "main".into(), SIZE).into();
     document.frames.extend((0..frames).map(frame));
     document
 }
@@ -29,12 +34,25 @@ fn document(frames: usize) -> Document {
 fn new_project(frames: usize) -> (TempDir, PathBuf) {
     let root = tempfile::tempdir().unwrap();
     let path = root.path().join("match");
-    drop(Store::create(&Location::for_new_document(&path.join("")).unwrap(), &document(frames)).unwrap());
+    drop(
+        Store::create(
+            &Location::for_new_document(&path.join("")).unwrap(),
+            &document(frames),
+        )
+        .unwrap(),
+    );
     (root, path)
 }
 
 fn notices(headless: &Headless) -> Vec<&str> {
-    headless.app.session.messages.notices.iter().map(|notice| notice.text.as_str()).collect()
+    headless
+        .app
+        .session
+        .messages
+        .notices
+        .iter()
+        .map(|notice| notice.text.as_str())
+        .collect()
 }
 
 impl Headless {
@@ -49,14 +67,23 @@ impl Headless {
         self.act(Action::Pointer(PointerAction::Press { at, on: None }));
         self.act(Action::Pointer(PointerAction::Release));
         let click = self.app.frame().unwrap().clicks.len() - 1;
-        self.act(Action::Edit(EditAction::Name { click, target: Target::Landmark(landmark.into()) }));
+        self.act(Action::Edit(EditAction::Name {
+            click,
+            target: Target::Landmark(landmark.into()),
+        }));
     }
 
     fn drag(&mut self, click: usize) {
         let at = self.app.frame().unwrap().clicks[click].image;
-        self.act(Action::Pointer(PointerAction::Press { at, on: Some(click) }));
+        self.act(Action::Pointer(PointerAction::Press {
+            at,
+            on: Some(click),
+        }));
         for step in 1..9 {
-            self.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(at.x + f64::from(step), at.y))));
+            self.act(Action::Pointer(PointerAction::Drag(ImagePoint::new(
+                at.x + f64::from(step),
+                at.y,
+            ))));
         }
         self.act(Action::Pointer(PointerAction::Release));
     }
@@ -70,11 +97,19 @@ impl Headless {
     fn undo(&mut self, command: Command) -> bool {
         let next = |headless: &Self| {
             let history = &headless.app.open().unwrap().history;
-            if command == Command::Undo { history.next_undo().cloned() } else { history.next_redo().cloned() }
+            if command == Command::Undo {
+                history.next_undo().cloned()
+            } else {
+                history.next_redo().cloned()
+            }
         };
         let Some(step) = next(self) else { return false };
-        let frame = step.frame.and_then(|id| self.app.open().unwrap().document.frames.position_of(&id));
-        self.act(Action::Navigate(Navigation::GoTo(frame.unwrap_or(self.app.session.frame))));
+        let frame = step
+            .frame
+            .and_then(|id| self.app.open().unwrap().document.frames.position_of(&id));
+        self.act(Action::Navigate(Navigation::GoTo(
+            frame.unwrap_or(self.app.session.frame),
+        )));
         self.act(Action::Command(command));
         true
     }
@@ -100,14 +135,23 @@ fn edit_in_many_ways(headless: &mut Headless) {
     headless.drag(1);
     headless.act(Action::Navigate(Navigation::Select(Some(0))));
     for _ in 0..3 {
-        headless.act(Action::Edit(EditAction::Nudge { dx_px: 0.25, dy_px: 0.0, held: true }));
+        headless.act(Action::Edit(EditAction::Nudge {
+            dx_px: 0.25,
+            dy_px: 0.0,
+            held: true,
+        }));
     }
     headless.comment(1, "rain");
     headless.act(Action::Navigate(Navigation::GoTo(2)));
     headless.act(Action::Edit(EditAction::RejectAs(RejectReason::CloseUp)));
     headless.act(Action::Edit(EditAction::AddMask {
         of_camera: true,
-        mask: PixelBox { x: 10.0, y: 20.0, width: 300.0, height: 80.0 },
+        mask: PixelBox {
+            x: 10.0,
+            y: 20.0,
+            width: 300.0,
+            height: 80.0,
+        },
     }));
     // The base moves, and with it what the clicks of the first frame say.
     let mut camera = Camera::clone(&headless.app.open().unwrap().document.cameras[0]);
@@ -132,31 +176,50 @@ fn every_step_of_earlier_sessions_is_undone_and_redone() {
     // Another program adds frames, which are taken in.
     let theirs = {
         let mut theirs = document(4);
-        theirs.frames.extend(document(6).frames.iter().skip(4).cloned());
+        theirs
+            .frames
+            .extend(document(6).frames.iter().skip(4).cloned());
         document_to_string(&theirs).unwrap()
     };
     fs::write(path.join("project.json"), theirs).unwrap();
     headless.act(Action::Command(Command::Save));
-    headless.wait_until("the other version", |app| app.session.disk.changed_outside.is_some());
+    headless.wait_until("the other version", |app| {
+        app.session.disk.changed_outside.is_some()
+    });
     headless.act(Action::ResolveOutside(OutsideChoice::Merge));
-    headless.wait_until("the merge", |app| app.open().unwrap().document.frames.len() == 6);
+    headless.wait_until("the merge", |app| {
+        app.open().unwrap().document.frames.len() == 6
+    });
     headless.comment(5, "from outside");
     headless.comment(0, "taken back");
     assert!(headless.undo(Command::Undo));
-    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| {
+        matches!(app.session.disk.saving, Saving::Saved { .. })
+    });
     let last = headless.document();
     let open = headless.app.open().unwrap();
     let (document, history) = (open.document.clone(), open.history.clone());
     headless.close();
 
     let mut again = Headless::opened(&path);
-    assert_eq!((&again.app.open().unwrap().history, &again.document()), (&history, &last));
-    assert_eq!(*again.app.open().unwrap().document, document, "with its counts");
+    assert_eq!(
+        (&again.app.open().unwrap().history, &again.document()),
+        (&history, &last)
+    );
+    assert_eq!(
+        *again.app.open().unwrap().document,
+        document,
+        "with its counts"
+    );
     let redone = again.all(Command::Redo);
     assert_eq!(redone.len(), 2, "what was taken back is done again");
     let back = again.all(Command::Undo);
     assert!(back.len() >= 14, "{}", back.len());
-    assert_eq!(back.last().unwrap(), &uncounted(&self::document(4)), "as it was when it was made");
+    assert_eq!(
+        back.last().unwrap(),
+        &uncounted(&self::document(4)),
+        "as it was when it was made"
+    );
     again.close();
 
     // Forward again in a third session, and what is written is what was written.
@@ -168,7 +231,10 @@ fn every_step_of_earlier_sessions_is_undone_and_redone() {
     assert_eq!(third.document(), last);
     third.close();
     let written = document_from_bytes(&fs::read(path.join("project.json")).unwrap()).unwrap();
-    assert_eq!(document_to_string(&uncounted(&written)).unwrap(), document_to_string(&last).unwrap());
+    assert_eq!(
+        document_to_string(&uncounted(&written)).unwrap(),
+        document_to_string(&last).unwrap()
+    );
 }
 
 #[test]
@@ -178,16 +244,25 @@ fn steps_that_lead_to_another_version_are_left_out_and_said_so() {
     headless.comment(0, "ours");
     headless.close();
     let file = path.join("project.json");
-    fs::write(&file, fs::read_to_string(&file).unwrap().replace("ours", "theirs")).unwrap();
+    fs::write(
+        &file,
+        fs::read_to_string(&file).unwrap().replace("ours", "theirs"),
+    )
+    .unwrap();
     let mut other = Headless::opened(&path);
-    let told = "Steps of earlier sessions cannot be undone: they lead to another version of the document.";
+    let told =
+        "Steps of earlier sessions cannot be undone: they lead to another version of the document.";
     assert_eq!(notices(&other), [told]);
     assert!(other.app.open().unwrap().history.is_empty());
     other.comment(1, "new");
     other.close();
     let mut again = Headless::opened(&path);
     assert!(notices(&again).is_empty());
-    assert_eq!(again.all(Command::Undo).len(), 2, "from the other version on");
+    assert_eq!(
+        again.all(Command::Undo).len(),
+        2,
+        "from the other version on"
+    );
 }
 
 #[test]
@@ -195,7 +270,9 @@ fn a_document_to_look_at_only_offers_no_undo() {
     let (_root, path) = new_project(2);
     let mut headless = Headless::opened(&path);
     headless.comment(0, "rain");
-    headless.wait_until("saving", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
+    headless.wait_until("saving", |app| {
+        matches!(app.session.disk.saving, Saving::Saved { .. })
+    });
     let second = Headless::opened(&path);
     let open = second.app.open().unwrap();
     assert!(open.read_only.is_some() && open.history.is_empty());
@@ -204,25 +281,35 @@ fn a_document_to_look_at_only_offers_no_undo() {
 
 const CHILD_FOLDER: &str = "TOUCHLINE_TEST_UNDO_FOLDER";
 
-/// Not a test by itself: the program that the next test kills. It edits, takes back and saves for ever, and says how many
-/// steps can be undone by what is on disk.
+/// Not a test by itself: the program that the next test kills. It edits, takes back and saves for
+/// ever, and says how many steps can be undone by what is on disk.
 #[test]
 fn child_that_edits_until_it_is_killed() {
-    let Some(path) = std::env::var_os(CHILD_FOLDER) else { return };
+    let Some(path) = std::env::var_os(CHILD_FOLDER) else {
+        return;
+    };
     let mut headless = Headless::opened(Path::new(&path));
     for number in 0.. {
         if number % 5 == 4 {
             assert!(headless.undo(Command::Undo));
         } else {
             // No comment that is there already.
-            headless.comment(number % 3, &format!("{number} of process {}", std::process::id()));
+            headless.comment(
+                number % 3,
+                &format!("{number} of process {}", std::process::id()),
+            );
         }
         if number % 3 == 0 {
             headless.act(Action::Command(Command::Save));
         }
-        headless.wait_until("the journal", |app| matches!(app.session.disk.saving, Saving::Saved { .. }));
+        headless.wait_until("the journal", |app| {
+            matches!(app.session.disk.saving, Saving::Saved { .. })
+        });
         let open = headless.app.open().unwrap();
-        println!("undoable {}", open.history.undo_edits(&open.document).count());
+        println!(
+            "undoable {}",
+            open.history.undo_edits(&open.document).count()
+        );
     }
 }
 
@@ -232,14 +319,25 @@ fn undo_survives_a_kill() {
     let start = uncounted(&document(3));
     for round in 0..6 {
         let mut child = Process::new(std::env::current_exe().unwrap())
-            .args(["undo_in_app::child_that_edits_until_it_is_killed", "--exact", "--nocapture", "--test-threads=1"])
+            .args([
+                "undo_in_app::child_that_edits_until_it_is_killed",
+                "--exact",
+                "--nocapture",
+                "--test-threads=1",
+            ])
             .env(CHILD_FOLDER, &path)
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
-        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
-        let number = |line: String| line.split("undoable ").nth(1).and_then(|count| count.trim().parse().ok());
+        let mut lines = BufReader::new(child.stdout.take().unwrap())
+            .lines()
+            .map_while(Result::ok);
+        let number = |line: String| {
+            line.split("undoable ")
+                .nth(1)
+                .and_then(|count| count.trim().parse().ok())
+        };
         let mut steps: Vec<usize> = lines.by_ref().filter_map(number).take(4 + round).collect();
         child.kill().unwrap();
         steps.extend(lines.filter_map(number));
@@ -255,7 +353,10 @@ fn undo_survives_a_kill() {
         );
         assert_eq!(found.last().unwrap(), &start, "round {round}");
         let forward = headless.all(Command::Redo);
-        assert!(forward.iter().take(found.len()).rev().eq(found.iter()), "round {round}");
+        assert!(
+            forward.iter().take(found.len()).rev().eq(found.iter()),
+            "round {round}"
+        );
         // The next round goes on from the middle.
         for _ in 0..2 {
             headless.undo(Command::Undo);

@@ -13,8 +13,8 @@ use touchline_application::app::{
 };
 use touchline_application::jobs::SharedPictures;
 use touchline_calibration::calibrate::{
-    AssignError, BaseProblem, BulkChange, BulkSolve, FrameLookup, add_camera_like, assign_to_camera, camera_change,
-    check_cameras, solve_document,
+    AssignError, BaseProblem, BulkChange, BulkSolve, FrameLookup, add_camera_like,
+    assign_to_camera, camera_change, check_cameras, solve_document,
 };
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, builtin};
@@ -22,7 +22,9 @@ use touchline_core::geometry::{Angle, ImageSize, Vec2, Vec3};
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
 use touchline_core::solve::{Verdict, WarningCode};
-use touchline_documents::document::{Camera, Click, Document, FieldSpec, Fields, Frame, FrameStatus};
+use touchline_documents::document::{
+    Camera, Click, Document, FieldSpec, Fields, Frame, FrameStatus,
+};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -31,20 +33,35 @@ fn field() -> FieldModel {
 }
 
 fn base() -> CameraBase {
-    let angles = BaseAngles { heading: Angle::ZERO, pitch: Angle::from_degrees(-0.4), roll: Angle::from_degrees(0.2) };
-    CameraBase::new(Vec3::new(2.0, -66.0, 19.0), angles.base_from_world(), SIZE.centre())
+    let angles = BaseAngles {
+        heading: Angle::ZERO,
+        pitch: Angle::from_degrees(-0.4),
+        roll: Angle::from_degrees(0.2),
+    };
+    CameraBase::new(
+        Vec3::new(2.0, -66.0, 19.0),
+        angles.base_from_world(),
+        SIZE.centre(),
+    )
 }
 
 /// The base after somebody walked into the tripod.
 fn bumped() -> CameraBase {
-    let angles = BaseAngles { roll: Angle::from_degrees(1.2), ..base().angles() };
+    let angles = BaseAngles {
+        roll: Angle::from_degrees(1.2),
+        ..base().angles()
+    };
     let moved = base().position_m + Vec3::new(0.5, 0.3, -0.3);
     CameraBase::new(moved, angles.base_from_world(), SIZE.centre())
 }
 
 /// A camera that stands elsewhere.
 fn elsewhere() -> CameraBase {
-    CameraBase::new(Vec3::new(14.0, -72.0, 26.0), BaseAngles::default().base_from_world(), SIZE.centre())
+    CameraBase::new(
+        Vec3::new(14.0, -72.0, 26.0),
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    )
 }
 
 /// Frames of a camera that is bumped after the first `before` of them.
@@ -52,9 +69,15 @@ fn document(frames: usize, before: usize, noise_px: f64, rng: &mut Pcg64Mcg) -> 
     document_of(frames, before, &bumped(), noise_px, rng)
 }
 
-/// Frames that pan to and fro with 4 to 8 clicks each of 1-σ `noise_px`, the first `before` of them with [`base`], the others
-/// with another one. The camera's base is the first.
-fn document_of(frames: usize, before: usize, other: &CameraBase, noise_px: f64, rng: &mut Pcg64Mcg) -> Document {
+/// Frames that pan to and fro with 4 to 8 clicks each of 1-σ `noise_px`, the first `before` of them
+/// with [`base`], the others with another one. The camera's base is the first.
+fn document_of(
+    frames: usize,
+    before: usize,
+    other: &CameraBase,
+    noise_px: f64,
+    rng: &mut Pcg64Mcg,
+) -> Document {
     let field = field();
     let mut document = Document::new(FieldSpec::new("soccer"));
     let mut camera = Camera::new("main".into(), SIZE);
@@ -70,16 +93,26 @@ fn document_of(frames: usize, before: usize, other: &CameraBase, noise_px: f64, 
         );
         let camera = PtzCamera::new(truth, ptz);
         let mut frame = Frame::from_image(&format!("{index:04}.jpg"), "main".into(), SIZE);
-        for landmark in field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0) {
-            let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else { continue };
+        for landmark in field
+            .landmarks
+            .iter()
+            .filter(|landmark| landmark.nominal_m.z == 0.0)
+        {
+            let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else {
+                continue;
+            };
             let image = exact.moved(Vec2::new(normal(rng), normal(rng)) * noise_px);
             if SIZE.contains(image) {
-                frame.clicks.push(Click::landmark(landmark.id.clone(), image));
+                frame
+                    .clicks
+                    .push(Click::landmark(landmark.id.clone(), image));
             }
         }
         let wanted = rng.random_range(4..=8);
         while frame.clicks.len() > wanted {
-            frame.clicks.swap_remove(rng.random_range(0..frame.clicks.len()));
+            frame
+                .clicks
+                .swap_remove(rng.random_range(0..frame.clicks.len()));
         }
         if frame.clicks.len() >= 4 {
             frame.status = FrameStatus::Reference;
@@ -101,26 +134,57 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
         let mut rng = seeded::rng(&format!("a_bump_is_found {round}"));
         let (frames, before) = (30, 12 + round);
         let mut document = document(frames, before, 2.0, &mut rng);
-        let Some(change) = camera_change(&document, &FrameLookup::of(&document), &"main".into(), &field()) else {
+        let Some(change) = camera_change(
+            &document,
+            &FrameLookup::of(&document),
+            &"main".into(),
+            &field(),
+        ) else {
             continue;
         };
         println!("{before}: {} {}", change.frame, change.describe());
-        assert!(change.frame.abs_diff(before) <= 2, "{} for {before}", change.frame);
-        assert!((change.base.position_m - bumped().position_m).norm() < 1.0, "{:?}", change.base.position_m);
+        assert!(
+            change.frame.abs_diff(before) <= 2,
+            "{} for {before}",
+            change.frame
+        );
+        assert!(
+            (change.base.position_m - bumped().position_m).norm() < 1.0,
+            "{:?}",
+            change.base.position_m
+        );
         found += 1;
 
         let given = change.assigned(&document);
         let name = given.camera.clone();
-        let work =
-            BulkSolve { document: document.clone(), folder: ".".into(), change: BulkChange::Assign(Box::new(given)) };
+        let work = BulkSolve {
+            document: document.clone(),
+            folder: ".".into(),
+            change: BulkChange::Assign(Box::new(given)),
+        };
         let solved = work.run(&Progress::default()).unwrap();
         document = solved.join(&document).unwrap().unwrap().document;
         assert_eq!(name.as_str(), "main 2");
-        assert!(document.frames.range(..change.frame).all(|frame| frame.camera.as_str() == "main"));
-        assert!(document.frames.range(change.frame..).all(|frame| frame.camera == name && frame.ptz.is_some()));
+        assert!(
+            document
+                .frames
+                .range(..change.frame)
+                .all(|frame| frame.camera.as_str() == "main")
+        );
+        assert!(
+            document
+                .frames
+                .range(change.frame..)
+                .all(|frame| frame.camera == name && frame.ptz.is_some())
+        );
         for camera in ["main", "main 2"] {
             assert_eq!(
-                camera_change(&document, &FrameLookup::of(&document), &camera.into(), &field()),
+                camera_change(
+                    &document,
+                    &FrameLookup::of(&document),
+                    &camera.into(),
+                    &field()
+                ),
                 None,
                 "{camera} fits now"
             );
@@ -134,12 +198,18 @@ fn a_base_estimated_over_a_bump_fits_neither_side_and_is_told() {
     let mut rng = seeded::rng("a_base_estimated_over_a_bump");
     let mut document = document(40, 20, 2.0, &mut rng);
     let problem = BaseProblem::of(document.at(Path::new(".")), &"main".into()).unwrap();
-    let estimated = problem.estimate(&document, &BaseOptions::default(), &Progress::default()).unwrap();
+    let estimated = problem
+        .estimate(&document, &BaseOptions::default(), &Progress::default())
+        .unwrap();
     estimated.write_to(&mut document, Path::new(".")).unwrap();
     let fields = Fields::of(document.at(Path::new("."))).unwrap();
-    let change =
-        camera_change(&document, &FrameLookup::of(&document), &"main".into(), &fields.of_cameras(&document)[0])
-            .unwrap();
+    let change = camera_change(
+        &document,
+        &FrameLookup::of(&document),
+        &"main".into(),
+        &fields.of_cameras(&document)[0],
+    )
+    .unwrap();
     assert!(change.frame.abs_diff(20) <= 3, "{}", change.frame);
 }
 
@@ -149,7 +219,12 @@ fn without_a_bump_there_is_no_alarm() {
         let mut rng = seeded::rng(&format!("without_a_bump {round}"));
         let document = document(8 + 2 * round, usize::MAX, 2.5, &mut rng);
         assert_eq!(
-            camera_change(&document, &FrameLookup::of(&document), &"main".into(), &field()),
+            camera_change(
+                &document,
+                &FrameLookup::of(&document),
+                &"main".into(),
+                &field()
+            ),
             None,
             "round {round}"
         );
@@ -164,14 +239,35 @@ fn frames_are_given_to_a_camera_and_what_rested_on_the_old_one_goes() {
     add_camera_like(&mut document, &"second".into(), &"main".into()).unwrap();
     assign_to_camera(&mut document, &[3, 4, 5, 99], &"second".into(), &fields).unwrap();
     for frame in document.frames.range(3..) {
-        assert!(frame.camera.as_str() == "second" && frame.ptz.is_none() && frame.status == FrameStatus::Draft);
+        assert!(
+            frame.camera.as_str() == "second"
+                && frame.ptz.is_none()
+                && frame.status == FrameStatus::Draft
+        );
     }
-    assert!(document.frames.range(..3).all(|frame| frame.ptz.is_some() && frame.status == FrameStatus::Reference));
-    document.camera_mut(&"second".into()).unwrap().set_base(&elsewhere());
+    assert!(
+        document
+            .frames
+            .range(..3)
+            .all(|frame| frame.ptz.is_some() && frame.status == FrameStatus::Reference)
+    );
+    document
+        .camera_mut(&"second".into())
+        .unwrap()
+        .set_base(&elsewhere());
     assign_to_camera(&mut document, &[0], &"second".into(), &fields).unwrap();
     let warnings = &document.frames[0].solution.as_ref().unwrap().warnings;
-    assert!(warnings.iter().any(|warning| warning.code == WarningCode::OtherCamera.as_str()), "{warnings:?}");
-    assert!(check_cameras(document.at(Path::new("."))).iter().any(|problem| problem.fault.code() == "other_camera"));
+    assert!(
+        warnings
+            .iter()
+            .any(|warning| warning.code == WarningCode::OtherCamera.as_str()),
+        "{warnings:?}"
+    );
+    assert!(
+        check_cameras(document.at(Path::new(".")))
+            .iter()
+            .any(|problem| problem.fault.code() == "other_camera")
+    );
 }
 
 #[test]
@@ -179,17 +275,30 @@ fn frames_that_cannot_be_given_say_why_and_nothing_changes() {
     let mut rng = seeded::rng("frames_that_cannot_be_given");
     let mut document = document(3, 3, 1.0, &mut rng);
     let fields = Fields::of(document.at(Path::new("."))).unwrap();
-    document.cameras.push(Camera::new("small".into(), ImageSize::new(1280, 720)).into());
+    document
+        .cameras
+        .push(Camera::new("small".into(), ImageSize::new(1280, 720)).into());
     let before = document.clone();
     let small = assign_to_camera(&mut document, &[0, 1], &"small".into(), &fields).unwrap_err();
-    assert!(small.to_string().contains("0000.jpg is 1920 × 1080 px"), "{small}");
+    assert!(
+        small.to_string().contains("0000.jpg is 1920 × 1080 px"),
+        "{small}"
+    );
     let unknown = assign_to_camera(&mut document, &[0], &"third".into(), &fields).unwrap_err();
-    assert_eq!(unknown, AssignError::UnknownCamera { camera: "third".to_owned() });
+    assert_eq!(
+        unknown,
+        AssignError::UnknownCamera {
+            camera: "third".to_owned()
+        }
+    );
     assert!(matches!(
         add_camera_like(&mut document, &"main".into(), &"main".into()),
         Err(AssignError::NameTaken { .. })
     ));
-    assert_eq!(add_camera_like(&mut document, &" ".into(), &"main".into()), Err(AssignError::NoName));
+    assert_eq!(
+        add_camera_like(&mut document, &" ".into(), &"main".into()),
+        Err(AssignError::NoName)
+    );
     assert_eq!(document, before);
     assert_eq!(document.free_camera_name(&"main".into()).as_str(), "main 2");
     assert_eq!(document.free_camera_name(&"7".into()).as_str(), "camera 2");
@@ -198,12 +307,18 @@ fn frames_that_cannot_be_given_say_why_and_nothing_changes() {
 /// The application on a document.
 fn open(document: Document) -> App {
     let mut app = App::new(Settings::default());
-    app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+    app.update(Action::Opened(Box::new(Opened::new(
+        document,
+        "/match/project.json",
+    ))));
     app
 }
 
 fn camera_of(app: &App, frame: usize) -> String {
-    app.open().unwrap().document.frames[frame].camera.as_str().to_owned()
+    app.open().unwrap().document.frames[frame]
+        .camera
+        .as_str()
+        .to_owned()
 }
 
 #[test]
@@ -213,7 +328,12 @@ fn the_app_tells_of_a_bump_once_and_makes_the_new_camera_in_one_step() {
     let before = document.clone();
     let mut app = open(document);
     let told = |app: &App| {
-        app.session.messages.notices.iter().filter(|notice| notice.text.contains("stopped fitting")).count()
+        app.session
+            .messages
+            .notices
+            .iter()
+            .filter(|notice| notice.text.contains("stopped fitting"))
+            .count()
     };
     assert_eq!(told(&app), 1, "{:?}", app.session.messages.notices);
     app.update(Action::Navigate(Navigation::GoTo(3)));
@@ -221,8 +341,15 @@ fn the_app_tells_of_a_bump_once_and_makes_the_new_camera_in_one_step() {
     assert_eq!(told(&app), 1);
     let change = app.camera_change().unwrap().frame;
     let effects = app.update(Action::Command(Command::NewCameraFromChange));
-    assert!(effects.iter().any(|effect| matches!(effect, Effect::Journal { .. })));
-    assert_eq!((camera_of(&app, change - 1), camera_of(&app, change)), ("main".into(), "main 2".into()));
+    assert!(
+        effects
+            .iter()
+            .any(|effect| matches!(effect, Effect::Journal { .. }))
+    );
+    assert_eq!(
+        (camera_of(&app, change - 1), camera_of(&app, change)),
+        ("main".into(), "main 2".into())
+    );
     assert_eq!((told(&app), app.camera_change()), (0, None));
     app.update(Action::Command(Command::Undo));
     app.update(Action::Command(Command::Undo));
@@ -247,11 +374,22 @@ fn a_camera_with_many_clicked_frames_is_looked_at_in_the_background() {
     let meanwhile = looks(app.update(Action::Edit(EditAction::SetComment("rain".into()))));
     assert!(meanwhile.is_empty(), "one look at a time");
     let second = looks(app.update(report(&first))).remove(0);
-    assert!(app.camera_change().unwrap().frame.abs_diff(30) <= 2, "{:?}", app.camera_change());
-    assert!(looks(app.update(report(&second))).is_empty(), "the document is as it was looked at");
+    assert!(
+        app.camera_change().unwrap().frame.abs_diff(30) <= 2,
+        "{:?}",
+        app.camera_change()
+    );
+    assert!(
+        looks(app.update(report(&second))).is_empty(),
+        "the document is as it was looked at"
+    );
     let before = app.session.messages.notices.len();
     app.update(Action::Report(first.panicked("too late".to_owned())));
-    assert_eq!(app.session.messages.notices.len(), before, "nobody waits for it any more");
+    assert_eq!(
+        app.session.messages.notices.len(),
+        before,
+        "nobody waits for it any more"
+    );
 }
 
 #[test]
@@ -264,20 +402,41 @@ fn frames_of_the_wrong_camera_are_told_and_given_back_in_one_step() {
     solve(&mut document);
     let mut app = open(document);
     app.update(Action::Navigate(Navigation::GoTo(6)));
-    assert_eq!(app.current().better_camera.as_ref().unwrap().camera, "second".into());
-    assert_eq!(app.current().judgement.as_ref().unwrap().verdict, Verdict::Wrong);
+    assert_eq!(
+        app.current().better_camera.as_ref().unwrap().camera,
+        "second".into()
+    );
+    assert_eq!(
+        app.current().judgement.as_ref().unwrap().verdict,
+        Verdict::Wrong
+    );
     let camera = CameraChoice::Known("second".into());
-    app.update(Action::Edit(EditAction::AssignToCamera { scope: Scope::Frame, camera: camera.clone() }));
-    assert_eq!((camera_of(&app, 6), app.current().better_camera.clone()), ("second".into(), None));
+    app.update(Action::Edit(EditAction::AssignToCamera {
+        scope: Scope::Frame,
+        camera: camera.clone(),
+    }));
+    assert_eq!(
+        (camera_of(&app, 6), app.current().better_camera.clone()),
+        ("second".into(), None)
+    );
     app.update(Action::Navigate(Navigation::GoTo(5)));
     for frame in [7, 8] {
-        app.update(Action::Navigate(Navigation::SelectFrame { frame, how: Selecting::Toggle }));
+        app.update(Action::Navigate(Navigation::SelectFrame {
+            frame,
+            how: Selecting::Toggle,
+        }));
     }
-    app.update(Action::Edit(EditAction::AssignToCamera { scope: Scope::Selected, camera }));
+    app.update(Action::Edit(EditAction::AssignToCamera {
+        scope: Scope::Selected,
+        camera,
+    }));
     assert!((5..9).all(|frame| camera_of(&app, frame) == "second"));
     assert!(app.session.frames_selected.is_empty());
     app.update(Action::Command(Command::Undo));
-    assert_eq!([5, 6, 7, 8].map(|frame| camera_of(&app, frame)), ["main", "second", "main", "main"]);
+    assert_eq!(
+        [5, 6, 7, 8].map(|frame| camera_of(&app, frame)),
+        ["main", "second", "main", "main"]
+    );
 }
 
 #[test]
@@ -292,12 +451,23 @@ fn a_new_camera_needs_a_name_of_its_own() {
         }));
     };
     give(&mut app, "main");
-    assert!(app.session.messages.notices.last().unwrap().text.contains("choose another name"));
+    assert!(
+        app.session
+            .messages
+            .notices
+            .last()
+            .unwrap()
+            .text
+            .contains("choose another name")
+    );
     give(&mut app, " ");
     assert_eq!(*app.open().unwrap().document, before);
     app.update(Action::Navigate(Navigation::GoTo(2)));
     give(&mut app, "behind the goal");
-    assert_eq!([1, 2, 3].map(|frame| camera_of(&app, frame)), ["main", "behind the goal", "behind the goal"]);
+    assert_eq!(
+        [1, 2, 3].map(|frame| camera_of(&app, frame)),
+        ["main", "behind the goal", "behind the goal"]
+    );
     assert!(app.current().base.is_none());
     app.update(Action::Command(Command::Undo));
     assert_eq!(uncounted(&app.open().unwrap().document), uncounted(&before));

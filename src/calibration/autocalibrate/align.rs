@@ -1,12 +1,15 @@
 //! Aligns the frames of a hypothesis to the paint of their own pictures.
 //!
-//! A frame's camera is known from three sides: its paint in the joint adjustment, its matches with other frames, and, once a base is
-//! known, the painted lines of its own picture at full resolution. The three are combined in two passes of one least-squares problem
-//! over all frames ([`adjust_matched_frames`]):
+//! A frame's camera is known from three sides: its paint in the joint adjustment, its matches with
+//! other frames, and, once a base is known, the painted lines of its own picture at full
+//! resolution. The three are combined in two passes of one least-squares problem over all frames
+//! ([`adjust_matched_frames`]):
 //!
-//! 1. matches and the paint of the joint adjustment place every frame; from there each is aligned to its own picture ([`snap`]);
-//! 2. where that succeeds, its result replaces the first paint. An alignment that the neighbours contradict by more than
-//!    [`MAX_CONTRADICTION_PX`] went to the wrong lines and is dropped; a frame that stays uncertain is not answered.
+//! 1. matches and the paint of the joint adjustment place every frame; from there each is aligned
+//!    to its own picture ([`snap`]);
+//! 2. where that succeeds, its result replaces the first paint. An alignment that the neighbours
+//!    contradict by more than [`MAX_CONTRADICTION_PX`] went to the wrong lines and is dropped; a
+//!    frame that stays uncertain is not answered.
 
 use super::AutocalibrationProgress;
 use super::error::Stop;
@@ -25,26 +28,31 @@ use touchline_vision::media::Picture;
 use touchline_vision::paint::{GroundPicture, SnapOptions, Snapped, overlays_apart_px, snap};
 use touchline_vision::track::{AdjustedFrame, PosePrior, PriorSource, adjust_matched_frames};
 
-/// A frame whose overlay is less certain at its worst corner is not answered: 1-σ of paint and matches, px at 1920 px width.
+/// A frame whose overlay is less certain at its worst corner is not answered: 1-σ of paint and
+/// matches, px at 1920 px width.
 const MAX_CORNER_SIGMA_PX: f64 = 3.0;
 
-/// An alignment farther than this from where the neighbours have the frame went to other lines, px at 1920 px width.
+/// An alignment farther than this from where the neighbours have the frame went to other lines, px
+/// at 1920 px width.
 const MAX_CONTRADICTION_PX: f64 = 8.0;
 
 /// Scale of the robust loss of an alignment, in its own 1-σ.
 const ALIGNED_LOSS_SIGMAS: f64 = 3.0;
 
-/// An alignment is never taken as more exact than this at a corner: base and lens are not exact, px at 1920 px width.
+/// An alignment is never taken as more exact than this at a corner: base and lens are not exact, px
+/// at 1920 px width.
 const MIN_ALIGNED_SIGMA_PX: f64 = 1.0;
 
-/// Aligns all frames of a hypothesis to their own pictures. Where the frames do not determine each other, it stays as it is.
+/// Aligns all frames of a hypothesis to their own pictures. Where the frames do not determine each
+/// other, it stays as it is.
 pub(super) fn align_frames(
     mut hypothesis: Hypothesis,
     matched: &MatchedFrames,
     picture: PictureOfFrame<'_>,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Hypothesis, Stop> {
-    let Some(placed) = ConstrainedFrames::solve(&hypothesis, &hypothesis.paint_priors, matched) else {
+    let Some(placed) = ConstrainedFrames::solve(&hypothesis, &hypothesis.paint_priors, matched)
+    else {
         return Ok(hypothesis);
     };
     hypothesis.camera.frames = placed.frames(matched);
@@ -60,17 +68,41 @@ fn align_to_pictures(
     picture: PictureOfFrame<'_>,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<(), Stop> {
-    let AutocalibratedCamera { base, field, frames, .. } = camera;
+    let AutocalibratedCamera {
+        base,
+        field,
+        frames,
+        ..
+    } = camera;
     let of = frames.len();
     for (chunk, some) in frames.chunks_mut(MAX_PICTURES_IN_MEMORY).enumerate() {
-        report(progress, AutocalibrationProgress::Snapping { done: chunk * MAX_PICTURES_IN_MEMORY, of })?;
+        report(
+            progress,
+            AutocalibrationProgress::Snapping {
+                done: chunk * MAX_PICTURES_IN_MEMORY,
+                of,
+            },
+        )?;
         let indices: Vec<usize> = some.iter().map(|frame| frame.index).collect();
-        let pictures: BTreeMap<usize, Picture> = read_pictures(&indices, picture).into_iter().collect();
+        let pictures: BTreeMap<usize, Picture> =
+            read_pictures(&indices, picture).into_iter().collect();
         some.par_iter_mut().for_each(|frame| {
-            let masks = matched.number_of(frame.index).map(|number| &matched.masks[number]);
-            let Some((picture, masks)) = pictures.get(&frame.index).zip(masks) else { return };
+            let masks = matched
+                .number_of(frame.index)
+                .map(|number| &matched.masks[number]);
+            let Some((picture, masks)) = pictures.get(&frame.index).zip(masks) else {
+                return;
+            };
             let ground = GroundPicture::new(picture, masks);
-            frame.snapped = snap(&ground, field, base, frame.ptz, &[], &SnapOptions::default()).ok();
+            frame.snapped = snap(
+                &ground,
+                field,
+                base,
+                frame.ptz,
+                &[],
+                &SnapOptions::default(),
+            )
+            .ok();
         });
     }
     Ok(())
@@ -84,12 +116,22 @@ struct ConstrainedFrames {
 }
 
 impl ConstrainedFrames {
-    /// Solves for all frames with a pose prior for some of them. None if that leaves one of them undetermined.
-    fn solve(hypothesis: &Hypothesis, priors: &[PosePrior], matched: &MatchedFrames) -> Option<Self> {
+    /// Solves for all frames with a pose prior for some of them. None if that leaves one of them
+    /// undetermined.
+    fn solve(
+        hypothesis: &Hypothesis,
+        priors: &[PosePrior],
+        matched: &MatchedFrames,
+    ) -> Option<Self> {
         let base = hypothesis.camera.base;
         let start = hypothesis.all_ptz(matched)?;
-        let frames = adjust_matched_frames(&base, &start, &matched.matches, priors, matched.image_size)?;
-        Some(Self { base, image_size: matched.image_size, frames })
+        let frames =
+            adjust_matched_frames(&base, &start, &matched.matches, priors, matched.image_size)?;
+        Some(Self {
+            base,
+            image_size: matched.image_size,
+            frames,
+        })
     }
 
     /// The frames with their indices in the document, uncertain ones included.
@@ -100,21 +142,39 @@ impl ConstrainedFrames {
             uncertainty: self.uncertainty(held),
             snapped: None,
         };
-        matched.indices.iter().zip(&self.frames).map(frame).collect()
+        matched
+            .indices
+            .iter()
+            .zip(&self.frames)
+            .map(frame)
+            .collect()
     }
 
-    /// Places all frames again, by their alignments where these succeeded. Drops alignments that the neighbours contradict, and
-    /// frames that stay uncertain.
+    /// Places all frames again, by their alignments where these succeeded. Drops alignments that
+    /// the neighbours contradict, and frames that stay uncertain.
     fn combine_with_alignments(&self, hypothesis: &mut Hypothesis, matched: &MatchedFrames) {
         let mut priors: Vec<PosePrior> = Vec::new();
         for (number, frame) in hypothesis.camera.frames.iter().enumerate() {
             let aligned = frame.snapped.as_ref().and_then(|snapped| {
-                prior_from_alignment(number, snapped.ptz, &snapped.uncertainty.clicks, self.image_size)
+                prior_from_alignment(
+                    number,
+                    snapped.ptz,
+                    &snapped.uncertainty.clicks,
+                    self.image_size,
+                )
             });
-            let by_joint_paint = || hypothesis.paint_priors.iter().find(|prior| prior.frame == number).copied();
+            let by_joint_paint = || {
+                hypothesis
+                    .paint_priors
+                    .iter()
+                    .find(|prior| prior.frame == number)
+                    .copied()
+            };
             priors.extend(aligned.or_else(by_joint_paint));
         }
-        let Some(placed) = Self::solve(hypothesis, &priors, matched) else { return };
+        let Some(placed) = Self::solve(hypothesis, &priors, matched) else {
+            return;
+        };
 
         let scale = self.image_size.scale_from_1920();
         for (frame, held) in hypothesis.camera.frames.iter_mut().zip(&placed.frames) {
@@ -122,13 +182,16 @@ impl ConstrainedFrames {
             frame.uncertainty = placed.uncertainty(held);
             let camera = PtzCamera::new(self.base, held.ptz);
             let agrees = |snapped: &Snapped| {
-                overlays_apart_px(&camera, snapped.ptz, self.image_size) <= MAX_CONTRADICTION_PX * scale
+                overlays_apart_px(&camera, snapped.ptz, self.image_size)
+                    <= MAX_CONTRADICTION_PX * scale
             };
             frame.snapped = frame.snapped.take().filter(agrees);
         }
         hypothesis.camera.paint = placed.paint_directions(hypothesis);
         hypothesis.camera.frames.retain(|frame| {
-            let is_certain = |known: &Uncertainty| self.corner_sigma_px(frame, known) <= MAX_CORNER_SIGMA_PX * scale;
+            let is_certain = |known: &Uncertainty| {
+                self.corner_sigma_px(frame, known) <= MAX_CORNER_SIGMA_PX * scale
+            };
             frame.uncertainty.as_ref().is_some_and(is_certain)
         });
     }
@@ -139,8 +202,12 @@ impl ConstrainedFrames {
         let mut by_cell: BTreeMap<(i64, i64), PanTilt> = BTreeMap::new();
         for (held, paint) in self.frames.iter().zip(&hypothesis.frames.paint) {
             let camera = PtzCamera::new(self.base, held.ptz);
-            for ray in paint.iter().filter_map(|at| camera.ray_from_image(*at).ok()) {
-                let [pan, tilt] = [ray.pan, ray.tilt].map(|angle| (angle.degrees() / CELL_DEG).floor() as i64);
+            for ray in paint
+                .iter()
+                .filter_map(|at| camera.ray_from_image(*at).ok())
+            {
+                let [pan, tilt] =
+                    [ray.pan, ray.tilt].map(|angle| (angle.degrees() / CELL_DEG).floor() as i64);
                 by_cell.entry((pan, tilt)).or_insert(ray);
             }
         }
@@ -148,19 +215,28 @@ impl ConstrainedFrames {
     }
 
     fn uncertainty(&self, held: &AdjustedFrame) -> Option<Uncertainty> {
-        Uncertainty::of_known(&PtzCamera::new(self.base, held.ptz), held.covariance, self.image_size).ok()
+        Uncertainty::of_known(
+            &PtzCamera::new(self.base, held.ptz),
+            held.covariance,
+            self.image_size,
+        )
+        .ok()
     }
 
     /// 1-σ at the worst corner, the base taken as exact, px.
     fn corner_sigma_px(&self, frame: &AutocalibratedFrame, known: &Uncertainty) -> f64 {
         let camera = PtzCamera::new(self.base, frame.ptz);
-        known.with_exact_base().worst_corner_sigma_px(&camera, self.image_size)
+        known
+            .with_exact_base()
+            .worst_corner_sigma_px(&camera, self.image_size)
     }
 }
 
-/// The pose prior of a frame that is aligned to its own paint, which leaves `covariance` of (pan rad, tilt rad, focal length px).
+/// The pose prior of a frame that is aligned to its own paint, which leaves `covariance` of (pan
+/// rad, tilt rad, focal length px).
 ///
-/// `adjust_matched_frames` works with the logarithm of the focal length: row and column of f are divided by f. The floor
+/// `adjust_matched_frames` works with the logarithm of the focal length: row and column of f are
+/// divided by f. The floor
 /// [`MIN_ALIGNED_SIGMA_PX`] at a corner is δ/f as an angle and, a corner being half a width away from the centre, 2δ/width as a change
 /// of log f.
 pub(super) fn prior_from_alignment(
@@ -170,13 +246,19 @@ pub(super) fn prior_from_alignment(
     image_size: ImageSize,
 ) -> Option<PosePrior> {
     let least_angle = MIN_ALIGNED_SIGMA_PX * image_size.scale_from_1920() / ptz.focal_px;
-    let least_log_focal = 2.0 * MIN_ALIGNED_SIGMA_PX * image_size.scale_from_1920() / f64::from(image_size.width);
+    let least_log_focal =
+        2.0 * MIN_ALIGNED_SIGMA_PX * image_size.scale_from_1920() / f64::from(image_size.width);
     let least = Vec3::new(least_angle, least_angle, least_log_focal);
     let floor = Mat3::from_diagonal(&least.map(|sigma| sigma * sigma));
     let to_log_focal = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, ptz.focal_px.recip()));
     let information = (to_log_focal * covariance * to_log_focal + floor).try_inverse()?;
-    let loss = Loss::Cauchy { c: ALIGNED_LOSS_SIGMAS };
-    Some(PosePrior { loss, ..PosePrior::new(frame, ptz, information, PriorSource::Paint) })
+    let loss = Loss::Cauchy {
+        c: ALIGNED_LOSS_SIGMAS,
+    };
+    Some(PosePrior {
+        loss,
+        ..PosePrior::new(frame, ptz, information, PriorSource::Paint)
+    })
 }
 
 #[cfg(test)]
@@ -186,8 +268,9 @@ mod tests {
     use std::ops::ControlFlow;
 
     fn worst_apart_px(found: &[Ptz], truth: &[Ptz]) -> f64 {
-        let apart_px =
-            |(found, truth): (&Ptz, &Ptz)| overlays_apart_px(&PtzCamera::new(base(), *truth), *found, IMAGE_SIZE);
+        let apart_px = |(found, truth): (&Ptz, &Ptz)| {
+            overlays_apart_px(&PtzCamera::new(base(), *truth), *found, IMAGE_SIZE)
+        };
         found.iter().zip(truth).map(apart_px).fold(0.0, f64::max)
     }
 
@@ -196,8 +279,13 @@ mod tests {
         let (matched, mut hypothesis) = (matched(), hypothesis(&soccer().assumed));
         hypothesis.ptz[3] = None;
         hypothesis.paint_priors.retain(|prior| prior.frame != 3);
-        let solved = ConstrainedFrames::solve(&hypothesis, &hypothesis.paint_priors, &matched).unwrap();
-        let found: Vec<Ptz> = solved.frames(&matched).iter().map(|frame| frame.ptz).collect();
+        let solved =
+            ConstrainedFrames::solve(&hypothesis, &hypothesis.paint_priors, &matched).unwrap();
+        let found: Vec<Ptz> = solved
+            .frames(&matched)
+            .iter()
+            .map(|frame| frame.ptz)
+            .collect();
         assert!(worst_apart_px(&found, &ptz()) < 0.1, "{found:?}");
     }
 
@@ -218,7 +306,12 @@ mod tests {
         let aligned = align_frames(hypothesis, &matched, no_picture, &Progress::default());
         let camera = aligned.ok().map(|aligned| aligned.camera).unwrap();
         assert_eq!((camera.frames.len(), camera.snapped_count()), (7, 0));
-        assert!(camera.frames.iter().all(|frame| frame.uncertainty.is_some()));
+        assert!(
+            camera
+                .frames
+                .iter()
+                .all(|frame| frame.uncertainty.is_some())
+        );
         assert!(!camera.paint.is_empty(), "where the paint lies is told");
     }
 
@@ -229,15 +322,25 @@ mod tests {
         hypothesis.paint_priors[0].information = Mat3::identity();
         let no_picture = &mut |_: usize| None;
         let aligned = align_frames(hypothesis, &matched, no_picture, &Progress::default());
-        let indices = aligned.ok().map(|aligned| aligned.camera.frames.iter().map(|f| f.index).collect());
+        let indices = aligned
+            .ok()
+            .map(|aligned| aligned.camera.frames.iter().map(|f| f.index).collect());
         assert_eq!(indices, Some(vec![11, 12, 13, 14, 15, 16]));
     }
 
     #[test]
     fn alignment_stops_when_it_is_told_to() {
         let (matched, hypothesis) = (matched(), hypothesis(&soccer().assumed));
-        let stopped = align_frames(hypothesis, &matched, &mut |_| None, &Progress::new(|_| ControlFlow::Break(())));
-        assert!(matches!(stopped, Err(Stop::Failed(super::super::AutocalibrationError::Stopped))));
+        let stopped = align_frames(
+            hypothesis,
+            &matched,
+            &mut |_| None,
+            &Progress::new(|_| ControlFlow::Break(())),
+        );
+        assert!(matches!(
+            stopped,
+            Err(Stop::Failed(super::super::AutocalibrationError::Stopped))
+        ));
     }
 
     #[test]
@@ -247,12 +350,23 @@ mod tests {
         let prior = prior_from_alignment(4, ptz, &Mat3::zeros(), size).unwrap();
         let sigma = |axis: usize| prior.information[(axis, axis)].sqrt().recip();
         assert_eq!(prior.frame, 4);
-        assert!((sigma(0) - 1.0 / 2000.0).abs() < 1e-12, "1 px as an angle: {}", sigma(0));
-        assert!((sigma(2) - 2.0 / 1920.0).abs() < 1e-12, "1 px half a width away: {}", sigma(2));
+        assert!(
+            (sigma(0) - 1.0 / 2000.0).abs() < 1e-12,
+            "1 px as an angle: {}",
+            sigma(0)
+        );
+        assert!(
+            (sigma(2) - 2.0 / 1920.0).abs() < 1e-12,
+            "1 px half a width away: {}",
+            sigma(2)
+        );
         // 20 px of focal length are 1 % of it.
         let wide = Mat3::from_diagonal(&Vec3::new(0.0, 0.0, 400.0));
         let prior = prior_from_alignment(4, ptz, &wide, size).unwrap();
         let sigma = prior.information[(2, 2)].sqrt().recip();
-        assert!((sigma - 0.01_f64.hypot(2.0 / 1920.0)).abs() < 1e-12, "{sigma}");
+        assert!(
+            (sigma - 0.01_f64.hypot(2.0 / 1920.0)).abs() < 1e-12,
+            "{sigma}"
+        );
     }
 }

@@ -23,7 +23,8 @@ pub enum AutocalibrationAnswer {
     Abstained(Abstention),
 }
 
-/// A landmark that two answers see in places far apart: one click on it in one frame decides between them.
+/// A landmark that two answers see in places far apart: one click on it in one frame decides
+/// between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DecidingLandmark {
     /// The frame's place in the document.

@@ -1,5 +1,5 @@
-//! The search for a document's camera from end to end: sample the frames, match them, find the candidates for the base, align and
-//! refine the best two, and judge.
+//! The search for a document's camera from end to end: sample the frames, match them, find the
+//! candidates for the base, align and refine the best two, and judge.
 
 use super::align::align_frames;
 use super::candidates::{RUNNER_UP_RATIO, SAME_POSITION_M, find_candidates};
@@ -11,12 +11,16 @@ use super::hypothesis::Hypothesis;
 use super::matched_frames::MatchedFrames;
 use super::progress::report;
 use super::refine::{SearchedCamera, refine_base};
-use super::sampled_frames::{MAX_PICTURES_IN_MEMORY, PictureOfFrame, SampledFrame, sample_frames, spread_evenly};
-use super::verdict::{
-    MIN_ALIGNED, MIN_ALIGNED_BEFORE_REFINING, MIN_ALIGNED_WITH_RUNNER_UP, contradicting_click, few_aligned, is_refuted,
-    missing_in_frames, open_size, uncertain,
+use super::sampled_frames::{
+    MAX_PICTURES_IN_MEMORY, PictureOfFrame, SampledFrame, sample_frames, spread_evenly,
 };
-use super::{Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, Doubt};
+use super::verdict::{
+    MIN_ALIGNED, MIN_ALIGNED_BEFORE_REFINING, MIN_ALIGNED_WITH_RUNNER_UP, contradicting_click,
+    few_aligned, is_refuted, missing_in_frames, open_size, uncertain,
+};
+use super::{
+    Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, Doubt,
+};
 use crate::calibrate::AutocalibratedCamera;
 use std::collections::BTreeSet;
 use touchline_core::progress::Progress;
@@ -26,11 +30,13 @@ use touchline_documents::document::{CameraId, DocumentAt, FrameStatus};
 /// Landmarks of the ground without which clicks determine no pose.
 const MIN_CLICKS: usize = 2;
 
-/// Finds a camera of a document from its frames' pictures alone; clicks are not read. `look_at` frames at most are looked at,
-/// spread over all of them; each is asked for by `picture` up to twice.
+/// Finds a camera of a document from its frames' pictures alone; clicks are not read. `look_at`
+/// frames at most are looked at, spread over all of them; each is asked for by `picture` up to
+/// twice.
 ///
 /// # Errors
-/// The search was stopped, the field cannot be had, or OpenCV is missing or refused. That no answer is certain is no error but
+/// The search was stopped, the field cannot be had, or OpenCV is missing or refused. That no answer
+/// is certain is no error but
 /// [`AutocalibrationAnswer::Abstained`].
 pub fn camera_without_clicks(
     document: DocumentAt<'_>,
@@ -40,12 +46,19 @@ pub fn camera_without_clicks(
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
     let field_prior = FieldPrior::from_document(document, camera)?;
-    Search { document, camera, field_prior, by_clicks: false, progress }.run(look_at, picture)
+    Search {
+        document,
+        camera,
+        field_prior,
+        by_clicks: false,
+        progress,
+    }
+    .run(look_at, picture)
 }
 
-/// The same where a person has clicked two landmarks of the ground or more, in one frame or in several: they say where the camera
-/// stands, and nothing is searched. Everything is asked of the answer that is asked of one without a click, and that the clicks
-/// agree with it.
+/// The same where a person has clicked two landmarks of the ground or more, in one frame or in
+/// several: they say where the camera stands, and nothing is searched. Everything is asked of the
+/// answer that is asked of one without a click, and that the clicks agree with it.
 ///
 /// # Errors
 /// As [`camera_without_clicks`].
@@ -57,7 +70,14 @@ pub fn camera_from_few_clicks(
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
     let field_prior = FieldPrior::from_document(document, camera)?;
-    Search { document, camera, field_prior, by_clicks: true, progress }.run(look_at, picture)
+    Search {
+        document,
+        camera,
+        field_prior,
+        by_clicks: true,
+        progress,
+    }
+    .run(look_at, picture)
 }
 
 struct Search<'a> {
@@ -89,7 +109,11 @@ impl Search<'_> {
         }
     }
 
-    fn find(&self, max_sampled: usize, picture: PictureOfFrame<'_>) -> Result<AutocalibrationAnswer, Stop> {
+    fn find(
+        &self,
+        max_sampled: usize,
+        picture: PictureOfFrame<'_>,
+    ) -> Result<AutocalibrationAnswer, Stop> {
         let indices = self.choose_frames(max_sampled);
         // Fewer clicks determine no pose: no picture need be read.
         if self.by_clicks && self.clicks(&indices).len() < MIN_CLICKS {
@@ -98,25 +122,39 @@ impl Search<'_> {
         let sampled = self.sample(&indices, picture)?;
         let matched = MatchedFrames::from_sampled(&sampled, self.progress)?;
         let clicks = self.by_clicks.then(|| self.clicks_in_group(&matched));
-        let candidates = find_candidates(&matched, clicks.as_deref(), &self.field_prior, self.progress)?;
+        let candidates = find_candidates(
+            &matched,
+            clicks.as_deref(),
+            &self.field_prior,
+            self.progress,
+        )?;
         let Choice { best, runner_up } = choose(candidates)?;
 
-        // Missing lines are looked for once more in the refined camera: before, a line may lie just beside its paint.
+        // Missing lines are looked for once more in the refined camera: before, a line may lie just
+        // beside its paint.
         let doubts = best.doubts();
-        if doubts.iter().any(|doubt| !matches!(doubt, Doubt::LinesMissing { .. })) {
+        if doubts
+            .iter()
+            .any(|doubt| !matches!(doubt, Doubt::LinesMissing { .. }))
+        {
             return Err(uncertain(doubts, best.camera));
         }
         let is_doubted = !doubts.is_empty();
         let best = align_frames(best, &matched, picture, self.progress)?;
-        match (runner_up, few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING)) {
-            (Some(runner_up), _) => self.decide_between(best, runner_up, is_doubted, &matched, picture),
+        match (
+            runner_up,
+            few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING),
+        ) {
+            (Some(runner_up), _) => {
+                self.decide_between(best, runner_up, is_doubted, &matched, picture)
+            }
             (None, Some(doubt)) => Err(uncertain(vec![doubt], best.camera)),
             (None, None) => self.refine_and_judge(&best, &matched, picture, MIN_ALIGNED),
         }
     }
 
-    /// The answer where two candidates explain the paint about equally well; `best` is aligned. `is_doubted` says that some evidence
-    /// speaks against it.
+    /// The answer where two candidates explain the paint about equally well; `best` is aligned.
+    /// `is_doubted` says that some evidence speaks against it.
     fn decide_between(
         &self,
         best: Hypothesis,
@@ -130,8 +168,9 @@ impl Search<'_> {
         let runner_up = align_frames(runner_up, matched, picture, self.progress)?;
 
         // The one that the frames' own pictures contradict is the runner-up.
-        let is_misaligned =
-            |hypothesis: &Hypothesis| few_aligned(&hypothesis.camera, MIN_ALIGNED_BEFORE_REFINING).is_some();
+        let is_misaligned = |hypothesis: &Hypothesis| {
+            few_aligned(&hypothesis.camera, MIN_ALIGNED_BEFORE_REFINING).is_some()
+        };
         let [best, runner_up] = match few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING) {
             Some(doubt) if is_doubted || is_misaligned(&runner_up) => {
                 return Err(uncertain(vec![doubt], best.camera));
@@ -144,37 +183,49 @@ impl Search<'_> {
         }
 
         let options = BaseOptions::default();
-        let refined =
-            [self.refine(&best, &options, matched, picture)?, self.refine(&runner_up, &options, matched, picture)?];
+        let refined = [
+            self.refine(&best, &options, matched, picture)?,
+            self.refine(&runner_up, &options, matched, picture)?,
+        ];
         let [best, runner_up] = match refined {
             // Two that become one where both are refined differed by the field's size only.
-            [Some(best), Some(runner_up)] if (best.position_m() - runner_up.position_m()).norm() < SAME_POSITION_M => {
+            [Some(best), Some(runner_up)]
+                if (best.position_m() - runner_up.position_m()).norm() < SAME_POSITION_M =>
+            {
                 let best = align_frames(best, matched, picture, self.progress)?;
                 return self.judge(best.camera, matched, MIN_ALIGNED_WITH_RUNNER_UP);
             }
             [refined_best, refined_runner_up] => [
-                self.align_refined(refined_best, best, matched, picture)?.camera,
-                self.align_refined(refined_runner_up, runner_up, matched, picture)?.camera,
+                self.align_refined(refined_best, best, matched, picture)?
+                    .camera,
+                self.align_refined(refined_runner_up, runner_up, matched, picture)?
+                    .camera,
             ],
         };
         self.leave_to_a_click(best, runner_up, is_doubted)
     }
 
-    /// Both cameras, for a person to choose from. Each has to be as good as one that refutes another.
+    /// Both cameras, for a person to choose from. Each has to be as good as one that refutes
+    /// another.
     fn leave_to_a_click(
         &self,
         best: AutocalibratedCamera,
         other: AutocalibratedCamera,
         is_doubted: bool,
     ) -> Result<AutocalibrationAnswer, Stop> {
-        let doubt = |camera| few_aligned(camera, MIN_ALIGNED_WITH_RUNNER_UP).or_else(|| open_size(camera));
+        let doubt =
+            |camera| few_aligned(camera, MIN_ALIGNED_WITH_RUNNER_UP).or_else(|| open_size(camera));
         let mut doubts: Vec<Doubt> = [&best, &other].into_iter().filter_map(doubt).collect();
         if is_doubted || !doubts.is_empty() {
             doubts.insert(0, Doubt::Rival);
             return Err(uncertain(doubts, best));
         }
         let deciding = deciding_landmark(&self.document, &best, &other);
-        Ok(AutocalibrationAnswer::Two { best: Box::new(best), other: Box::new(other), deciding })
+        Ok(AutocalibrationAnswer::Two {
+            best: Box::new(best),
+            other: Box::new(other),
+            deciding,
+        })
     }
 
     /// Refines the only candidate that is left, aligns its frames from there and judges it.
@@ -185,22 +236,32 @@ impl Search<'_> {
         picture: PictureOfFrame<'_>,
         min_aligned: f64,
     ) -> Result<AutocalibrationAnswer, Stop> {
-        let Some(refined) = self.refine(hypothesis, &BaseOptions::default(), matched, picture)? else {
+        let Some(refined) = self.refine(hypothesis, &BaseOptions::default(), matched, picture)?
+        else {
             return Err(uncertain(vec![Doubt::NotHeld], hypothesis.camera.clone()));
         };
         let mut camera = align_frames(refined, matched, picture, self.progress)?.camera;
         if few_aligned(&camera, min_aligned).is_some() {
-            // The frames that already lay on their paint may have drawn the principal point away from where the others have it.
-            let centred = BaseOptions { placing_frames: usize::MAX, ..BaseOptions::default() };
+            // The frames that already lay on their paint may have drawn the principal point away
+            // from where the others have it.
+            let centred = BaseOptions {
+                placing_frames: usize::MAX,
+                ..BaseOptions::default()
+            };
             if let Some(refined) = self.refine(hypothesis, &centred, matched, picture)? {
                 let other = align_frames(refined, matched, picture, self.progress)?.camera;
-                camera = if other.snapped_count() > camera.snapped_count() { other } else { camera };
+                camera = if other.snapped_count() > camera.snapped_count() {
+                    other
+                } else {
+                    camera
+                };
             }
         }
         self.judge(camera, matched, min_aligned)
     }
 
-    /// A refined hypothesis with its frames aligned from there; the hypothesis as it was where it could not be refined.
+    /// A refined hypothesis with its frames aligned from there; the hypothesis as it was where it
+    /// could not be refined.
     fn align_refined(
         &self,
         refined: Option<Hypothesis>,
@@ -223,11 +284,23 @@ impl Search<'_> {
     ) -> Result<Option<Hypothesis>, Stop> {
         let (document, camera) = (self.document, self.camera);
         let is_size_unknown = self.field_prior.is_size_unknown();
-        let searched = SearchedCamera { document, camera, is_size_unknown };
-        refine_base(hypothesis, options, searched, matched, picture, self.progress)
+        let searched = SearchedCamera {
+            document,
+            camera,
+            is_size_unknown,
+        };
+        refine_base(
+            hypothesis,
+            options,
+            searched,
+            matched,
+            picture,
+            self.progress,
+        )
     }
 
-    /// The answer, if enough of the camera's frames agree with it, no line is missing and no click contradicts it.
+    /// The answer, if enough of the camera's frames agree with it, no line is missing and no click
+    /// contradicts it.
     fn judge(
         &self,
         mut camera: AutocalibratedCamera,
@@ -236,10 +309,18 @@ impl Search<'_> {
     ) -> Result<AutocalibrationAnswer, Stop> {
         camera.evidence.missing = missing_in_frames(&camera, matched);
         let lines = &camera.evidence.missing;
-        let missing = || (!lines.is_empty()).then(|| Doubt::LinesMissing { lines: lines.clone() });
+        let missing = || {
+            (!lines.is_empty()).then(|| Doubt::LinesMissing {
+                lines: lines.clone(),
+            })
+        };
         let indices: Vec<usize> = camera.frames.iter().map(|frame| frame.index).collect();
-        let contradicted = || contradicting_click(&camera, &self.clicks(&indices), &self.document.frames);
-        match few_aligned(&camera, min_aligned).or_else(missing).or_else(contradicted) {
+        let contradicted =
+            || contradicting_click(&camera, &self.clicks(&indices), &self.document.frames);
+        match few_aligned(&camera, min_aligned)
+            .or_else(missing)
+            .or_else(contradicted)
+        {
             Some(doubt) => Err(uncertain(vec![doubt], camera)),
             None => Ok(AutocalibrationAnswer::Found(Box::new(camera))),
         }
@@ -256,44 +337,72 @@ impl Search<'_> {
 
     /// The clicks on matched frames, numbered as these.
     fn clicks_in_group(&self, matched: &MatchedFrames) -> Vec<GroundClick> {
-        let renumber = |click: GroundClick| Some(GroundClick { frame: matched.number_of(click.frame)?, ..click });
-        self.clicks(&matched.indices).into_iter().filter_map(renumber).collect()
+        let renumber = |click: GroundClick| {
+            Some(GroundClick {
+                frame: matched.number_of(click.frame)?,
+                ..click
+            })
+        };
+        self.clicks(&matched.indices)
+            .into_iter()
+            .filter_map(renumber)
+            .collect()
     }
 
-    /// The frames that are sampled: of the camera, spread evenly, and those with clicks where these are read.
+    /// The frames that are sampled: of the camera, spread evenly, and those with clicks where these
+    /// are read.
     fn choose_frames(&self, max_sampled: usize) -> Vec<usize> {
         let frames = self.document.frames.iter().enumerate();
-        let usable = frames.filter(|(_, frame)| frame.camera == *self.camera && frame.status != FrameStatus::Rejected);
+        let usable = frames.filter(|(_, frame)| {
+            frame.camera == *self.camera && frame.status != FrameStatus::Rejected
+        });
         let of_camera: Vec<usize> = usable.map(|(index, _)| index).collect();
         let clicked = self.clicks(&of_camera).into_iter().map(|click| click.frame);
-        let chosen: BTreeSet<usize> = spread_evenly(&of_camera, max_sampled).chain(clicked).collect();
+        let chosen: BTreeSet<usize> = spread_evenly(&of_camera, max_sampled)
+            .chain(clicked)
+            .collect();
         chosen.into_iter().collect()
     }
 
     /// Samples the frames whose picture can be read.
-    fn sample(&self, indices: &[usize], picture: PictureOfFrame<'_>) -> Result<Vec<SampledFrame>, Stop> {
+    fn sample(
+        &self,
+        indices: &[usize],
+        picture: PictureOfFrame<'_>,
+    ) -> Result<Vec<SampledFrame>, Stop> {
         let masks_of = |index: usize| self.document.masks_of(&self.document.frames[index]);
         let mut sampled = Vec::new();
         for (chunk, some) in indices.chunks(MAX_PICTURES_IN_MEMORY).enumerate() {
             let done = chunk * MAX_PICTURES_IN_MEMORY;
-            report(self.progress, AutocalibrationProgress::Looking { done, of: indices.len() })?;
-            sampled.extend(sample_frames(some, masks_of, picture).map_err(AutocalibrationError::from)?);
+            report(
+                self.progress,
+                AutocalibrationProgress::Looking {
+                    done,
+                    of: indices.len(),
+                },
+            )?;
+            sampled.extend(
+                sample_frames(some, masks_of, picture).map_err(AutocalibrationError::from)?,
+            );
         }
         Ok(sampled)
     }
 }
 
-/// Chooses the best of the candidates, and the runner-up if that explains nearly as much. `candidates` come best first.
+/// Chooses the best of the candidates, and the runner-up if that explains nearly as much.
+/// `candidates` come best first.
 fn choose(candidates: Vec<Hypothesis>) -> Result<Choice, Abstention> {
     let mut candidates = candidates.into_iter();
     let mut best = candidates.next().ok_or(Abstention::NothingFits)?;
-    let is_elsewhere =
-        |other: &Hypothesis| (other.position_m() - best.position_m()).norm() > SAME_POSITION_M && other.score() > 0.0;
+    let is_elsewhere = |other: &Hypothesis| {
+        (other.position_m() - best.position_m()).norm() > SAME_POSITION_M && other.score() > 0.0
+    };
     let elsewhere = candidates.find(is_elsewhere);
     best.camera.evidence.rival = elsewhere.as_ref().map_or(0.0, Hypothesis::score);
     // One with doubts of its own is no runner-up to a best one without.
     let is_runner_up = |other: &Hypothesis| {
-        best.score() < RUNNER_UP_RATIO * other.score() && (other.doubts().is_empty() || !best.doubts().is_empty())
+        best.score() < RUNNER_UP_RATIO * other.score()
+            && (other.doubts().is_empty() || !best.doubts().is_empty())
     };
     let runner_up = elsewhere.filter(is_runner_up);
     Ok(Choice { best, runner_up })
@@ -324,24 +433,41 @@ mod tests {
 
     #[test]
     fn one_position_twice_has_no_runner_up() {
-        assert_eq!(chosen(vec![beside(0.0, 0.9), beside(1.0, 0.89)]), (0.0, None));
+        assert_eq!(
+            chosen(vec![beside(0.0, 0.9), beside(1.0, 0.89)]),
+            (0.0, None)
+        );
     }
 
     #[test]
     fn the_runner_up_explains_nearly_as_much() {
-        assert_eq!(chosen(vec![beside(0.0, 0.9), beside(1.0, 0.89), beside(8.0, 0.8)]), (0.8, Some(8.0)));
+        assert_eq!(
+            chosen(vec![beside(0.0, 0.9), beside(1.0, 0.89), beside(8.0, 0.8)]),
+            (0.8, Some(8.0))
+        );
         let (score, runner_up) = chosen(vec![beside(0.0, 0.9), beside(8.0, 0.62)]);
-        assert_eq!((score, runner_up), (0.62, None), "its score is told all the same");
+        assert_eq!(
+            (score, runner_up),
+            (0.62, None),
+            "its score is told all the same"
+        );
     }
 
     #[test]
     fn a_doubtful_candidate_is_no_runner_up_to_one_without_doubts() {
         let mut doubtful = beside(8.0, 0.85);
         doubtful.camera.evidence.lines.clear();
-        assert_eq!(chosen(vec![beside(0.0, 0.9), doubtful.clone()]), (0.85, None));
+        assert_eq!(
+            chosen(vec![beside(0.0, 0.9), doubtful.clone()]),
+            (0.85, None)
+        );
         let mut best = beside(0.0, 0.9);
         best.camera.evidence.lines.clear();
-        assert_eq!(chosen(vec![best, doubtful]), (0.85, Some(8.0)), "where the best has doubts too");
+        assert_eq!(
+            chosen(vec![best, doubtful]),
+            (0.85, Some(8.0)),
+            "where the best has doubts too"
+        );
     }
 
     #[test]

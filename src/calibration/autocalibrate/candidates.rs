@@ -1,15 +1,18 @@
-//! Refines the poses of the search with all frames and ranks them: the candidates for the camera's base.
+//! Refines the poses of the search with all frames and ranks them: the candidates for the camera's
+//! base.
 //!
-//! A pose places the whole panorama, at one of a few focal scales and on one of a few field sizes. It becomes a [`Hypothesis`] in
-//! three steps, each with more freedom than the one before:
+//! A pose places the whole panorama, at one of a few focal scales and on one of a few field sizes.
+//! It becomes a [`Hypothesis`] in three steps, each with more freedom than the one before:
 //!
-//! 1. [`fit_panorama`] frees the focal scale, the crown and the field's size; the frames stay rigid to each other. The best
-//!    [`MAX_REFINED`] that stand in different places go on.
-//! 2. [`Hypothesis::adjust`] frees pan, tilt and focal length of every frame and the lens, and fits the paint in the pictures. It is
-//!    repeated from its own result ([`adjust_repeatedly`]).
-//! 3. Where the field's size is unknown, the best [`MAX_RESIZED`] try neighbouring sizes ([`try_neighbouring_sizes`]).
+//! 1. [`fit_panorama`] frees the focal scale, the crown and the field's size; the frames stay rigid
+//!    to each other. The best [`MAX_REFINED`] that stand in different places go on.
+//! 2. [`Hypothesis::adjust`] frees pan, tilt and focal length of every frame and the lens, and fits
+//!    the paint in the pictures. It is repeated from its own result ([`adjust_repeatedly`]).
+//! 3. Where the field's size is unknown, the best [`MAX_RESIZED`] try neighbouring sizes
+//!    ([`try_neighbouring_sizes`]).
 //!
-//! Hypotheses are ranked by their evidence after step 2: the score of the search does not tell right from wrong reliably.
+//! Hypotheses are ranked by their evidence after step 2: the score of the search does not tell
+//! right from wrong reliably.
 
 use super::clicked::GroundClick;
 use super::error::Stop;
@@ -86,13 +89,21 @@ fn refine_poses(
         .par_iter()
         .map(|panorama| {
             let done = num_done.load(Ordering::Relaxed);
-            report(progress, AutocalibrationProgress::Adjusting { done, of: panoramas.len() })?;
-            let hypothesis = adjust_with_and_without_size(panorama, rotations, field_prior, matched);
+            report(
+                progress,
+                AutocalibrationProgress::Adjusting {
+                    done,
+                    of: panoramas.len(),
+                },
+            )?;
+            let hypothesis =
+                adjust_with_and_without_size(panorama, rotations, field_prior, matched);
             num_done.fetch_add(1, Ordering::Relaxed);
             Ok(hypothesis)
         })
         .collect();
-    // Rayon keeps the order of the panoramas and the sort is stable: equal scores come out the same every time.
+    // Rayon keeps the order of the panoramas and the sort is stable: equal scores come out the same
+    // every time.
     let mut hypotheses: Vec<Hypothesis> = adjusted?.into_iter().flatten().collect();
     sort_best_first(&mut hypotheses);
 
@@ -111,7 +122,8 @@ fn sort_best_first(hypotheses: &mut [Hypothesis]) {
     hypotheses.sort_by(|a, b| b.score().total_cmp(&a.score()));
 }
 
-/// Step 1: fits the panorama at each pose; the best first, one for each place where the camera may stand.
+/// Step 1: fits the panorama at each pose; the best first, one for each place where the camera may
+/// stand.
 fn place_panoramas<'a>(
     poses: &'a [ScaledPose],
     fields: &[FieldModel],
@@ -124,13 +136,18 @@ fn place_panoramas<'a>(
         .filter_map(|scaled| {
             let ScoredPose { pose, field, .. } = scaled.scored;
             let log_scale = scaled.frames.log_scale;
-            let start = PanoramaStart { pose, log_scale, field: &fields[field] };
+            let start = PanoramaStart {
+                pose,
+                log_scale,
+                field: &fields[field],
+            };
             let fit = fit_panorama(&scaled.frames, &start, size_prior, rotations)?;
             Some(PlacedPanorama { pose: scaled, fit })
         })
         .collect();
 
-    // The fit says how much of the paint lies on lines, the search how many of the lines show paint.
+    // The fit says how much of the paint lies on lines, the search how many of the lines show
+    // paint.
     let score = |placed: &PlacedPanorama<'_>| placed.fit.explained * placed.pose.scored.visible;
     placed.sort_by(|a, b| score(b).total_cmp(&score(a)));
 
@@ -138,7 +155,9 @@ fn place_panoramas<'a>(
     let mut distinct: Vec<PlacedPanorama<'_>> = Vec::new();
     for candidate in placed {
         let position_m = candidate.fit.pose.position_m;
-        let is_near = |other: &PlacedPanorama<'_>| (other.fit.pose.position_m - position_m).norm() < SAME_POSITION_M;
+        let is_near = |other: &PlacedPanorama<'_>| {
+            (other.fit.pose.position_m - position_m).norm() < SAME_POSITION_M
+        };
         if distinct.len() < MAX_REFINED && !distinct.iter().any(is_near) {
             distinct.push(candidate);
         }
@@ -146,25 +165,50 @@ fn place_panoramas<'a>(
     distinct
 }
 
-/// Step 2: adjusts all frames jointly, on the field as assumed and, where the rules allow other sizes, with its size fitted.
+/// Step 2: adjusts all frames jointly, on the field as assumed and, where the rules allow other
+/// sizes, with its size fitted.
 fn adjust_with_and_without_size(
     panorama: &PlacedPanorama<'_>,
     rotations: &RotationsByFocalScale,
     field_prior: &FieldPrior,
     matched: &MatchedFrames,
 ) -> Option<Hypothesis> {
-    let PlacedPanorama { pose: ScaledPose { frames, .. }, fit } = panorama;
-    // Step 1 fitted the size where it is unknown and kept it where it is stated. The other variant is fitted here.
+    let PlacedPanorama {
+        pose: ScaledPose { frames, .. },
+        fit,
+    } = panorama;
+    // Step 1 fitted the size where it is unknown and kept it where it is stated. The other variant
+    // is fitted here.
     let (as_assumed, resized) = if field_prior.is_size_unknown() {
-        (refit_assumed_field(panorama, None, rotations, field_prior), Some(fit.clone()))
+        (
+            refit_assumed_field(panorama, None, rotations, field_prior),
+            Some(fit.clone()),
+        )
     } else if field_prior.allows_other_sizes() {
-        (Some(fit.clone()), refit_assumed_field(panorama, Some(field_prior), rotations, field_prior))
+        (
+            Some(fit.clone()),
+            refit_assumed_field(panorama, Some(field_prior), rotations, field_prior),
+        )
     } else {
         (Some(fit.clone()), None)
     };
     let (as_assumed, resized) = rayon::join(
-        || adjust_repeatedly(&JointStart::from_panorama(&as_assumed?), None, frames, matched),
-        || adjust_repeatedly(&JointStart::from_panorama(&resized?), Some(field_prior), frames, matched),
+        || {
+            adjust_repeatedly(
+                &JointStart::from_panorama(&as_assumed?),
+                None,
+                frames,
+                matched,
+            )
+        },
+        || {
+            adjust_repeatedly(
+                &JointStart::from_panorama(&resized?),
+                Some(field_prior),
+                frames,
+                matched,
+            )
+        },
     );
     choose_size(as_assumed, resized, field_prior.is_known)
 }
@@ -176,29 +220,46 @@ fn refit_assumed_field(
     rotations: &RotationsByFocalScale,
     field_prior: &FieldPrior,
 ) -> Option<PanoramaFit> {
-    let PanoramaFit { pose, log_scale, .. } = panorama.fit;
-    let start = PanoramaStart { pose, log_scale, field: &field_prior.assumed };
+    let PanoramaFit {
+        pose, log_scale, ..
+    } = panorama.fit;
+    let start = PanoramaStart {
+        pose,
+        log_scale,
+        field: &field_prior.assumed,
+    };
     fit_panorama(&panorama.pose.frames, &start, size_prior, rotations)
 }
 
 impl JointStart {
     fn from_panorama(fit: &PanoramaFit) -> Self {
         let ptz = fit.rotations.ptz.iter().copied().map(Some).collect();
-        Self { field: fit.field.clone(), base: fit.base(), ptz }
+        Self {
+            field: fit.field.clone(),
+            base: fit.base(),
+            ptz,
+        }
     }
 
-    /// From the result of an adjustment. Frames that it dropped are placed by their matches with those that it kept.
+    /// From the result of an adjustment. Frames that it dropped are placed by their matches with
+    /// those that it kept.
     fn from_hypothesis(hypothesis: &Hypothesis, matched: &MatchedFrames) -> Option<Self> {
         let ptz = hypothesis.all_ptz(matched)?.into_iter().map(Some).collect();
         let camera = &hypothesis.camera;
-        Some(Self { field: camera.field.clone(), base: camera.base, ptz })
+        Some(Self {
+            field: camera.field.clone(),
+            base: camera.base,
+            ptz,
+        })
     }
 }
 
-/// Adjusts a base and its frames, and repeats that from the result while the score rises by [`MIN_GAIN`].
+/// Adjusts a base and its frames, and repeats that from the result while the score rises by
+/// [`MIN_GAIN`].
 ///
-/// Paint is assigned to lines once per round, with the base of the moment. A frame that was assigned to the wrong lines, or dropped
-/// because it lay near none, gets a second chance from the better base and field size.
+/// Paint is assigned to lines once per round, with the base of the moment. A frame that was
+/// assigned to the wrong lines, or dropped because it lay near none, gets a second chance from the
+/// better base and field size.
 fn adjust_repeatedly(
     start: &JointStart,
     size_prior: Option<&FieldPrior>,
@@ -208,8 +269,12 @@ fn adjust_repeatedly(
     const MAX_PASSES: usize = 4;
     let mut best = Hypothesis::adjust(start, size_prior, frames, matched)?;
     for _ in 1..MAX_PASSES {
-        let Some(start) = JointStart::from_hypothesis(&best, matched) else { break };
-        let Some(next) = Hypothesis::adjust(&start, size_prior, frames, matched) else { break };
+        let Some(start) = JointStart::from_hypothesis(&best, matched) else {
+            break;
+        };
+        let Some(next) = Hypothesis::adjust(&start, size_prior, frames, matched) else {
+            break;
+        };
         if next.score() <= MIN_GAIN * best.score() {
             break;
         }
@@ -220,11 +285,15 @@ fn adjust_repeatedly(
 
 /// Chooses between the field as assumed and the field of fitted size.
 ///
-/// Where the size is unknown, the one with the higher score. Where the document states it, the stated one; another size that is
-/// clearly better is recorded as evidence against it.
-fn choose_size(as_assumed: Option<Hypothesis>, resized: Option<Hypothesis>, is_known: bool) -> Option<Hypothesis> {
-    /// Two more parameters always explain a little more: 0.1 % on a real pitch of the stated size, 2.8 % on a drawn one that is 3 m
-    /// wider than stated.
+/// Where the size is unknown, the one with the higher score. Where the document states it, the
+/// stated one; another size that is clearly better is recorded as evidence against it.
+fn choose_size(
+    as_assumed: Option<Hypothesis>,
+    resized: Option<Hypothesis>,
+    is_known: bool,
+) -> Option<Hypothesis> {
+    /// Two more parameters always explain a little more: 0.1 % on a real pitch of the stated size,
+    /// 2.8 % on a drawn one that is 3 m wider than stated.
     const CLEARLY_BETTER: f64 = 1.01;
     /// Smaller differences are no doubt about the stated size, m: pitches are laid out by tape.
     const MIN_DIFFERENCE_M: f64 = 1.0;
@@ -234,11 +303,17 @@ fn choose_size(as_assumed: Option<Hypothesis>, resized: Option<Hypothesis>, is_k
         (as_assumed, resized) => return as_assumed.or(resized.filter(|_| !is_known)),
     };
     if !is_known {
-        return Some(if resized.score() >= as_assumed.score() { resized } else { as_assumed });
+        return Some(if resized.score() >= as_assumed.score() {
+            resized
+        } else {
+            as_assumed
+        });
     }
     if resized.score() > CLEARLY_BETTER * as_assumed.score() {
         let (stated, other) = (&as_assumed.camera.field, &resized.camera.field);
-        let difference_m = (other.length_m - stated.length_m).abs().max((other.width_m - stated.width_m).abs());
+        let difference_m = (other.length_m - stated.length_m)
+            .abs()
+            .max((other.width_m - stated.width_m).abs());
         if difference_m > MIN_DIFFERENCE_M {
             as_assumed.camera.evidence.other_size_m = Some([other.length_m, other.width_m]);
         }
@@ -246,10 +321,16 @@ fn choose_size(as_assumed: Option<Hypothesis>, resized: Option<Hypothesis>, is_k
     Some(as_assumed)
 }
 
-/// Step 3: moves a hypothesis to a neighbouring field size as long as that raises the score by [`MIN_GAIN`].
+/// Step 3: moves a hypothesis to a neighbouring field size as long as that raises the score by
+/// [`MIN_GAIN`].
 ///
-/// Least squares alone does not get there: while paint is assigned to the wrong lines, the size that fits best is the wrong one.
-fn try_neighbouring_sizes(hypothesis: &mut Hypothesis, field_prior: &FieldPrior, matched: &MatchedFrames) {
+/// Least squares alone does not get there: while paint is assigned to the wrong lines, the size
+/// that fits best is the wrong one.
+fn try_neighbouring_sizes(
+    hypothesis: &mut Hypothesis,
+    field_prior: &FieldPrior,
+    matched: &MatchedFrames,
+) {
     const MAX_STEPS: usize = 3;
     for _ in 0..MAX_STEPS {
         let neighbours: Vec<Hypothesis> = field_prior
@@ -261,7 +342,10 @@ fn try_neighbouring_sizes(hypothesis: &mut Hypothesis, field_prior: &FieldPrior,
                 Hypothesis::adjust(&start, Some(field_prior), &hypothesis.frames, matched)
             })
             .collect();
-        match neighbours.into_iter().max_by(|a, b| a.score().total_cmp(&b.score())) {
+        match neighbours
+            .into_iter()
+            .max_by(|a, b| a.score().total_cmp(&b.score()))
+        {
             Some(best) if best.score() > MIN_GAIN * hypothesis.score() => *hypothesis = best,
             _ => return,
         }
@@ -272,7 +356,8 @@ fn try_neighbouring_sizes(hypothesis: &mut Hypothesis, field_prior: &FieldPrior,
 mod tests {
     use super::super::pose::PanoramaPose;
     use super::super::rotating_camera::{
-        IMAGE_SIZE, bare_frame, base, document, frames_at_scale, hypothesis, matched, matched_with_strokes, ptz, soccer,
+        IMAGE_SIZE, bare_frame, base, document, frames_at_scale, hypothesis, matched,
+        matched_with_strokes, ptz, soccer,
     };
     use super::*;
     use std::ops::ControlFlow;
@@ -291,36 +376,62 @@ mod tests {
         FieldPrior::from_document(document.at(Path::new("")), &"main".into()).unwrap()
     }
 
-    /// Poses beside the right one, each with the score that the search gives it, as if found at one focal scale.
+    /// Poses beside the right one, each with the score that the search gives it, as if found at one
+    /// focal scale.
     fn poses_beside(field: &FieldModel, beside: &[(Vec3, f64)]) -> PosesByFocalScale {
         let frames = frames_at_scale(field);
         let scaled = |&(shift_m, explained): &(Vec3, f64)| {
             let pose = PanoramaPose::upright(base().position_m + shift_m, base().angles().heading);
-            ScaledPose { scored: ScoredPose { pose, field: 0, explained, visible: 1.0 }, frames: Arc::clone(&frames) }
+            ScaledPose {
+                scored: ScoredPose {
+                    pose,
+                    field: 0,
+                    explained,
+                    visible: 1.0,
+                },
+                frames: Arc::clone(&frames),
+            }
         };
         let poses = beside.iter().map(scaled).collect();
-        PosesByFocalScale { poses, rotations: RotationsByFocalScale::new([(100, frames.rotations.clone())]) }
+        PosesByFocalScale {
+            poses,
+            rotations: RotationsByFocalScale::new([(100, frames.rotations.clone())]),
+        }
     }
 
     #[test]
     fn poses_near_each_other_become_one_candidate_at_the_right_place() {
         let prior = known_field();
         let matched = matched_with_strokes(&prior.assumed, &ALL_VIEWS);
-        let found = poses_beside(&prior.assumed, &[(Vec3::new(0.6, -0.8, 0.3), 0.8), (Vec3::new(-0.5, 0.7, 0.0), 0.9)]);
+        let found = poses_beside(
+            &prior.assumed,
+            &[
+                (Vec3::new(0.6, -0.8, 0.3), 0.8),
+                (Vec3::new(-0.5, 0.7, 0.0), 0.9),
+            ],
+        );
         let steps = Mutex::new(Vec::new());
         let progress = Progress::new(|step: AutocalibrationProgress| {
             steps.lock().unwrap().push(step);
             ControlFlow::Continue(())
         });
         let fields = prior.search_fields();
-        let candidates = refine_poses(&found, &fields, &prior, &matched, &progress).ok().unwrap();
-        let [candidate] = candidates.as_slice() else { panic!("{} candidates", candidates.len()) };
+        let candidates = refine_poses(&found, &fields, &prior, &matched, &progress)
+            .ok()
+            .unwrap();
+        let [candidate] = candidates.as_slice() else {
+            panic!("{} candidates", candidates.len())
+        };
         let off_m = (candidate.position_m() - base().position_m).norm();
         assert!(off_m < 0.1, "{off_m:.3} m");
         assert!(candidate.score() > 0.9, "{}", candidate.score());
         assert_eq!(candidate.doubts(), []);
         let adjusting = AutocalibrationProgress::Adjusting { done: 0, of: 1 };
-        assert_eq!(*steps.lock().unwrap(), [adjusting], "no other size is tried where it is known");
+        assert_eq!(
+            *steps.lock().unwrap(),
+            [adjusting],
+            "no other size is tried where it is known"
+        );
     }
 
     #[test]
@@ -338,27 +449,46 @@ mod tests {
         let mut matched = matched_with_strokes(&prior.assumed, &views);
         matched.strokes.fill(bare_frame(0, IMAGE_SIZE).strokes);
         let click = |(frame, landmark): (usize, &str)| {
-            let at = prior.assumed.landmark_in_world(prior.assumed.landmark(landmark).unwrap());
-            let image = PtzCamera::new(base(), ptz()[views[frame]]).image_from_world(at).unwrap();
-            GroundClick { frame, landmark: landmark.into(), image }
+            let at = prior
+                .assumed
+                .landmark_in_world(prior.assumed.landmark(landmark).unwrap());
+            let image = PtzCamera::new(base(), ptz()[views[frame]])
+                .image_from_world(at)
+                .unwrap();
+            GroundClick {
+                frame,
+                landmark: landmark.into(),
+                image,
+            }
         };
         let clicks = [(0, "penalty_mark_left"), (2, "centre_mark")].map(click);
         let nothing = find_candidates(&matched, Some(&clicks), &prior, &Progress::default());
-        assert!(matches!(nothing, Err(Stop::Abstained(super::super::Abstention::LittlePaint { places: 0 }))));
+        assert!(matches!(
+            nothing,
+            Err(Stop::Abstained(super::super::Abstention::LittlePaint {
+                places: 0
+            }))
+        ));
     }
 
     #[test]
     fn the_search_for_candidates_stops_when_it_is_cancelled() {
         let progress = Progress::new(|_| ControlFlow::Break(()));
         let stopped = find_candidates(&matched(), None, &known_field(), &progress);
-        assert!(matches!(stopped, Err(Stop::Failed(AutocalibrationError::Stopped))));
+        assert!(matches!(
+            stopped,
+            Err(Stop::Failed(AutocalibrationError::Stopped))
+        ));
     }
 
     /// The right hypothesis on a field of this length, with a score.
     fn of_length(length_m: f64, score: f64) -> Hypothesis {
         let mut hypothesis = hypothesis(&soccer().assumed);
         hypothesis.camera.field.length_m = length_m;
-        (hypothesis.camera.evidence.explained, hypothesis.camera.evidence.visible) = (score, 1.0);
+        (
+            hypothesis.camera.evidence.explained,
+            hypothesis.camera.evidence.visible,
+        ) = (score, 1.0);
         hypothesis
     }
 
@@ -366,11 +496,26 @@ mod tests {
     fn a_stated_size_stays_and_a_better_one_is_recorded_against_it() {
         let choose = |resized: Hypothesis, is_known: bool| {
             let chosen = choose_size(Some(of_length(105.0, 0.8)), Some(resized), is_known).unwrap();
-            (chosen.camera.field.length_m, chosen.camera.evidence.other_size_m.map(|[length_m, _]| length_m))
+            (
+                chosen.camera.field.length_m,
+                chosen
+                    .camera
+                    .evidence
+                    .other_size_m
+                    .map(|[length_m, _]| length_m),
+            )
         };
         assert_eq!(choose(of_length(102.0, 0.9), true), (105.0, Some(102.0)));
-        assert_eq!(choose(of_length(102.0, 0.805), true), (105.0, None), "hardly better");
-        assert_eq!(choose(of_length(104.5, 0.9), true), (105.0, None), "hardly another size");
+        assert_eq!(
+            choose(of_length(102.0, 0.805), true),
+            (105.0, None),
+            "hardly better"
+        );
+        assert_eq!(
+            choose(of_length(104.5, 0.9), true),
+            (105.0, None),
+            "hardly another size"
+        );
         assert_eq!(choose(of_length(102.0, 0.9), false), (102.0, None));
         assert_eq!(choose(of_length(102.0, 0.7), false), (105.0, None));
         assert!(choose_size(None, Some(of_length(102.0, 0.9)), true).is_none());

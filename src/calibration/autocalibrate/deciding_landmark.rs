@@ -16,22 +16,45 @@ pub(super) fn deciding_landmark(
 ) -> Option<DecidingLandmark> {
     let mut farthest: Option<(f64, DecidingLandmark)> = None;
     for one in &best.frames {
-        let Some(two) = other.frames.iter().find(|two| two.index == one.index) else { continue };
+        let Some(two) = other.frames.iter().find(|two| two.index == one.index) else {
+            continue;
+        };
         let size = document.frames[one.index].image_size;
-        let cameras = [(best, one), (other, two)]
-            .map(|(found, frame): (&AutocalibratedCamera, &AutocalibratedFrame)| PtzCamera::new(found.base, frame.ptz));
-        for landmark in best.field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0) {
+        let cameras = [(best, one), (other, two)].map(
+            |(found, frame): (&AutocalibratedCamera, &AutocalibratedFrame)| {
+                PtzCamera::new(found.base, frame.ptz)
+            },
+        );
+        for landmark in best
+            .field
+            .landmarks
+            .iter()
+            .filter(|landmark| landmark.nominal_m.z == 0.0)
+        {
             let seen = |which: usize| {
                 let field = &[best, other][which].field;
                 let landmark = field.landmark(landmark.id.as_str())?;
-                let at = cameras[which].image_from_world(field.landmark_in_world(landmark)).ok()?;
+                let at = cameras[which]
+                    .image_from_world(field.landmark_in_world(landmark))
+                    .ok()?;
                 size.contains(at).then_some(at)
             };
-            let (Some(here), Some(there)) = (seen(0), seen(1)) else { continue };
+            let (Some(here), Some(there)) = (seen(0), seen(1)) else {
+                continue;
+            };
             let apart_px = here.distance_px(there) / size.scale_from_1920();
-            if apart_px >= MIN_APART_PX && farthest.as_ref().is_none_or(|(most, _)| apart_px > *most) {
+            if apart_px >= MIN_APART_PX
+                && farthest.as_ref().is_none_or(|(most, _)| apart_px > *most)
+            {
                 let landmark = landmark.id.clone();
-                farthest = Some((apart_px, DecidingLandmark { frame: one.index, landmark, image: [here, there] }));
+                farthest = Some((
+                    apart_px,
+                    DecidingLandmark {
+                        frame: one.index,
+                        landmark,
+                        image: [here, there],
+                    },
+                ));
             }
         }
     }

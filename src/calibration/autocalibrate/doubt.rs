@@ -55,7 +55,9 @@ pub enum Doubt {
         roll_deg: f64,
     },
     /// The stated size of the field explains less than another.
-    #[error("a field of {length_m:.1} × {width_m:.1} m explains the paint better than the stated size")]
+    #[error(
+        "a field of {length_m:.1} × {width_m:.1} m explains the paint better than the stated size"
+    )]
     OtherSize {
         /// The length that explains more, m.
         length_m: f64,
@@ -88,7 +90,9 @@ pub enum Doubt {
         sigma_m: f64,
     },
     /// A click lies far from where the camera has its landmark.
-    #[error("the click on {landmark} in {frame} lies {off_px:.0} px from where the painted lines put it")]
+    #[error(
+        "the click on {landmark} in {frame} lies {off_px:.0} px from where the painted lines put it"
+    )]
     ClickContradicts {
         /// The landmark's name.
         landmark: String,

@@ -43,7 +43,9 @@ pub enum Abstention {
     #[error(transparent)]
     NotTurning(TrackError),
     /// Hardly any paint.
-    #[error("only {places} places of paint agree between the frames: use frames that show more of the lines")]
+    #[error(
+        "only {places} places of paint agree between the frames: use frames that show more of the lines"
+    )]
     LittlePaint {
         /// Directions in which paint stays.
         places: usize,
@@ -62,7 +64,11 @@ pub enum Abstention {
 }
 
 fn listed(doubts: &[Doubt]) -> String {
-    doubts.iter().map(Doubt::to_string).collect::<Vec<_>>().join("; ")
+    doubts
+        .iter()
+        .map(Doubt::to_string)
+        .collect::<Vec<_>>()
+        .join("; ")
 }
 
 /// Why the search ended before its answer.

@@ -15,9 +15,10 @@ use touchline_vision::paint::{Shown, Strokes};
 /// Paint and line belong together within this distance, px at 1920 px width.
 const WITHIN_PX: f64 = 4.0;
 
-/// A line is missing if this many of its samples or more should be seen, 8 px apart in all frames together, and a smaller
-/// share of them is: a field of another size, or put beside itself, explains most lines and leaves one out. Right answers
-/// on three real and four drawn matches saw .42 and more of each line, a wrong one none of some.
+/// A line is missing if this many of its samples or more should be seen, 8 px apart in all frames
+/// together, and a smaller share of them is: a field of another size, or put beside itself,
+/// explains most lines and leaves one out. Right answers on three real and four drawn matches saw
+/// .42 and more of each line, a wrong one none of some.
 const ENOUGH: f64 = 40.0;
 const MIN_OF_LINE: f64 = 0.3;
 
@@ -36,16 +37,46 @@ pub(super) fn doubts_of(evidence: &AutocalibrationEvidence, base: &CameraBase) -
             doubts.push(doubt);
         }
     };
-    ask(evidence.explained < MIN_EXPLAINED, Doubt::Unexplained { share: 1.0 - evidence.explained });
-    ask(evidence.visible < MIN_VISIBLE, Doubt::Unseen { share: 1.0 - evidence.visible });
-    ask(evidence.lines.len() < MIN_LINES, Doubt::FewLines { lines: evidence.lines.len() });
-    ask(!evidence.missing.is_empty(), Doubt::LinesMissing { lines: evidence.missing.clone() });
-    ask(evidence.residual_px > MAX_RESIDUAL_PX, Doubt::OffLines { residual_px: evidence.residual_px });
+    ask(
+        evidence.explained < MIN_EXPLAINED,
+        Doubt::Unexplained {
+            share: 1.0 - evidence.explained,
+        },
+    );
+    ask(
+        evidence.visible < MIN_VISIBLE,
+        Doubt::Unseen {
+            share: 1.0 - evidence.visible,
+        },
+    );
+    ask(
+        evidence.lines.len() < MIN_LINES,
+        Doubt::FewLines {
+            lines: evidence.lines.len(),
+        },
+    );
+    ask(
+        !evidence.missing.is_empty(),
+        Doubt::LinesMissing {
+            lines: evidence.missing.clone(),
+        },
+    );
+    ask(
+        evidence.residual_px > MAX_RESIDUAL_PX,
+        Doubt::OffLines {
+            residual_px: evidence.residual_px,
+        },
+    );
     let parts_m = evidence.parts_m;
     if parts_m.is_finite() {
         ask(parts_m > MAX_PARTS_M, Doubt::PartsDisagree { parts_m });
     } else {
-        ask(true, Doubt::Unconfirmed { frames: evidence.frames });
+        ask(
+            true,
+            Doubt::Unconfirmed {
+                frames: evidence.frames,
+            },
+        );
     }
     ask(roll_deg.abs() > MAX_ROLL_DEG, Doubt::Leans { roll_deg });
     if let Some([length_m, width_m]) = evidence.other_size_m {
@@ -61,7 +92,9 @@ pub(super) fn measure_evidence(
     strokes: &[Strokes],
 ) -> AutocalibrationEvidence {
     let field = &joint.field;
-    let frames: Vec<usize> = (0..strokes.len()).filter(|frame| joint.ptz[*frame].is_some()).collect();
+    let frames: Vec<usize> = (0..strokes.len())
+        .filter(|frame| joint.ptz[*frame].is_some())
+        .collect();
     let counts: Vec<Counts> = frames
         .par_iter()
         .filter_map(|&frame| {
@@ -72,12 +105,21 @@ pub(super) fn measure_evidence(
     let sum = |of: &dyn Fn(&Counts) -> usize| counts.iter().map(of).sum::<usize>() as f64;
     let share = |some: f64, all: f64| if all > 0.0 { some / all } else { 0.0 };
     let name = |line: usize| field.lines[line].id.as_str().to_owned();
-    let lines: BTreeSet<usize> = counts.iter().flat_map(|counts| counts.lines.iter().copied()).collect();
-    let of_lines: Vec<&[LineCounts]> = counts.iter().map(|counts| counts.of_line.as_slice()).collect();
+    let lines: BTreeSet<usize> = counts
+        .iter()
+        .flat_map(|counts| counts.lines.iter().copied())
+        .collect();
+    let of_lines: Vec<&[LineCounts]> = counts
+        .iter()
+        .map(|counts| counts.of_line.as_slice())
+        .collect();
     AutocalibrationEvidence {
         frames: frames.len(),
         explained: share(sum(&|counts| counts.explained), sum(&|counts| counts.paint)),
-        visible: share(sum(&|counts| counts.total().seen), sum(&|counts| counts.total().predicted)),
+        visible: share(
+            sum(&|counts| counts.total().seen),
+            sum(&|counts| counts.total().predicted),
+        ),
         rival: 0.0,
         lines: lines.into_iter().map(name).collect(),
         missing: missing(field, &of_lines),
@@ -99,23 +141,41 @@ pub(super) fn missing_lines(field: &FieldModel, looking: &[(PtzCamera, &Strokes)
 /// The labels of the lines that hardly any frame shows of those that should.
 fn missing(field: &FieldModel, of_frames: &[&[LineCounts]]) -> Vec<String> {
     let is_missing = |line: &usize| {
-        let sum = |of: fn(&LineCounts) -> usize| of_frames.iter().map(|lines| of(&lines[*line])).sum::<usize>() as f64;
+        let sum = |of: fn(&LineCounts) -> usize| {
+            of_frames
+                .iter()
+                .map(|lines| of(&lines[*line]))
+                .sum::<usize>() as f64
+        };
         let (predicted, seen) = (sum(|counts| counts.predicted), sum(|counts| counts.seen));
         predicted >= ENOUGH && seen < MIN_OF_LINE * predicted && !is_touchline(field, *line)
     };
-    (0..field.lines.len()).filter(is_missing).map(|line| field.lines[line].label.clone()).collect()
+    (0..field.lines.len())
+        .filter(is_missing)
+        .map(|line| field.lines[line].label.clone())
+        .collect()
 }
 
 /// Where a camera shows the field's lines.
 fn samples_of(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<LineSample> {
-    sample_lines(field, camera, size, &SampleOptions { spacing_px: 8.0, border_px: 4.0 })
+    sample_lines(
+        field,
+        camera,
+        size,
+        &SampleOptions {
+            spacing_px: 8.0,
+            border_px: 4.0,
+        },
+    )
 }
 
 /// Whether a line runs along one of the long sides of a field.
 fn is_touchline(field: &FieldModel, line: usize) -> bool {
     const WITHIN_M: f64 = 0.2;
     let curve = field.lines[line].paint_centre;
-    [0.0, 1.0].into_iter().all(|end| (curve.point_at(end).y.abs() - 0.5 * field.width_m).abs() < WITHIN_M)
+    [0.0, 1.0]
+        .into_iter()
+        .all(|end| (curve.point_at(end).y.abs() - 0.5 * field.width_m).abs() < WITHIN_M)
 }
 
 /// Paint and lines of one frame, counted.
@@ -142,7 +202,9 @@ impl LineCounts {
         for sample in samples {
             let counts = &mut of_line[sample.line];
             match strokes.shown(sample.image) {
-                Shown::Stroke => (counts.predicted, counts.seen) = (counts.predicted + 1, counts.seen + 1),
+                Shown::Stroke => {
+                    (counts.predicted, counts.seen) = (counts.predicted + 1, counts.seen + 1)
+                }
                 Shown::Ground => counts.predicted += 1,
                 Shown::Other => {}
             }
@@ -155,7 +217,10 @@ impl Counts {
     /// The samples of all lines.
     fn total(&self) -> LineCounts {
         let sum = |of: fn(&LineCounts) -> usize| self.of_line.iter().map(of).sum();
-        LineCounts { predicted: sum(|counts| counts.predicted), seen: sum(|counts| counts.seen) }
+        LineCounts {
+            predicted: sum(|counts| counts.predicted),
+            seen: sum(|counts| counts.seen),
+        }
     }
 
     fn of(field: &FieldModel, camera: &PtzCamera, paint: &FramePaint, strokes: &Strokes) -> Self {
@@ -168,19 +233,33 @@ impl Counts {
         let cell = |x: f64, y: f64| ((x / 8.0).floor() as i64, (y / 8.0).floor() as i64);
         let mut near: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
         for (index, sample) in samples.iter().enumerate() {
-            near.entry(cell(sample.image.x, sample.image.y)).or_default().push(index);
+            near.entry(cell(sample.image.x, sample.image.y))
+                .or_default()
+                .push(index);
         }
         let on_line = |at: &&ImagePoint| {
             let (column, row) = cell(at.x, at.y);
             let cells = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (column + dx, row + dy)));
-            cells.filter_map(|cell| near.get(&cell)).flatten().any(|&index| {
-                let off = at.offset_from(samples[index].image);
-                off.dot(&samples[index].normal).abs() <= within_px + 0.5 * samples[index].width_px && off.norm() <= 12.0
-            })
+            cells
+                .filter_map(|cell| near.get(&cell))
+                .flatten()
+                .any(|&index| {
+                    let off = at.offset_from(samples[index].image);
+                    off.dot(&samples[index].normal).abs()
+                        <= within_px + 0.5 * samples[index].width_px
+                        && off.norm() <= 12.0
+                })
         };
         let explained = paint.iter().filter(on_line).count();
         let of_line = LineCounts::of(field, &samples, strokes);
-        let lines = (0..of_line.len()).filter(|line| of_line[*line].seen >= OF_LINE).collect();
-        Self { paint: paint.len(), explained, of_line, lines }
+        let lines = (0..of_line.len())
+            .filter(|line| of_line[*line].seen >= OF_LINE)
+            .collect();
+        Self {
+            paint: paint.len(),
+            explained,
+            of_line,
+            lines,
+        }
     }
 }

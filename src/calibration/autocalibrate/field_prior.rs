@@ -4,12 +4,13 @@ use crate::calibrate::OpenSize;
 use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::field::{FieldError, FieldModel};
 use touchline_core::solve::base::{
-    AdjustOptions, BaseModel, BasePriors, FittedSize, FrameClicks, SizeParam, SizeStart, fit_field_size,
+    AdjustOptions, BaseModel, BasePriors, FittedSize, FrameClicks, SizeParam, SizeStart,
+    fit_field_size,
 };
 use touchline_documents::document::{CROWN, CameraId, DocumentAt, FieldSize};
 
-/// Other sizes that are tried at the start lie this share of what the rules allow beside the one assumed: a fit reaches half as
-/// far.
+/// Other sizes that are tried at the start lie this share of what the rules allow beside the one
+/// assumed: a fit reaches half as far.
 const LEVEL_SHARE: f64 = 0.125;
 
 /// Neighbouring sizes differ by this much, m.
@@ -39,13 +40,18 @@ impl FieldPrior {
     pub fn from_document(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, FieldError> {
         let spec = document.field_of_camera(camera);
         let mut assumed = document.model_of(spec)?;
-        // Low cameras see how far away a line is by their height above the ground: where it is crowned, usually as much as this.
+        // Low cameras see how far away a line is by their height above the ground: where it is
+        // crowned, usually as much as this.
         if assumed.may_be_crowned() && !spec.params.contains_key(CROWN) {
             assumed.crown_m = BasePriors::default().crown_m.0;
         }
         let is_known = !matches!(spec.size(), FieldSize::Assumed | FieldSize::Fitted);
         let open = OpenSize::new(spec.template(document.folder)?, &assumed);
-        Ok(Self { assumed, open: Some(open).filter(|open| !open.params.is_empty()), is_known })
+        Ok(Self {
+            assumed,
+            open: Some(open).filter(|open| !open.params.is_empty()),
+            is_known,
+        })
     }
 
     /// The size as assumed, then others around it.
@@ -57,7 +63,14 @@ impl FieldPrior {
                     let sign = if corner >> index & 1 == 0 { -1.0 } else { 1.0 };
                     param.assumed_m + sign * LEVEL_SHARE * (param.max_m - param.min_m)
                 };
-                open.sized(&open.params.iter().enumerate().map(value).collect::<Vec<_>>())
+                open.sized(
+                    &open
+                        .params
+                        .iter()
+                        .enumerate()
+                        .map(value)
+                        .collect::<Vec<_>>(),
+                )
             });
             levels.extend(corners);
         }
@@ -66,28 +79,45 @@ impl FieldPrior {
 
     /// Fields a little longer, shorter, wider and narrower than one, within the rules.
     pub fn neighbouring_sizes(&self, field: &FieldModel) -> Vec<FieldModel> {
-        let Some(open) = &self.open else { return Vec::new() };
+        let Some(open) = &self.open else {
+            return Vec::new();
+        };
         let params = open.params_of(field);
         let here: Vec<f64> = params.iter().map(|param| param.assumed_m).collect();
-        let steps = (0..here.len()).flat_map(|param| [-STEP_M, STEP_M].map(|step_m| (param, step_m)));
+        let steps =
+            (0..here.len()).flat_map(|param| [-STEP_M, STEP_M].map(|step_m| (param, step_m)));
         let moved = steps.filter_map(|(param, step_m)| {
             let mut moved = here.clone();
             moved[param] += step_m;
             let allowed = params[param].min_m..=params[param].max_m;
-            allowed.contains(&moved[param]).then(|| open.sized(&moved)).flatten()
+            allowed
+                .contains(&moved[param])
+                .then(|| open.sized(&moved))
+                .flatten()
         });
-        moved.map(|moved| FieldModel { crown_m: field.crown_m, ..moved }).collect()
+        moved
+            .map(|moved| FieldModel {
+                crown_m: field.crown_m,
+                ..moved
+            })
+            .collect()
     }
 
     /// The lengths that are open, those of `field` being their values.
     pub fn open_lengths(&self, field: &FieldModel) -> Vec<OpenLength> {
-        let Some(open) = &self.open else { return Vec::new() };
+        let Some(open) = &self.open else {
+            return Vec::new();
+        };
         let of = |(here, param): (SizeParam, &SizeParam)| OpenLength {
             value_m: here.assumed_m,
             assumed_m: param.assumed_m,
             sigma_m: param.sigma_m,
         };
-        open.params_of(field).into_iter().zip(&open.params).map(of).collect()
+        open.params_of(field)
+            .into_iter()
+            .zip(&open.params)
+            .map(of)
+            .collect()
     }
 
     /// The field of these lengths, in their order, as far as the rules allow.
@@ -105,7 +135,8 @@ impl FieldPrior {
         self.allows_other_sizes() && !self.is_known
     }
 
-    /// The size that paint asks for, from a base and frames adjusted to it at another; and the field of that size.
+    /// The size that paint asks for, from a base and frames adjusted to it at another; and the
+    /// field of that size.
     pub fn fit_size(
         &self,
         field: &FieldModel,
@@ -116,8 +147,21 @@ impl FieldPrior {
         (image_width_px, options): (u32, &AdjustOptions),
     ) -> Option<(FieldModel, Vec<FittedSize>)> {
         let open = self.open.as_ref()?;
-        let start = SizeStart { field, frames: taken, base, ptz, model, image_width_px, options };
-        let crowned = |values: &[f64]| Some(FieldModel { crown_m: field.crown_m, ..open.sized(values)? });
+        let start = SizeStart {
+            field,
+            frames: taken,
+            base,
+            ptz,
+            model,
+            image_width_px,
+            options,
+        };
+        let crowned = |values: &[f64]| {
+            Some(FieldModel {
+                crown_m: field.crown_m,
+                ..open.sized(values)?
+            })
+        };
         let mut sizes = fit_field_size(&crowned, &open.params_of(field), &start)?;
         for (size, param) in sizes.iter_mut().zip(&open.params) {
             size.assumed_m = param.assumed_m;

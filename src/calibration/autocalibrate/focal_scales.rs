@@ -1,7 +1,9 @@
-//! The search over focal scales: poses that the whole search or clicks give, at one focal scale after the other.
+//! The search over focal scales: poses that the whole search or clicks give, at one focal scale
+//! after the other.
 //!
-//! Matches leave the common scale of the focal lengths uncertain, and the pose depends on it. So the poses are scored at a few
-//! scales, then beside the best of them until both neighbours of the best were tried.
+//! Matches leave the common scale of the focal lengths uncertain, and the pose depends on it. So
+//! the poses are scored at a few scales, then beside the best of them until both neighbours of the
+//! best were tried.
 
 use super::clicked::{GroundClick, poses};
 use super::error::Stop;
@@ -18,14 +20,18 @@ use touchline_core::field::FieldModel;
 use touchline_core::progress::Progress;
 use touchline_vision::track::Turns;
 
-/// How much longer or shorter than the matches say the focal lengths may be, in per cent: rotations leave their common scale uncertain,
-/// and boards that scroll under a picture put all matches off together. Neighbouring values are as near as a search needs.
-const FOCAL_PERCENT: [u32; 15] = [67, 71, 75, 79, 83, 88, 94, 100, 106, 113, 120, 127, 135, 143, 150];
+/// How much longer or shorter than the matches say the focal lengths may be, in per cent: rotations
+/// leave their common scale uncertain, and boards that scroll under a picture put all matches off
+/// together. Neighbouring values are as near as a search needs.
+const FOCAL_PERCENT: [u32; 15] = [
+    67, 71, 75, 79, 83, 88, 94, 100, 106, 113, 120, 127, 135, 143, 150,
+];
 
 /// Of these the first to be tried.
 const FIRST_FOCAL_PERCENT: [u32; 3] = [100, 88, 113];
 
-/// Those tried first where clicks determine the poses, nearer to each other: the scale decides how far away their landmarks are.
+/// Those tried first where clicks determine the poses, nearer to each other: the scale decides how
+/// far away their landmarks are.
 const FINE_FOCAL_PERCENT: [u32; 11] = [100, 97, 103, 94, 106, 91, 109, 88, 112, 115, 118];
 
 /// Rounds that a search takes on most footage.
@@ -58,7 +64,13 @@ pub(super) fn search_poses(
 ) -> Result<PosesByFocalScale, Stop> {
     let num_places = PLACES * maps.len();
     let search_at_scale = |_: &Turns, panorama: &Panorama| search(panorama, maps);
-    try_focal_scales(matched, &FIRST_FOCAL_PERCENT, num_places, progress, search_at_scale)
+    try_focal_scales(
+        matched,
+        &FIRST_FOCAL_PERCENT,
+        num_places,
+        progress,
+        search_at_scale,
+    )
 }
 
 /// The poses that pairs of clicks determine, on several fields with their maps.
@@ -69,21 +81,27 @@ pub(super) fn poses_from_clicks(
     clicks: &[GroundClick],
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<PosesByFocalScale, Stop> {
-    try_focal_scales(matched, &FINE_FOCAL_PERCENT, fields.len(), progress, |turns, panorama| {
-        let mut found = Vec::new();
-        for (number, (field, map)) in fields.iter().zip(maps).enumerate() {
-            for pose in poses(turns, clicks, field).into_iter().take(MAX_PAIRS) {
-                let fitted = fit_pose(pose, &panorama.directions, map);
-                found.push(score_pose(fitted, panorama, (number, map)));
+    try_focal_scales(
+        matched,
+        &FINE_FOCAL_PERCENT,
+        fields.len(),
+        progress,
+        |turns, panorama| {
+            let mut found = Vec::new();
+            for (number, (field, map)) in fields.iter().zip(maps).enumerate() {
+                for pose in poses(turns, clicks, field).into_iter().take(MAX_PAIRS) {
+                    let fitted = fit_pose(pose, &panorama.directions, map);
+                    found.push(score_pose(fitted, panorama, (number, map)));
+                }
             }
-        }
-        sort(&mut found);
-        found
-    })
+            sort(&mut found);
+            found
+        },
+    )
 }
 
-/// The best poses at each of some focal scales, and at the neighbours of the scale that has the best pose of all. `poses_at` finds the
-/// poses at one scale, the best first.
+/// The best poses at each of some focal scales, and at the neighbours of the scale that has the
+/// best pose of all. `poses_at` finds the poses at one scale, the best first.
 fn try_focal_scales(
     matched: &MatchedFrames,
     focal_percent: &[u32],
@@ -98,7 +116,10 @@ fn try_focal_scales(
     let mut done = 0;
     while let Some(&percent) = percents.get(done) {
         let of = percents.len().max(USUAL_ROUNDS);
-        report(progress, AutocalibrationProgress::Trying { places, done, of })?;
+        report(
+            progress,
+            AutocalibrationProgress::Trying { places, done, of },
+        )?;
         done += 1;
         match matched.at_scale(percent) {
             Ok((frames, panorama)) => {
@@ -110,7 +131,10 @@ fn try_focal_scales(
                 rotations.push((percent, frames.rotations.clone()));
                 let frames = Arc::new(frames);
                 let poses = poses.into_iter().take(MAX_PER_SCALE);
-                found.extend(poses.map(|scored| ScaledPose { scored, frames: Arc::clone(&frames) }));
+                found.extend(poses.map(|scored| ScaledPose {
+                    scored,
+                    frames: Arc::clone(&frames),
+                }));
             }
             Err(why @ Abstention::NotTurning(_)) if done == 1 => return Err(why.into()),
             // One focal scale may gather little paint where another gathers enough.
@@ -124,10 +148,14 @@ fn try_focal_scales(
         return Err(why.into());
     }
     found.sort_by(|a, b| b.scored.score().total_cmp(&a.scored.score()));
-    Ok(PosesByFocalScale { poses: found, rotations: RotationsByFocalScale::new(rotations) })
+    Ok(PosesByFocalScale {
+        poses: found,
+        rotations: RotationsByFocalScale::new(rotations),
+    })
 }
 
-/// A neighbour of a share between which and itself none was tried: one beyond all that were tried before one between two of them.
+/// A neighbour of a share between which and itself none was tried: one beyond all that were tried
+/// before one between two of them.
 fn untried_beside(percent: u32, tried: &[u32]) -> Option<u32> {
     let above = FOCAL_PERCENT.into_iter().find(|share| *share > percent);
     let below = FOCAL_PERCENT.into_iter().rfind(|share| *share < percent);
@@ -145,7 +173,12 @@ mod tests {
     /// The shares that are tried where the best of all lies at one of them.
     fn tried(first: &[u32], best: u32) -> Vec<u32> {
         let mut tried = first.to_vec();
-        let nearest = |tried: &[u32]| *tried.iter().min_by_key(|share| share.abs_diff(best)).unwrap();
+        let nearest = |tried: &[u32]| {
+            *tried
+                .iter()
+                .min_by_key(|share| share.abs_diff(best))
+                .unwrap()
+        };
         while let Some(next) = untried_beside(nearest(&tried), &tried) {
             tried.push(next);
         }
@@ -158,9 +191,18 @@ mod tests {
         assert_eq!(tried(&FIRST_FOCAL_PERCENT, 120), [100, 88, 113, 120, 127]);
         assert_eq!(tried(&FIRST_FOCAL_PERCENT, 113), [100, 88, 113, 120, 106]);
         assert_eq!(tried(&FIRST_FOCAL_PERCENT, 79), [100, 88, 113, 83, 79, 75]);
-        assert_eq!(tried(&FIRST_FOCAL_PERCENT, 40), [100, 88, 113, 83, 79, 75, 71, 67]);
-        assert_eq!(tried(&FIRST_FOCAL_PERCENT, 200), [100, 88, 113, 120, 127, 135, 143, 150]);
+        assert_eq!(
+            tried(&FIRST_FOCAL_PERCENT, 40),
+            [100, 88, 113, 83, 79, 75, 71, 67]
+        );
+        assert_eq!(
+            tried(&FIRST_FOCAL_PERCENT, 200),
+            [100, 88, 113, 120, 127, 135, 143, 150]
+        );
         assert_eq!(tried(&FINE_FOCAL_PERCENT, 103), FINE_FOCAL_PERCENT);
-        assert_eq!(tried(&FINE_FOCAL_PERCENT, 118)[FINE_FOCAL_PERCENT.len()..], [120]);
+        assert_eq!(
+            tried(&FINE_FOCAL_PERCENT, 118)[FINE_FOCAL_PERCENT.len()..],
+            [120]
+        );
     }
 }

@@ -1,7 +1,9 @@
-//! A hypothesis: a base for the camera with the frames around it, from the joint adjustment to the answer.
+//! A hypothesis: a base for the camera with the frames around it, from the joint adjustment to the
+//! answer.
 //!
-//! The search scores poses by the hundred thousand, so it keeps them light ([`super::search::ScoredPose`]). The few that are adjusted
-//! with all frames become hypotheses. Each later stage takes a hypothesis and returns it refined: the size of the field
+//! The search scores poses by the hundred thousand, so it keeps them light
+//! ([`super::search::ScoredPose`]). The few that are adjusted with all frames become hypotheses.
+//! Each later stage takes a hypothesis and returns it refined: the size of the field
 //! (`candidates.rs`), the frames (`align.rs`), the base once more (`refine.rs`).
 
 use super::Doubt;
@@ -30,8 +32,8 @@ pub(super) struct Hypothesis {
 }
 
 impl Hypothesis {
-    /// Adjusts the base and all frames jointly to the paint, and measures the evidence for the result. None if too few frames show paint
-    /// near the lines.
+    /// Adjusts the base and all frames jointly to the paint, and measures the evidence for the
+    /// result. None if too few frames show paint near the lines.
     pub fn adjust(
         start: &JointStart,
         size_prior: Option<&FieldPrior>,
@@ -39,13 +41,26 @@ impl Hypothesis {
         matched: &MatchedFrames,
     ) -> Option<Self> {
         let paint = &frames.paint;
-        let observed = FrameObservations { paint, matches: &matched.matches, image_size: matched.image_size };
+        let observed = FrameObservations {
+            paint,
+            matches: &matched.matches,
+            image_size: matched.image_size,
+        };
         let joint = adjust_jointly(start, size_prior, &observed)?;
         let evidence = measure_evidence(&joint, paint, &matched.strokes);
         let paint_priors = joint.paint_priors();
-        let placed = matched.indices.iter().zip(&joint.ptz).filter_map(|(&index, ptz)| {
-            Some(AutocalibratedFrame { index, ptz: (*ptz)?, uncertainty: None, snapped: None })
-        });
+        let placed = matched
+            .indices
+            .iter()
+            .zip(&joint.ptz)
+            .filter_map(|(&index, ptz)| {
+                Some(AutocalibratedFrame {
+                    index,
+                    ptz: (*ptz)?,
+                    uncertainty: None,
+                    snapped: None,
+                })
+            });
         let camera = AutocalibratedCamera {
             base: joint.base,
             field: joint.field,
@@ -55,7 +70,12 @@ impl Hypothesis {
             paint: Vec::new(),
             evidence,
         };
-        Some(Self { camera, ptz: joint.ptz, paint_priors, frames: Arc::clone(frames) })
+        Some(Self {
+            camera,
+            ptz: joint.ptz,
+            paint_priors,
+            frames: Arc::clone(frames),
+        })
     }
 
     /// How much of paint and lines belongs together, 0 to 1.
@@ -73,8 +93,8 @@ impl Hypothesis {
         doubts_of(&self.camera.evidence, &self.camera.base)
     }
 
-    /// The cameras of all frames: those without paint of their own are placed by their matches with the others. None if no frame
-    /// has a camera.
+    /// The cameras of all frames: those without paint of their own are placed by their matches with
+    /// the others. None if no frame has a camera.
     pub fn all_ptz(&self, matched: &MatchedFrames) -> Option<Vec<Ptz>> {
         filled(&self.ptz, &self.frames.rotations.ptz, &matched.matches)
     }
@@ -82,7 +102,9 @@ impl Hypothesis {
 
 #[cfg(test)]
 mod tests {
-    use super::super::rotating_camera::{base, frames_at_scale, hypothesis, matched, paint, ptz, soccer};
+    use super::super::rotating_camera::{
+        base, frames_at_scale, hypothesis, matched, paint, ptz, soccer,
+    };
     use super::*;
 
     #[test]
@@ -90,15 +112,32 @@ mod tests {
         let (field, matched) = (soccer().assumed, matched());
         let mut start_base = base();
         start_base.position_m += Vec3::new(0.3, -0.4, 0.1);
-        let start = JointStart { field: field.clone(), base: start_base, ptz: ptz().into_iter().map(Some).collect() };
+        let start = JointStart {
+            field: field.clone(),
+            base: start_base,
+            ptz: ptz().into_iter().map(Some).collect(),
+        };
         let found = Hypothesis::adjust(&start, None, &frames_at_scale(&field), &matched).unwrap();
         let off_m = (found.position_m() - base().position_m).norm();
         assert!(off_m < 0.1, "{off_m:.3} m");
-        let indices: Vec<usize> = found.camera.frames.iter().map(|frame| frame.index).collect();
+        let indices: Vec<usize> = found
+            .camera
+            .frames
+            .iter()
+            .map(|frame| frame.index)
+            .collect();
         assert_eq!(indices, matched.indices);
         assert_eq!(found.paint_priors.len(), ptz().len());
-        assert!(found.camera.evidence.residual_px < 0.5, "{}", found.camera.evidence.residual_px);
-        assert!(found.camera.evidence.explained > 0.95, "{}", found.camera.evidence.explained);
+        assert!(
+            found.camera.evidence.residual_px < 0.5,
+            "{}",
+            found.camera.evidence.residual_px
+        );
+        assert!(
+            found.camera.evidence.explained > 0.95,
+            "{}",
+            found.camera.evidence.explained
+        );
     }
 
     #[test]
@@ -106,7 +145,11 @@ mod tests {
         let (field, matched) = (soccer().assumed, matched());
         let mut bare = Arc::into_inner(frames_at_scale(&field)).unwrap();
         bare.paint.iter_mut().for_each(Vec::clear);
-        let start = JointStart { field, base: base(), ptz: ptz().into_iter().map(Some).collect() };
+        let start = JointStart {
+            field,
+            base: base(),
+            ptz: ptz().into_iter().map(Some).collect(),
+        };
         assert!(Hypothesis::adjust(&start, None, &Arc::new(bare), &matched).is_none());
     }
 

@@ -42,7 +42,8 @@ pub(super) struct MatchedFrames {
 
 /// The frames as pairwise matches place them at one focal scale.
 pub(super) struct FramesAtScale {
-    /// The logarithm of the focal scale: of the factor on the focal lengths that fit the matches best.
+    /// The logarithm of the focal scale: of the factor on the focal lengths that fit the matches
+    /// best.
     pub log_scale: f64,
     pub rotations: Turns,
     /// Persistent paint of each frame.
@@ -60,19 +61,33 @@ impl MatchedFrames {
     ) -> Result<Self, Stop> {
         let features: Vec<Features> = frames.iter().map(|frame| frame.features.clone()).collect();
         let pairs = frames.len() * frames.len().saturating_sub(1) / 2;
-        let of_pairs = progress.part(|Share { done, of }| AutocalibrationProgress::Tying { done, of });
+        let of_pairs =
+            progress.part(|Share { done, of }| AutocalibrationProgress::Tying { done, of });
         let matches = tie_frames(&features, &of_pairs).map_err(AutocalibrationError::Track)?;
-        report(progress, AutocalibrationProgress::Tying { done: pairs, of: pairs })?;
+        report(
+            progress,
+            AutocalibrationProgress::Tying {
+                done: pairs,
+                of: pairs,
+            },
+        )?;
         Ok(Self::from_matches(frames, &matches)?)
     }
 
     /// Keeps the largest group of frames of one size that `matches` connect.
     pub fn from_matches(frames: &[SampledFrame], matches: &[Tie]) -> Result<Self, Abstention> {
-        let is_of_one_size = |pair: &&Tie| frames[pair.first].image_size() == frames[pair.second].image_size();
+        let is_of_one_size =
+            |pair: &&Tie| frames[pair.first].image_size() == frames[pair.second].image_size();
         let of_one_size: Vec<Tie> = matches.iter().filter(is_of_one_size).cloned().collect();
-        let group = groups(frames.len(), &of_one_size).into_iter().next().unwrap_or_default();
+        let group = groups(frames.len(), &of_one_size)
+            .into_iter()
+            .next()
+            .unwrap_or_default();
         if group.len() < MIN_FRAMES {
-            return Err(Abstention::NotTied { frames: frames.len(), tied: group.len() });
+            return Err(Abstention::NotTied {
+                frames: frames.len(),
+                tied: group.len(),
+            });
         }
         let others = (0..frames.len()).filter(|frame| group.binary_search(frame).is_err());
         Ok(Self {
@@ -80,8 +95,14 @@ impl MatchedFrames {
             others: others.map(|frame| frames[frame].index).collect(),
             image_size: frames[group[0]].image_size(),
             matches: renumber_matches(matches, &group),
-            strokes: group.iter().map(|&frame| frames[frame].strokes.clone()).collect(),
-            masks: group.iter().map(|&frame| frames[frame].masks.clone()).collect(),
+            strokes: group
+                .iter()
+                .map(|&frame| frames[frame].strokes.clone())
+                .collect(),
+            masks: group
+                .iter()
+                .map(|&frame| frames[frame].masks.clone())
+                .collect(),
         })
     }
 
@@ -90,10 +111,14 @@ impl MatchedFrames {
         self.indices.iter().position(|other| *other == index)
     }
 
-    /// The frames with focal lengths of `focal_percent` per cent of what the matches say, and the panorama of their paint.
+    /// The frames with focal lengths of `focal_percent` per cent of what the matches say, and the
+    /// panorama of their paint.
     pub fn at_scale(&self, focal_percent: u32) -> Result<(FramesAtScale, Panorama), Abstention> {
         let focal_scale = f64::from(focal_percent) / 100.0;
-        let options = TurnOptions { focal_scale, ..TurnOptions::default() };
+        let options = TurnOptions {
+            focal_scale,
+            ..TurnOptions::default()
+        };
         let rotations = adjust_turns(self.indices.len(), &self.matches, self.image_size, &options)
             .map_err(Abstention::NotTurning)?;
         let frames: Vec<_> = self
@@ -106,17 +131,33 @@ impl MatchedFrames {
         let directions: Vec<Vec3> = points.iter().map(|point| point.direction).collect();
         let panorama = Panorama::new(&directions, SeenGround::of(&frames));
         if panorama.directions.len() < MIN_DIRECTIONS {
-            return Err(Abstention::LittlePaint { places: panorama.directions.len() });
+            return Err(Abstention::LittlePaint {
+                places: panorama.directions.len(),
+            });
         }
         let paint = paint_of_frames(&points, self.strokes.len());
-        Ok((FramesAtScale { log_scale: focal_scale.ln(), rotations, paint }, panorama))
+        Ok((
+            FramesAtScale {
+                log_scale: focal_scale.ln(),
+                rotations,
+                paint,
+            },
+            panorama,
+        ))
     }
 }
 
-/// The matches between frames of a group (ascending), renumbered within it; those that lead out of it are left out.
+/// The matches between frames of a group (ascending), renumbered within it; those that lead out of
+/// it are left out.
 pub(super) fn renumber_matches(matches: &[Tie], group: &[usize]) -> Vec<Tie> {
     let number = |frame: usize| group.binary_search(&frame).ok();
-    let renumber = |pair: &Tie| Some(Tie { first: number(pair.first)?, second: number(pair.second)?, ..pair.clone() });
+    let renumber = |pair: &Tie| {
+        Some(Tie {
+            first: number(pair.first)?,
+            second: number(pair.second)?,
+            ..pair.clone()
+        })
+    };
     matches.iter().filter_map(renumber).collect()
 }
 
@@ -135,21 +176,32 @@ mod tests {
 
     /// Sampled frames with indices 20, 21, …
     fn sampled(count: usize) -> Vec<SampledFrame> {
-        (0..count).map(|frame| bare_frame(20 + frame, IMAGE_SIZE)).collect()
+        (0..count)
+            .map(|frame| bare_frame(20 + frame, IMAGE_SIZE))
+            .collect()
     }
 
     #[test]
     fn the_largest_connected_group_is_kept_and_the_others_are_named() {
         // Frames 0 and 6 match nothing; 1 to 3 hang together, and so do 4 and 5.
-        let matches: Vec<Tie> =
-            [(1, 2), (2, 3), (4, 5)].iter().filter_map(|&(first, second)| exact_match(first, second)).collect();
+        let matches: Vec<Tie> = [(1, 2), (2, 3), (4, 5)]
+            .iter()
+            .filter_map(|&(first, second)| exact_match(first, second))
+            .collect();
         let matched = MatchedFrames::from_matches(&sampled(7), &matches).unwrap();
         assert_eq!(matched.indices, [21, 22, 23]);
         assert_eq!(matched.others, [20, 24, 25, 26]);
-        let pairs: Vec<(usize, usize)> = matched.matches.iter().map(|pair| (pair.first, pair.second)).collect();
+        let pairs: Vec<(usize, usize)> = matched
+            .matches
+            .iter()
+            .map(|pair| (pair.first, pair.second))
+            .collect();
         assert_eq!(pairs, [(0, 1), (1, 2)], "numbered within the group");
         assert_eq!(matched.matches[0].matches, matches[0].matches);
-        assert_eq!((matched.number_of(22), matched.number_of(24)), (Some(1), None));
+        assert_eq!(
+            (matched.number_of(22), matched.number_of(24)),
+            (Some(1), None)
+        );
         assert_eq!((matched.strokes.len(), matched.masks.len()), (3, 3));
     }
 
@@ -166,7 +218,10 @@ mod tests {
     fn frames_of_another_size_are_another_cameras() {
         let mut frames = sampled(5);
         frames[2] = bare_frame(22, ImageSize::new(640, 360));
-        let matches: Vec<Tie> = exact_matches().into_iter().filter(|pair| pair.second < 5).collect();
+        let matches: Vec<Tie> = exact_matches()
+            .into_iter()
+            .filter(|pair| pair.second < 5)
+            .collect();
         let matched = MatchedFrames::from_matches(&frames, &matches).unwrap();
         assert_eq!((matched.others, matched.image_size), (vec![22], IMAGE_SIZE));
     }
@@ -174,10 +229,17 @@ mod tests {
     #[test]
     fn masks_stay_with_their_frames() {
         let mut frames = sampled(4);
-        let mask = PixelBox { x: 0.0, y: 0.0, width: 200.0, height: 40.0 };
+        let mask = PixelBox {
+            x: 0.0,
+            y: 0.0,
+            width: 200.0,
+            height: 40.0,
+        };
         frames[3].masks = vec![mask];
-        let matches: Vec<Tie> =
-            [(1, 2), (2, 3)].iter().filter_map(|&(first, second)| exact_match(first, second)).collect();
+        let matches: Vec<Tie> = [(1, 2), (2, 3)]
+            .iter()
+            .filter_map(|&(first, second)| exact_match(first, second))
+            .collect();
         let matched = MatchedFrames::from_matches(&frames, &matches).unwrap();
         assert_eq!(matched.masks, [vec![], vec![], vec![mask]]);
     }

@@ -2,17 +2,19 @@
 //!
 //! # Problem
 //!
-//! Given: sampled frames of one camera that stands still, pans, tilts and zooms, and a field whose size is known or limited by rules.
-//! Wanted: the camera's position and base rotation, its lens, and pan, tilt and focal length of every frame; or the reason why no
-//! answer is certain. A wrong base spoils every frame that is labelled with it, so the search abstains rather than guess.
+//! Given: sampled frames of one camera that stands still, pans, tilts and zooms, and a field whose
+//! size is known or limited by rules. Wanted: the camera's position and base rotation, its lens,
+//! and pan, tilt and focal length of every frame; or the reason why no answer is certain. A wrong
+//! base spoils every frame that is labelled with it, so the search abstains rather than guess.
 //!
 //! # Idea
 //!
-//! One frame shows too few lines to place a camera. But a camera that only rotates and zooms sees every static point in one fixed
-//! direction, so its frames can be aligned by image matches alone, without knowing the field. Paint that many frames show in the same
-//! direction is on the ground; players, shadows and changing boards are not there twice. What remains is a *panorama*: one rigid set
-//! of directions of paint that covers most of the field. Its pose has six parameters, and hardly any pose but the right one lays it
-//! onto the lines of the field.
+//! One frame shows too few lines to place a camera. But a camera that only rotates and zooms sees
+//! every static point in one fixed direction, so its frames can be aligned by image matches alone,
+//! without knowing the field. Paint that many frames show in the same direction is on the ground;
+//! players, shadows and changing boards are not there twice. What remains is a *panorama*: one
+//! rigid set of directions of paint that covers most of the field. Its pose has six parameters, and
+//! hardly any pose but the right one lays it onto the lines of the field.
 //!
 //! # Stages
 //!
@@ -29,20 +31,24 @@
 //! | 8. The best two are aligned to each frame's own picture and adjusted once more | `align.rs`, `refine.rs` | frames that went to other lines; a principal point that a few frames draw away |
 //! | 9. Verdict | `verdict.rs`, `deciding_landmark.rs` | a runner-up that explains nearly as much |
 //!
-//! `camera.rs` runs the stages in this order. From stage 6 on a candidate is one `Hypothesis`, which each stage refines.
+//! `camera.rs` runs the stages in this order. From stage 6 on a candidate is one `Hypothesis`,
+//! which each stage refines.
 //!
-//! `field_prior.rs` says which field sizes are tried, `pitch_map.rs` which line a camera sees nearest to a point, and
-//! `rotations_by_focal_scale.rs` interpolates stage 2 between the focal scales at which it was solved. Without an answer,
+//! `field_prior.rs` says which field sizes are tried, `pitch_map.rs` which line a camera sees
+//! nearest to a point, and `rotations_by_focal_scale.rs` interpolates stage 2 between the focal
+//! scales at which it was solved. Without an answer,
 //! [`Abstention`] names the stage that failed, or the [`Doubt`]s about the best candidate.
 //!
 //! # Why not …
 //!
 //! * *one homography per frame*, from detected lines or a learned segmentation? A narrow view shows one family of parallel lines,
-//!   sometimes a single line, and these do not determine a homography. All frames together over-determine one panorama.
+//!   sometimes a single line, and these do not determine a homography. All frames together
+//!   over-determine one panorama.
 //! * *structure from motion*? A rotating camera has no baseline, so nothing can be triangulated. Position and scale come from the
 //!   field.
 //! * *focal lengths from self-calibration alone*? Stage 2 finds them, but their common scale is what matches determine worst, and
-//!   outliers that agree with each other (scrolling boards) bias it. Paint decides it, in stages 4 and 5.
+//!   outliers that agree with each other (scrolling boards) bias it. Paint decides it, in stages 4
+//!   and 5.
 //! * *descent from one start*? Parallel lines make many local minima; hence the exhaustive search. For the same reason a good score is
 //!   no answer unless it is much better than the runner-up's.
 //!

@@ -1,23 +1,27 @@
-//! Fits a panorama to the lines of the field: its pose, together with the focal scale, the crown and the size of the field, which the
-//! search holds fixed.
+//! Fits a panorama to the lines of the field: its pose, together with the focal scale, the crown
+//! and the size of the field, which the search holds fixed.
 //!
 //! # Problem
 //!
-//! Pairwise matches give all frames' rotations relative to each other, so the paint of all frames is one rigid set of directions: the
-//! panorama. Its place in the world is open, and so are a few numbers that matches say little or nothing about. From a low camera these
-//! trade off against each other: a pitch 2 m wider, seen from 3 m farther away, looks nearly the same. They are therefore fitted
-//! together, ten parameters in all ([`Parameters`]).
+//! Pairwise matches give all frames' rotations relative to each other, so the paint of all frames
+//! is one rigid set of directions: the panorama. Its place in the world is open, and so are a few
+//! numbers that matches say little or nothing about. From a low camera these trade off against each
+//! other: a pitch 2 m wider, seen from 3 m farther away, looks nearly the same. They are therefore
+//! fitted together, ten parameters in all ([`Parameters`]).
 //!
 //! # Method
 //!
-//! Iterative closest point on the viewing sphere. Each round assigns every direction of paint to the line that it passes nearest to,
-//! drops pairs beyond a gate, and minimises the angles between the directions and the planes through camera and line (the
-//! point-to-line metric of Chen and Medioni, 1992). The gate narrows from round to round, so that parallel lines are told apart only
-//! once the pose is good enough for it. A Cauchy loss bounds the influence of wrong pairs; priors hold what paint leaves open.
+//! Iterative closest point on the viewing sphere. Each round assigns every direction of paint to
+//! the line that it passes nearest to, drops pairs beyond a gate, and minimises the angles between
+//! the directions and the planes through camera and line (the point-to-line metric of Chen and
+//! Medioni, 1992). The gate narrows from round to round, so that parallel lines are told apart only
+//! once the pose is good enough for it. A Cauchy loss bounds the influence of wrong pairs; priors
+//! hold what paint leaves open.
 //!
-//! The derivatives by pose are analytic. Those by focal scale and by the field's lengths are finite differences, taken once a round:
-//! rotations are interpolated between the focal scales at which the matches were adjusted, and the field is built anew from its
-//! template, so neither has a closed form.
+//! The derivatives by pose are analytic. Those by focal scale and by the field's lengths are finite
+//! differences, taken once a round: rotations are interpolated between the focal scales at which
+//! the matches were adjusted, and the field is built anew from its template, so neither has a
+//! closed form.
 
 use super::field_prior::{FieldPrior, OpenLength};
 use super::matched_frames::FramesAtScale;
@@ -30,14 +34,17 @@ use touchline_core::camera::{BaseAngles, CameraBase};
 use touchline_core::field::{FieldElement, FieldModel};
 use touchline_core::geometry::{ImagePoint, Vec3, subsample};
 use touchline_core::solve::base::BasePriors;
-use touchline_core::solve::{BlockEquations, Linearised, Loss, Problem, Residual, Stopping, minimise};
+use touchline_core::solve::{
+    BlockEquations, Linearised, Loss, Problem, Residual, Stopping, minimise,
+};
 use touchline_vision::track::Turns;
 
-/// The gate of each round: paint farther than three times this from every line is left out, and the loss has this scale. Degrees, for
-/// a camera at the usual height ([`angular_scale`]).
+/// The gate of each round: paint farther than three times this from every line is left out, and the
+/// loss has this scale. Degrees, for a camera at the usual height ([`angular_scale`]).
 const GATES_DEG: [f64; 7] = [0.4, 0.3, 0.2, 0.15, 0.12, 0.1, 0.1];
 
-/// Paint counts as explained within this angle of a line, degrees, for a camera at the usual height.
+/// Paint counts as explained within this angle of a line, degrees, for a camera at the usual
+/// height.
 const EXPLAINED_DEG: f64 = 0.15;
 
 /// A fit to fewer correspondences is not trusted.
@@ -49,8 +56,8 @@ const CROWN_RANGE_M: [f64; 2] = [-0.1, 0.5];
 /// 1-σ that holds a parameter at its value.
 const HELD_SIGMA: f64 = 1e-6;
 
-/// Number of parameters, and their indices: position (m) and rotation vector (rad) in `world`, log focal scale, crown height (m),
-/// length and width of the field (m).
+/// Number of parameters, and their indices: position (m) and rotation vector (rad) in `world`, log
+/// focal scale, crown height (m), length and width of the field (m).
 const NUM_PARAMETERS: usize = 10;
 const POSITION: usize = 0;
 const ROTATION: usize = 3;
@@ -76,11 +83,17 @@ pub(super) struct PanoramaFit {
 impl PanoramaFit {
     /// The base of the frames' camera.
     pub fn base(&self) -> CameraBase {
-        let PanoramaPose { position_m, world_from_panorama } = self.pose;
+        let PanoramaPose {
+            position_m,
+            world_from_panorama,
+        } = self.pose;
         let base_from_panorama = BaseAngles::default().base_from_world();
         let base_from_world = base_from_panorama * world_from_panorama.transpose();
         let centre = self.rotations.image_size.centre();
-        CameraBase { distortion: self.rotations.lens, ..CameraBase::new(position_m, base_from_world, centre) }
+        CameraBase {
+            distortion: self.rotations.lens,
+            ..CameraBase::new(position_m, base_from_world, centre)
+        }
     }
 }
 
@@ -93,12 +106,13 @@ pub(super) struct PanoramaStart<'a> {
     pub field: &'a FieldModel,
 }
 
-/// Fits the panorama of frames to a field; with a size prior, the field's size as well. None if too little paint lies near the
-/// lines.
+/// Fits the panorama of frames to a field; with a size prior, the field's size as well. None if too
+/// little paint lies near the lines.
 ///
-/// The fit is made twice, with the focal scale that the matches suggest as a prior and without. Matches are usually good to a few per
-/// cent, but scrolling boards or a lens that the model does not describe bias all of them alike. Paint overrules them only if it is
-/// explained clearly better without them.
+/// The fit is made twice, with the focal scale that the matches suggest as a prior and without.
+/// Matches are usually good to a few per cent, but scrolling boards or a lens that the model does
+/// not describe bias all of them alike. Paint overrules them only if it is explained clearly better
+/// without them.
 pub(super) fn fit_panorama(
     frames: &FramesAtScale,
     start: &PanoramaStart<'_>,
@@ -107,10 +121,22 @@ pub(super) fn fit_panorama(
 ) -> Option<PanoramaFit> {
     const OVERRULES_MATCHES: f64 = 1.1;
     let paint = PaintSamples::spread_over_sphere(frames, rotations);
-    let with_matches = fit_with_scale_prior(rotations.focal_scale_from_matches(), &paint, start, size_prior);
-    let without = fit_with_scale_prior(FocalScale::unknown(start.log_scale), &paint, start, size_prior);
+    let with_matches = fit_with_scale_prior(
+        rotations.focal_scale_from_matches(),
+        &paint,
+        start,
+        size_prior,
+    );
+    let without = fit_with_scale_prior(
+        FocalScale::unknown(start.log_scale),
+        &paint,
+        start,
+        size_prior,
+    );
     match (with_matches, without) {
-        (Some(with), Some(without)) if without.explained <= OVERRULES_MATCHES * with.explained => Some(with),
+        (Some(with), Some(without)) if without.explained <= OVERRULES_MATCHES * with.explained => {
+            Some(with)
+        }
         (with, without) => without.or(with),
     }
 }
@@ -122,7 +148,11 @@ fn fit_with_scale_prior(
     start: &PanoramaStart<'_>,
     size_prior: Option<&FieldPrior>,
 ) -> Option<PanoramaFit> {
-    const STOPPING: Stopping = Stopping { max_iterations: 6, short_step: 1e-6, small_gain: 1e-6 };
+    const STOPPING: Stopping = Stopping {
+        max_iterations: 6,
+        short_step: 1e-6,
+        small_gain: 1e-6,
+    };
     let family = FieldFamily::new(start.field, size_prior);
     let mut found = Parameters {
         pose: start.pose,
@@ -130,11 +160,16 @@ fn fit_with_scale_prior(
         crown_m: start.field.crown_m,
         lengths_m: family.start_lengths_m(),
     };
-    let mut problem = PaintProblem { correspondences: Vec::new(), priors: priors(scale_prior, &family) };
+    let mut problem = PaintProblem {
+        correspondences: Vec::new(),
+        priors: priors(scale_prior, &family),
+    };
     for gate_deg in GATES_DEG {
-        // From a lower camera the lines lie nearer to each other as angles: the gate shrinks with the height.
+        // From a lower camera the lines lie nearer to each other as angles: the gate shrinks with
+        // the height.
         let gate = angular_scale(found.pose.position_m.z) * gate_deg.to_radians();
-        problem.correspondences = subsample_per_line(match_paint_to_lines(&found, paint, &family, gate)?);
+        problem.correspondences =
+            subsample_per_line(match_paint_to_lines(&found, paint, &family, gate)?);
         if problem.correspondences.len() < MIN_CORRESPONDENCES {
             return None;
         }
@@ -150,14 +185,20 @@ fn fit_with_scale_prior(
 }
 
 /// The share of the paint that lies on a line, without any gate.
-fn explained_share(at: &Parameters, paint: &PaintSamples<'_>, family: &FieldFamily<'_>) -> Option<f64> {
+fn explained_share(
+    at: &Parameters,
+    paint: &PaintSamples<'_>,
+    family: &FieldFamily<'_>,
+) -> Option<f64> {
     let within = angular_scale(at.pose.position_m.z) * EXPLAINED_DEG.to_radians();
     let all = match_paint_to_lines(at, paint, family, f64::INFINITY)?;
-    let is_explained = |pair: &&Correspondence| pair.value(at).is_some_and(|off| off[0].abs() < within);
+    let is_explained =
+        |pair: &&Correspondence| pair.value(at).is_some_and(|off| off[0].abs() < within);
     Some(all.iter().filter(is_explained).count() as f64 / paint.samples.len().max(1) as f64)
 }
 
-/// The fields that the fit chooses from: one field with other crowns and, where its size is open, other lengths.
+/// The fields that the fit chooses from: one field with other crowns and, where its size is open,
+/// other lengths.
 struct FieldFamily<'a> {
     field: &'a FieldModel,
     size_prior: Option<&'a FieldPrior>,
@@ -168,37 +209,76 @@ struct FieldFamily<'a> {
 impl<'a> FieldFamily<'a> {
     fn new(field: &'a FieldModel, size_prior: Option<&'a FieldPrior>) -> Self {
         let open_lengths = size_prior.map_or_else(Vec::new, |prior| prior.open_lengths(field));
-        Self { field, size_prior, open_lengths }
+        Self {
+            field,
+            size_prior,
+            open_lengths,
+        }
     }
 
     /// The lengths that the fit begins with; zero for those that are not open.
     fn start_lengths_m(&self) -> [f64; 2] {
-        [0, 1].map(|index| self.open_lengths.get(index).map_or(0.0, |length| length.value_m))
+        [0, 1].map(|index| {
+            self.open_lengths
+                .get(index)
+                .map_or(0.0, |length| length.value_m)
+        })
     }
 
     /// The field with other lengths and another crown. Lengths that are not open are ignored.
     fn field_at(&self, lengths_m: [f64; 2], crown_m: f64) -> FieldModel {
         let open_lengths_m = &lengths_m[..self.open_lengths.len()];
-        let resized = self.size_prior.and_then(|prior| prior.with_lengths(open_lengths_m));
-        FieldModel { crown_m, ..resized.unwrap_or_else(|| self.field.clone()) }
+        let resized = self
+            .size_prior
+            .and_then(|prior| prior.with_lengths(open_lengths_m));
+        FieldModel {
+            crown_m,
+            ..resized.unwrap_or_else(|| self.field.clone())
+        }
     }
 }
 
-/// The priors: the pan axis is vertical (camera heads are levelled), the focal scale is near `scale_prior`, the crown is that of an
-/// ordinary pitch, and open lengths are near what the document assumes.
+/// The priors: the pan axis is vertical (camera heads are levelled), the focal scale is near
+/// `scale_prior`, the crown is that of an ordinary pitch, and open lengths are near what the
+/// document assumes.
 fn priors(scale_prior: FocalScale, family: &FieldFamily<'_>) -> Vec<Prior> {
-    let (crown_m, crown_sigma_m) =
-        if family.field.may_be_crowned() { BasePriors::default().crown_m } else { (0.0, HELD_SIGMA) };
+    let (crown_m, crown_sigma_m) = if family.field.may_be_crowned() {
+        BasePriors::default().crown_m
+    } else {
+        (0.0, HELD_SIGMA)
+    };
     let mut priors = vec![
-        Prior { parameter: LEAN_ABOUT_X, value: 0.0, sigma: UPRIGHT_SIGMA.radians() },
-        Prior { parameter: LEAN_ABOUT_Y, value: 0.0, sigma: UPRIGHT_SIGMA.radians() },
-        Prior { parameter: LOG_SCALE, value: scale_prior.log_scale, sigma: scale_prior.sigma },
-        Prior { parameter: CROWN, value: crown_m, sigma: crown_sigma_m },
+        Prior {
+            parameter: LEAN_ABOUT_X,
+            value: 0.0,
+            sigma: UPRIGHT_SIGMA.radians(),
+        },
+        Prior {
+            parameter: LEAN_ABOUT_Y,
+            value: 0.0,
+            sigma: UPRIGHT_SIGMA.radians(),
+        },
+        Prior {
+            parameter: LOG_SCALE,
+            value: scale_prior.log_scale,
+            sigma: scale_prior.sigma,
+        },
+        Prior {
+            parameter: CROWN,
+            value: crown_m,
+            sigma: crown_sigma_m,
+        },
     ];
     for index in 0..2 {
         let open = family.open_lengths.get(index);
-        let (value, sigma) = open.map_or((0.0, HELD_SIGMA), |length| (length.assumed_m, length.sigma_m));
-        priors.push(Prior { parameter: LENGTHS + index, value, sigma });
+        let (value, sigma) = open.map_or((0.0, HELD_SIGMA), |length| {
+            (length.assumed_m, length.sigma_m)
+        });
+        priors.push(Prior {
+            parameter: LENGTHS + index,
+            value,
+            sigma,
+        });
     }
     priors
 }
@@ -215,8 +295,9 @@ struct PaintSample {
 }
 
 impl<'a> PaintSamples<'a> {
-    /// The paint of frames, at most one sample per frame in each cell of a grid over the sphere. Several frames that show one
-    /// place keep a sample each: they are independent measurements of it.
+    /// The paint of frames, at most one sample per frame in each cell of a grid over the sphere.
+    /// Several frames that show one place keep a sample each: they are independent measurements of
+    /// it.
     fn spread_over_sphere(frames: &FramesAtScale, rotations: &'a RotationsByFocalScale) -> Self {
         const CELL_DEG: f64 = 0.1;
         const MAX_SAMPLES: usize = 12_000;
@@ -226,22 +307,37 @@ impl<'a> PaintSamples<'a> {
             let camera = frames.rotations.camera(frame);
             for &image in paint {
                 // Beyond the fold of the lens a pixel has no direction.
-                let Ok(direction) = camera.world_direction_from_image(image) else { continue };
-                let cell = [direction.x.atan2(direction.y), direction.z.atan2(direction.xy().norm())]
-                    .map(|angle| (angle.to_degrees() / CELL_DEG).round() as i64);
+                let Ok(direction) = camera.world_direction_from_image(image) else {
+                    continue;
+                };
+                let cell = [
+                    direction.x.atan2(direction.y),
+                    direction.z.atan2(direction.xy().norm()),
+                ]
+                .map(|angle| (angle.to_degrees() / CELL_DEG).round() as i64);
                 if taken.insert((frame, cell)) {
                     samples.push(PaintSample { frame, image });
                 }
             }
         }
-        Self { rotations, samples: subsample(samples, MAX_SAMPLES).collect() }
+        Self {
+            rotations,
+            samples: subsample(samples, MAX_SAMPLES).collect(),
+        }
     }
 
-    /// The directions of all samples in `panorama` at a focal scale; none for a sample beyond the fold of the lens.
+    /// The directions of all samples in `panorama` at a focal scale; none for a sample beyond the
+    /// fold of the lens.
     fn directions_at(&self, log_scale: f64) -> Option<Vec<Option<Vec3>>> {
         let rotations = self.rotations.at(log_scale)?;
-        let cameras: Vec<_> = (0..rotations.ptz.len()).map(|frame| rotations.camera(frame)).collect();
-        let direction = |sample: &PaintSample| cameras[sample.frame].world_direction_from_image(sample.image).ok();
+        let cameras: Vec<_> = (0..rotations.ptz.len())
+            .map(|frame| rotations.camera(frame))
+            .collect();
+        let direction = |sample: &PaintSample| {
+            cameras[sample.frame]
+                .world_direction_from_image(sample.image)
+                .ok()
+        };
         Some(self.samples.iter().map(direction).collect())
     }
 }
@@ -270,14 +366,25 @@ fn match_paint_to_lines(
 
     let mut pairs = Vec::new();
     for (direction, stepped_direction) in directions.into_iter().zip(stepped_directions) {
-        let (Some(direction), Some(stepped_direction)) = (direction, stepped_direction) else { continue };
-        let Some(line) = at.pose.line_at(direction, &map) else { continue };
-        let pair = PaintCorrespondence { direction_in_panorama: direction, line, sigma: gate };
-        let Some(off) = pair.value(&at.pose) else { continue };
+        let (Some(direction), Some(stepped_direction)) = (direction, stepped_direction) else {
+            continue;
+        };
+        let Some(line) = at.pose.line_at(direction, &map) else {
+            continue;
+        };
+        let pair = PaintCorrespondence {
+            direction_in_panorama: direction,
+            line,
+            sigma: gate,
+        };
+        let Some(off) = pair.value(&at.pose) else {
+            continue;
+        };
         if off[0].abs() > 3.0 * gate {
             continue;
         }
-        // z = 0 is the middle of the field: the higher the crown, the lower lie the touchlines (`Crown::ground_z`).
+        // z = 0 is the middle of the field: the higher the crown, the lower lie the touchlines
+        // (`Crown::ground_z`).
         let line_by_crown = Vec3::new(0.0, 0.0, -field.crown().drop_share(line.at.y));
         let [line_by_length, line_by_width] =
             [0, 1].map(|index| line.offset_on(&stepped_fields[index]) / LENGTH_STEP_M);
@@ -291,15 +398,21 @@ fn match_paint_to_lines(
     Some(pairs)
 }
 
-/// Keeps equally many pairs of each line. The near touchline, which every frame shows, would otherwise outweigh all others, and alone
-/// it says nothing about the position along itself.
+/// Keeps equally many pairs of each line. The near touchline, which every frame shows, would
+/// otherwise outweigh all others, and alone it says nothing about the position along itself.
 fn subsample_per_line(pairs: Vec<Correspondence>) -> Vec<Correspondence> {
     const MAX_PER_LINE: usize = 60;
     let mut pairs_by_line: BTreeMap<usize, Vec<Correspondence>> = BTreeMap::new();
     for pair in pairs {
-        pairs_by_line.entry(pair.paint.line.line).or_default().push(pair);
+        pairs_by_line
+            .entry(pair.paint.line.line)
+            .or_default()
+            .push(pair);
     }
-    pairs_by_line.into_values().flat_map(|pairs| subsample(pairs, MAX_PER_LINE)).collect()
+    pairs_by_line
+        .into_values()
+        .flat_map(|pairs| subsample(pairs, MAX_PER_LINE))
+        .collect()
 }
 
 /// What is fitted.
@@ -326,14 +439,18 @@ impl Correspondence {
     /// Direction and line at other parameters, to first order.
     fn moved_to(&self, at: &Parameters) -> PaintCorrespondence {
         let from = &self.linearised_at;
-        let direction =
-            self.paint.direction_in_panorama + self.direction_by_log_scale * (at.log_scale - from.log_scale);
+        let direction = self.paint.direction_in_panorama
+            + self.direction_by_log_scale * (at.log_scale - from.log_scale);
         let [by_crown, by_length, by_width] = &self.line_by_field;
         let mut line = self.paint.line;
         line.at += by_crown * (at.crown_m - from.crown_m);
         line.at += by_length * (at.lengths_m[0] - from.lengths_m[0]);
         line.at += by_width * (at.lengths_m[1] - from.lengths_m[1]);
-        PaintCorrespondence { direction_in_panorama: direction.normalize(), line, sigma: self.paint.sigma }
+        PaintCorrespondence {
+            direction_in_panorama: direction.normalize(),
+            line,
+            sigma: self.paint.sigma,
+        }
     }
 }
 
@@ -357,16 +474,24 @@ impl Residual<1, 0, NUM_PARAMETERS> for Correspondence {
         let by_pose = moved.linearised(&at.pose)?;
         let (normal, _) = moved.plane(&at.pose)?;
         let mut by_own = SMatrix::<f64, 1, NUM_PARAMETERS>::zeros();
-        by_own.fixed_columns_mut::<6>(POSITION).copy_from(&by_pose.by_own);
-        // The residual is n·R d with n the unit normal of the plane through camera and line. That d is normalised changes nothing to
-        // first order: the change is along d, and n·R d is nearly zero.
-        by_own[LOG_SCALE] = normal.dot(&(at.pose.world_from_panorama * self.direction_by_log_scale));
+        by_own
+            .fixed_columns_mut::<6>(POSITION)
+            .copy_from(&by_pose.by_own);
+        // The residual is n·R d with n the unit normal of the plane through camera and line. That d
+        // is normalised changes nothing to first order: the change is along d, and n·R d is nearly
+        // zero.
+        by_own[LOG_SCALE] =
+            normal.dot(&(at.pose.world_from_panorama * self.direction_by_log_scale));
         // Moving the line is moving the camera the other way.
         let by_position = by_pose.by_own.fixed_columns::<3>(POSITION);
         for (index, line_by) in self.line_by_field.iter().enumerate() {
             by_own[CROWN + index] = -(by_position * line_by)[0];
         }
-        Some(Linearised { value: by_pose.value, by_shared: SMatrix::zeros(), by_own })
+        Some(Linearised {
+            value: by_pose.value,
+            by_shared: SMatrix::zeros(),
+            by_own,
+        })
     }
 }
 
@@ -379,7 +504,8 @@ struct Prior {
 
 impl Prior {
     fn parameter_at(&self, at: &Parameters) -> f64 {
-        // The lean is read off the pan axis: a small rotation by ε about x takes (0, 0, 1) to (0, −ε, 1), one about y to (ε, 0, 1).
+        // The lean is read off the pan axis: a small rotation by ε about x takes (0, 0, 1) to (0,
+        // −ε, 1), one about y to (ε, 0, 1).
         let pan_axis = at.pose.world_from_panorama.column(2);
         match self.parameter {
             axis @ POSITION..ROTATION => at.pose.position_m[axis],
@@ -410,7 +536,11 @@ impl Residual<1, 0, NUM_PARAMETERS> for Prior {
     fn linearised(&self, at: &Parameters) -> Option<Linearised<1, 0, NUM_PARAMETERS>> {
         let mut by_own = SMatrix::<f64, 1, NUM_PARAMETERS>::zeros();
         by_own[self.parameter] = 1.0;
-        Some(Linearised { value: self.value(at)?, by_shared: SMatrix::zeros(), by_own })
+        Some(Linearised {
+            value: self.value(at)?,
+            by_shared: SMatrix::zeros(),
+            by_own,
+        })
     }
 
     fn loss(&self, _: Loss) -> Loss {
@@ -464,15 +594,26 @@ mod tests {
 
     const SIZE: ImageSize = ImageSize::new(960, 540);
 
-    /// Frames along the near half of a pitch, as a low camera on the main stand turns, at a focal scale: the longer the lens, the
-    /// smaller the angles.
+    /// Frames along the near half of a pitch, as a low camera on the main stand turns, at a focal
+    /// scale: the longer the lens, the smaller the angles.
     fn turns(percent: u32) -> (u32, Turns) {
         let scale = f64::from(percent) / 100.0;
-        let ptz = |(pan_deg, focal_px): (f64, f64)| Ptz::from_degrees(pan_deg / scale, -7.0 / scale, focal_px * scale);
-        let views = (-5..=5_i32).map(|view| (f64::from(view) * 9.0, 900.0 + 60.0 * f64::from(view.abs())));
+        let ptz = |(pan_deg, focal_px): (f64, f64)| {
+            Ptz::from_degrees(pan_deg / scale, -7.0 / scale, focal_px * scale)
+        };
+        let views =
+            (-5..=5_i32).map(|view| (f64::from(view) * 9.0, 900.0 + 60.0 * f64::from(view.abs())));
         let residual_px = (0.09 + 9.0 * (scale.ln()).powi(2)).sqrt();
         let lens = FocalCurve::NONE;
-        (percent, Turns { ptz: views.map(ptz).collect(), lens, image_size: SIZE, residual_px })
+        (
+            percent,
+            Turns {
+                ptz: views.map(ptz).collect(),
+                lens,
+                image_size: SIZE,
+                residual_px,
+            },
+        )
     }
 
     fn rotations() -> RotationsByFocalScale {
@@ -490,19 +631,30 @@ mod tests {
         let map = PitchMap::without_grid(field);
         let of_frame = |frame: usize| -> FramePaint {
             let camera = turns.camera(frame);
-            let seen = |at: Vec3| camera.image_from_world(pose.direction_in_panorama(at)?).ok();
+            let seen = |at: Vec3| {
+                camera
+                    .image_from_world(pose.direction_in_panorama(at)?)
+                    .ok()
+            };
             let shown = |line: &OnLine| seen(line.at).filter(|image| SIZE.contains(*image));
             map.samples(1.0).filter_map(|line| shown(&line)).collect()
         };
         let paint = (0..turns.ptz.len()).map(of_frame).collect();
-        FramesAtScale { log_scale: (f64::from(percent) / 100.0).ln(), rotations: turns, paint }
+        FramesAtScale {
+            log_scale: (f64::from(percent) / 100.0).ln(),
+            rotations: turns,
+            paint,
+        }
     }
 
     /// A soccer pitch whose size is not known, and one of its sizes.
     fn field_prior() -> (FieldPrior, FieldModel) {
         let document = Document::new(FieldSpec::new("soccer"));
         let prior = FieldPrior::from_document(document.at(Path::new("")), &"main".into()).unwrap();
-        let field = FieldModel { crown_m: 0.3, ..prior.with_lengths(&[107.5, 66.0]).unwrap() };
+        let field = FieldModel {
+            crown_m: 0.3,
+            ..prior.with_lengths(&[107.5, 66.0]).unwrap()
+        };
         (prior, field)
     }
 
@@ -512,9 +664,19 @@ mod tests {
         let turned = found.pose.world_from_panorama.transpose() * pose.world_from_panorama;
         assert!((turned - Mat3::identity()).norm() < 1e-3, "{turned:?}");
         assert!(found.log_scale.abs() < 2e-3, "{}", found.log_scale);
-        let [length_m, width_m] = [found.field.length_m - field.length_m, found.field.width_m - field.width_m];
-        assert!(length_m.abs() < 0.15 && width_m.abs() < 0.15, "{length_m:.3}, {width_m:.3} m");
-        assert!((found.field.crown_m - field.crown_m).abs() < 0.05, "{}", found.field.crown_m);
+        let [length_m, width_m] = [
+            found.field.length_m - field.length_m,
+            found.field.width_m - field.width_m,
+        ];
+        assert!(
+            length_m.abs() < 0.15 && width_m.abs() < 0.15,
+            "{length_m:.3}, {width_m:.3} m"
+        );
+        assert!(
+            (found.field.crown_m - field.crown_m).abs() < 0.05,
+            "{}",
+            found.field.crown_m
+        );
         assert!(found.explained > 0.97, "{}", found.explained);
     }
 
@@ -529,7 +691,11 @@ mod tests {
             (Vec3::new(-0.8, 0.7, -0.1), -0.3, -0.01),
         ] {
             let from = pose.moved(shift_m, Vec3::new(0.0, 0.0, f64::to_radians(turn_deg)));
-            let start = PanoramaStart { pose: from, log_scale, field: &prior.assumed };
+            let start = PanoramaStart {
+                pose: from,
+                log_scale,
+                field: &prior.assumed,
+            };
             let found = fit_panorama(&frames, &start, Some(&prior), &rotations()).unwrap();
             assert_near(&found, &pose, &field);
         }
@@ -540,12 +706,28 @@ mod tests {
         let (prior, field) = field_prior();
         let pose = PanoramaPose::upright(Vec3::new(-5.0, -66.0, 14.0), Angle::from_degrees(2.0));
         let frames = frames_at(135, &pose, &field);
-        let rotations = RotationsByFocalScale::new([88, 94, 100, 106, 113, 120, 127, 135, 143].map(turns));
-        assert!(rotations.focal_scale_from_matches().sigma < 0.01, "they are sure of another scale");
-        let start = PanoramaStart { pose, log_scale: frames.log_scale, field: &prior.assumed };
+        let rotations =
+            RotationsByFocalScale::new([88, 94, 100, 106, 113, 120, 127, 135, 143].map(turns));
+        assert!(
+            rotations.focal_scale_from_matches().sigma < 0.01,
+            "they are sure of another scale"
+        );
+        let start = PanoramaStart {
+            pose,
+            log_scale: frames.log_scale,
+            field: &prior.assumed,
+        };
         let found = fit_panorama(&frames, &start, Some(&prior), &rotations).unwrap();
-        assert!((found.log_scale - frames.log_scale).abs() < 5e-3, "{}", found.log_scale);
-        assert!((found.pose.position_m - pose.position_m).norm() < 0.3, "{:?}", found.pose.position_m);
+        assert!(
+            (found.log_scale - frames.log_scale).abs() < 5e-3,
+            "{}",
+            found.log_scale
+        );
+        assert!(
+            (found.pose.position_m - pose.position_m).norm() < 0.3,
+            "{:?}",
+            found.pose.position_m
+        );
     }
 
     #[test]
@@ -554,13 +736,28 @@ mod tests {
         let pose = PanoramaPose::upright(Vec3::new(20.0, -60.0, 9.0), Angle::from_degrees(-10.0));
         let frames = frames(&pose, &field);
         let on = |field: &FieldModel| {
-            fit_panorama(&frames, &PanoramaStart { pose, log_scale: 0.0, field }, None, &rotations()).unwrap()
+            fit_panorama(
+                &frames,
+                &PanoramaStart {
+                    pose,
+                    log_scale: 0.0,
+                    field,
+                },
+                None,
+                &rotations(),
+            )
+            .unwrap()
         };
         let known = on(&field);
         assert_near(&known, &pose, &field);
         let wrong = on(&prior.with_lengths(&[100.0, 70.0]).unwrap());
         assert!((wrong.field.length_m, wrong.field.width_m) == (100.0, 70.0));
-        assert!(wrong.explained < known.explained - 0.1, "{} and {}", wrong.explained, known.explained);
+        assert!(
+            wrong.explained < known.explained - 0.1,
+            "{} and {}",
+            wrong.explained,
+            known.explained
+        );
     }
 
     #[test]
@@ -568,12 +765,23 @@ mod tests {
         let (prior, field) = field_prior();
         let pose = PanoramaPose::upright(Vec3::new(-12.0, -63.0, 7.5), Angle::from_degrees(4.0));
         let mut frames = frames(&pose, &field);
-        let away = PanoramaPose { position_m: Vec3::new(-12.0, -400.0, 7.5), ..pose };
-        let start_at = |pose: PanoramaPose| PanoramaStart { pose, log_scale: 0.0, field: &prior.assumed };
+        let away = PanoramaPose {
+            position_m: Vec3::new(-12.0, -400.0, 7.5),
+            ..pose
+        };
+        let start_at = |pose: PanoramaPose| PanoramaStart {
+            pose,
+            log_scale: 0.0,
+            field: &prior.assumed,
+        };
         assert!(fit_panorama(&frames, &start_at(away), Some(&prior), &rotations()).is_none());
         frames.paint.iter_mut().for_each(Vec::clear);
         assert!(fit_panorama(&frames, &start_at(pose), Some(&prior), &rotations()).is_none());
-        let start = PanoramaStart { pose, log_scale: 0.0, field: &field };
+        let start = PanoramaStart {
+            pose,
+            log_scale: 0.0,
+            field: &field,
+        };
         assert!(fit_panorama(&frames, &start, None, &RotationsByFocalScale::new([])).is_none());
     }
 }

@@ -3,7 +3,8 @@
 use touchline_core::field::{Crown, Curve, FieldModel};
 use touchline_core::geometry::{Vec2, Vec3};
 
-/// The side of a cell, m: so wide that the cells of a field stay in a core's cache, which a search asks all over.
+/// The side of a cell, m: so wide that the cells of a field stay in a core's cache, which a search
+/// asks all over.
 const CELL_M: f64 = 0.5;
 
 /// How far beyond the field the map reaches, m.
@@ -12,8 +13,9 @@ const BEYOND_M: f64 = 12.0;
 /// How far beyond its ends a line still counts, m.
 const OVERSHOOT_M: f64 = 2.0;
 
-/// Lines that run along, lines that run across, and arcs. A low camera sees the ground so flat that the line that lies nearest to
-/// a place on the ground is hardly ever the nearest one in the picture: it is one of the nearest of each kind.
+/// Lines that run along, lines that run across, and arcs. A low camera sees the ground so flat that
+/// the line that lies nearest to a place on the ground is hardly ever the nearest one in the
+/// picture: it is one of the nearest of each kind.
 const KINDS: usize = 3;
 
 /// The painted lines of a field; distances are those on flat ground.
@@ -43,8 +45,12 @@ impl Grid {
     /// The nearest curves to the cell of a place; none far from the field.
     #[inline]
     fn near(&self, place: Vec3) -> Option<NearOfKinds> {
-        let (column, row) = ((place.x + self.half_length_m) / CELL_M, (place.y + self.half_width_m) / CELL_M);
-        let inside = column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
+        let (column, row) = (
+            (place.x + self.half_length_m) / CELL_M,
+            (place.y + self.half_width_m) / CELL_M,
+        );
+        let inside =
+            column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
         inside.then(|| self.near[row as usize * self.columns + column as usize])
     }
 }
@@ -83,9 +89,17 @@ impl Endless {
         match *curve {
             Curve::Segment { from, .. } => {
                 let along = direction(curve, from);
-                Self::Line { along, offset_m: along.perp(&from.xy()) }
+                Self::Line {
+                    along,
+                    offset_m: along.perp(&from.xy()),
+                }
             }
-            Curve::Arc { centre, radius_m, .. } => Self::Circle { centre: centre.xy(), radius_m },
+            Curve::Arc {
+                centre, radius_m, ..
+            } => Self::Circle {
+                centre: centre.xy(),
+                radius_m,
+            },
         }
     }
 
@@ -97,7 +111,10 @@ impl Endless {
             Self::Circle { centre, radius_m } => {
                 let out = place - centre;
                 let range_m = out.norm();
-                (range_m - radius_m, Vec2::new(-out.y, out.x) / range_m.max(1e-9))
+                (
+                    range_m - radius_m,
+                    Vec2::new(-out.y, out.x) / range_m.max(1e-9),
+                )
             }
         }
     }
@@ -119,15 +136,22 @@ impl OnLine {
     /// How far its place lies from here on another field of this kind, m.
     pub fn offset_on(&self, field: &FieldModel) -> Vec3 {
         let curve = field.lines[self.line].paint_centre;
-        field.crown().world_from_nominal(curve.point_at(self.parameter)) - self.at
+        field
+            .crown()
+            .world_from_nominal(curve.point_at(self.parameter))
+            - self.at
     }
 
-    /// How far a direction from a camera passes the line, as the sine of the angle; a line that points at the camera is passed by
-    /// nothing.
+    /// How far a direction from a camera passes the line, as the sine of the angle; a line that
+    /// points at the camera is passed by nothing.
     pub fn passed_by(&self, eye_m: Vec3, direction: Vec3) -> f64 {
         let across = (self.at - eye_m).cross(&self.tangent);
         let length = across.norm();
-        if length > 0.0 { (direction.dot(&across) / length).abs() } else { f64::INFINITY }
+        if length > 0.0 {
+            (direction.dot(&across) / length).abs()
+        } else {
+            f64::INFINITY
+        }
     }
 }
 
@@ -150,14 +174,20 @@ pub(super) struct View {
 impl View {
     pub fn of(place: Vec3, eye_m: Vec3) -> Self {
         let view = place - eye_m;
-        Self { over_ground: view.xy(), fall_squared: view.z * view.z / view.norm_squared() }
+        Self {
+            over_ground: view.xy(),
+            fall_squared: view.z * view.z / view.norm_squared(),
+        }
     }
 }
 
 impl PitchMap {
     /// With a grid of nearest curves, for many look-ups.
     pub fn with_grid(field: &FieldModel) -> Self {
-        let (half_length_m, half_width_m) = (field.length_m / 2.0 + BEYOND_M, field.width_m / 2.0 + BEYOND_M);
+        let (half_length_m, half_width_m) = (
+            field.length_m / 2.0 + BEYOND_M,
+            field.width_m / 2.0 + BEYOND_M,
+        );
         let columns = (2.0 * half_length_m / CELL_M).ceil() as usize;
         let rows = (2.0 * half_width_m / CELL_M).ceil() as usize;
         let place = |cell: usize| {
@@ -166,17 +196,37 @@ impl PitchMap {
             Vec3::new(x, y, 0.0)
         };
         let mut map = Self::without_grid(field);
-        let near = (0..columns * rows).map(|cell| nearest_of(&map.curves, place(cell))).collect();
-        map.grid = Some(Grid { half_length_m, half_width_m, columns, rows, near });
+        let near = (0..columns * rows)
+            .map(|cell| nearest_of(&map.curves, place(cell)))
+            .collect();
+        map.grid = Some(Grid {
+            half_length_m,
+            half_width_m,
+            columns,
+            rows,
+            near,
+        });
         map
     }
 
-    /// Without a grid, for fewer look-ups than the grid would have cells: each goes through all curves.
+    /// Without a grid, for fewer look-ups than the grid would have cells: each goes through all
+    /// curves.
     pub fn without_grid(field: &FieldModel) -> Self {
-        let painted = field.lines.iter().enumerate().filter(|(_, line)| line.painted);
-        let curves: Vec<(usize, Curve)> = painted.map(|(number, line)| (number, line.paint_centre)).collect();
+        let painted = field
+            .lines
+            .iter()
+            .enumerate()
+            .filter(|(_, line)| line.painted);
+        let curves: Vec<(usize, Curve)> = painted
+            .map(|(number, line)| (number, line.paint_centre))
+            .collect();
         let endless = curves.iter().map(|(_, curve)| Endless::of(curve)).collect();
-        Self { crown: field.crown(), curves, endless, grid: None }
+        Self {
+            crown: field.crown(),
+            curves,
+            endless,
+            grid: None,
+        }
     }
 
     /// The nearest of each kind of curve to a place; none far from the field.
@@ -190,7 +240,8 @@ impl PitchMap {
 
     /// Where a ray meets the ground; `at` says where it comes to a height (m).
     pub fn ground(&self, at: impl Fn(f64) -> Option<Vec3>) -> Option<Vec3> {
-        /// A crown rises by a hundredth at most, flat rays fall by a twentieth: an error shrinks to a fifth each time.
+        /// A crown rises by a hundredth at most, flat rays fall by a twentieth: an error shrinks to
+        /// a fifth each time.
         const TIMES: usize = 2;
         let roughly = self.ground_roughly(&at)?;
         if self.crown.height_m == 0.0 {
@@ -203,23 +254,34 @@ impl PitchMap {
     #[inline]
     pub fn ground_roughly(&self, at: impl Fn(f64) -> Option<Vec3>) -> Option<Vec3> {
         let flat = at(0.0)?;
-        if self.crown.height_m == 0.0 { Some(flat) } else { at(self.crown.ground_z(flat.y)) }
+        if self.crown.height_m == 0.0 {
+            Some(flat)
+        } else {
+            at(self.crown.ground_z(flat.y))
+        }
     }
 
-    /// How far a place lies beside the nearest line as a camera sees it, in units of a scatter of angles, squared; none far from the
-    /// field.
+    /// How far a place lies beside the nearest line as a camera sees it, in units of a scatter of
+    /// angles, squared; none far from the field.
     #[inline]
     pub fn beside_squared(&self, place: Vec3, view: View, scatter: Scatter) -> Option<f64> {
-        let View { over_ground, fall_squared } = view;
-        // What lies across the line on the ground, seen as an angle: flat views shorten what lies along them.
+        let View {
+            over_ground,
+            fall_squared,
+        } = view;
+        // What lies across the line on the ground, seen as an angle: flat views shorten what lies
+        // along them.
         let beside = |curve: u16| {
             let (across_m, tangent) = self.endless[usize::from(curve)].across(place.xy());
             let along_squared = tangent.dot(&over_ground).powi(2);
             let side_squared = tangent.perp(&over_ground).powi(2);
-            let seen = side_squared * scatter.upright_squared + along_squared * fall_squared * scatter.sideways_squared;
+            let seen = side_squared * scatter.upright_squared
+                + along_squared * fall_squared * scatter.sideways_squared;
             across_m * across_m * fall_squared / seen
         };
-        let [along, across, arc] = self.near(place)?.map(|curve| curve.map_or(f64::INFINITY, beside));
+        let [along, across, arc] = self
+            .near(place)?
+            .map(|curve| curve.map_or(f64::INFINITY, beside));
         Some(along.min(across).min(arc))
     }
 
@@ -228,19 +290,32 @@ impl PitchMap {
         let direction = (place - eye_m).normalize();
         let on_line = |curve: u16| {
             let (line, curve) = &self.curves[usize::from(curve)];
-            let on_line = self.on_line(*line, curve, nearest_parameter(curve, Vec3::new(place.x, place.y, 0.0)));
+            let on_line = self.on_line(
+                *line,
+                curve,
+                nearest_parameter(curve, Vec3::new(place.x, place.y, 0.0)),
+            );
             (on_line.passed_by(eye_m, direction), on_line)
         };
         let near = self.near(place)?.into_iter().flatten().map(on_line);
-        near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, on_line)| on_line)
+        near.min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, on_line)| on_line)
     }
 
     /// A point of a line, on the crowned ground.
     fn on_line(&self, line: usize, curve: &Curve, parameter: f64) -> OnLine {
-        let (at, mut tangent) = (self.crown.world_from_nominal(curve.point_at(parameter)), curve.tangent_at(parameter));
+        let (at, mut tangent) = (
+            self.crown.world_from_nominal(curve.point_at(parameter)),
+            curve.tangent_at(parameter),
+        );
         let [drop_by_y, _] = self.crown.drop_share_by_y_and_width(at.y);
         tangent.z -= self.crown.height_m * drop_by_y * tangent.y;
-        OnLine { at, tangent, line, parameter }
+        OnLine {
+            at,
+            tangent,
+            line,
+            parameter,
+        }
     }
 
     /// Points along all lines, about as far apart as stated, m.
@@ -286,9 +361,18 @@ fn nearest_parameter(curve: &Curve, place: Vec3) -> f64 {
         Curve::Segment { from, to } => {
             let along = to - from;
             let length_squared = along.norm_squared();
-            if length_squared > 0.0 { ((place - from).dot(&along) / length_squared).clamp(0.0, 1.0) } else { 0.0 }
+            if length_squared > 0.0 {
+                ((place - from).dot(&along) / length_squared).clamp(0.0, 1.0)
+            } else {
+                0.0
+            }
         }
-        Curve::Arc { centre, start, sweep, .. } => {
+        Curve::Arc {
+            centre,
+            start,
+            sweep,
+            ..
+        } => {
             let out = place - centre;
             let turn = std::f64::consts::TAU;
             let sign = if sweep.radians() < 0.0 { -1.0 } else { 1.0 };
@@ -298,7 +382,11 @@ fn nearest_parameter(curve: &Curve, place: Vec3) -> f64 {
                 return from_start / extent;
             }
             // The nearer end.
-            if from_start - extent < turn - from_start { 1.0 } else { 0.0 }
+            if from_start - extent < turn - from_start {
+                1.0
+            } else {
+                0.0
+            }
         }
     }
 }
@@ -310,25 +398,43 @@ mod tests {
     use touchline_core::field::builtin;
 
     fn map(crown_m: f64) -> PitchMap {
-        PitchMap::with_grid(&builtin("soccer").unwrap().model(&BTreeMap::new(), crown_m).unwrap())
+        PitchMap::with_grid(
+            &builtin("soccer")
+                .unwrap()
+                .model(&BTreeMap::new(), crown_m)
+                .unwrap(),
+        )
     }
 
     #[test]
     fn a_low_camera_sees_another_line_nearest_than_one_from_above() {
         let map = map(0.0);
-        // The middle of a cell, 1.8 m before the middle of the far touchline, 1.6 m beside the halfway line.
+        // The middle of a cell, 1.8 m before the middle of the far touchline, 1.6 m beside the
+        // halfway line.
         let place = Vec3::new(1.625, 32.125, 0.0);
         let is_across = |line: OnLine| line.tangent.x.abs() < 1e-9;
-        assert!(is_across(map.nearest(place, Vec3::new(0.0, -60.0, 500.0)).unwrap()));
+        assert!(is_across(
+            map.nearest(place, Vec3::new(0.0, -60.0, 500.0)).unwrap()
+        ));
         let eye_m = Vec3::new(0.0, -60.0, 6.0);
         assert!(!is_across(map.nearest(place, eye_m).unwrap()));
-        let scatter = Scatter { sideways_squared: 0.02_f64.powi(2), upright_squared: 0.02_f64.powi(2) };
-        let low = map.beside_squared(place, View::of(place, eye_m), scatter).unwrap().sqrt();
+        let scatter = Scatter {
+            sideways_squared: 0.02_f64.powi(2),
+            upright_squared: 0.02_f64.powi(2),
+        };
+        let low = map
+            .beside_squared(place, View::of(place, eye_m), scatter)
+            .unwrap()
+            .sqrt();
         // 1.815 m of the ground, 92 m away and 6 m below.
         let expected = 1.815 * 6.0 / 92.0_f64.powi(2) / 0.02;
         assert!((low - expected).abs() < 0.02 * expected, "{low} {expected}");
         let far = Vec3::new(0.0, 90.0, 0.0);
-        assert_eq!(map.beside_squared(far, View::of(far, eye_m), scatter), None, "far from the field");
+        assert_eq!(
+            map.beside_squared(far, View::of(far, eye_m), scatter),
+            None,
+            "far from the field"
+        );
     }
 
     #[test]
@@ -338,20 +444,39 @@ mod tests {
         let high = Vec3::new(-36.0, -20.0, 300.0);
         let before = map.nearest(Vec3::new(-38.0, -20.6, 0.0), high).unwrap();
         let beyond = map.nearest(Vec3::new(-33.0, -20.16, 0.0), high);
-        assert!((before.at.y + 20.16).abs() < 0.1 && before.tangent.y.abs() < 1e-9, "{before:?}");
-        assert!(beyond.is_none_or(|line| line.line != before.line), "{beyond:?}");
+        assert!(
+            (before.at.y + 20.16).abs() < 0.1 && before.tangent.y.abs() < 1e-9,
+            "{before:?}"
+        );
+        assert!(
+            beyond.is_none_or(|line| line.line != before.line),
+            "{beyond:?}"
+        );
         // On an arc the tangent is square to its radius.
-        let on_circle = map.nearest(Vec3::new(6.6, 6.4, 0.0), Vec3::new(0.0, 0.0, 300.0)).unwrap();
-        assert!(on_circle.at.xy().dot(&on_circle.tangent.xy()).abs() < 1e-6, "{on_circle:?}");
-        assert!((on_circle.at.xy().norm() - 9.15).abs() < 0.1, "{on_circle:?}");
+        let on_circle = map
+            .nearest(Vec3::new(6.6, 6.4, 0.0), Vec3::new(0.0, 0.0, 300.0))
+            .unwrap();
+        assert!(
+            on_circle.at.xy().dot(&on_circle.tangent.xy()).abs() < 1e-6,
+            "{on_circle:?}"
+        );
+        assert!(
+            (on_circle.at.xy().norm() - 9.15).abs() < 0.1,
+            "{on_circle:?}"
+        );
     }
 
     #[test]
     fn rays_meet_the_crowned_ground_and_lines_lie_on_it() {
         let (crowned, eye) = (map(0.2), Vec3::new(0.0, -60.0, 6.0));
         let towards = Vec3::new(5.0, 20.0, crowned.crown.ground_z(20.0)) - eye;
-        let met = crowned.ground(|z_m| Some(eye + towards * ((z_m - eye.z) / towards.z))).unwrap();
-        assert!((met - Vec3::new(5.0, 20.0, crowned.crown.ground_z(20.0))).norm() < 0.02, "{met:?}");
+        let met = crowned
+            .ground(|z_m| Some(eye + towards * ((z_m - eye.z) / towards.z)))
+            .unwrap();
+        assert!(
+            (met - Vec3::new(5.0, 20.0, crowned.crown.ground_z(20.0))).norm() < 0.02,
+            "{met:?}"
+        );
         for on_line in crowned.samples(3.0) {
             assert!((on_line.at.z - crowned.crown.ground_z(on_line.at.y)).abs() < 1e-12);
             // The crown ends where the field does.

@@ -5,9 +5,12 @@ use nalgebra::{SVector, Vector1};
 use touchline_core::field::FieldElement;
 use touchline_core::geometry::rotation::{from_rotation_vector, nearest_rotation};
 use touchline_core::geometry::{Angle, Mat3, Vec3};
-use touchline_core::solve::{BlockEquations, Linearised, Loss, Problem, Residual, Stopping, minimise};
+use touchline_core::solve::{
+    BlockEquations, Linearised, Loss, Problem, Residual, Stopping, minimise,
+};
 
-/// The pose of a panorama. The frame `panorama` has its origin in the camera and the pan axis as its z axis.
+/// The pose of a panorama. The frame `panorama` has its origin in the camera and the pan axis as
+/// its z axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PanoramaPose {
     pub position_m: Vec3,
@@ -18,13 +21,20 @@ impl PanoramaPose {
     /// With a vertical pan axis; heading as in [`touchline_core::camera::BaseAngles`].
     pub fn upright(position_m: Vec3, heading: Angle) -> Self {
         let (sin, cos) = heading.sin_cos();
-        Self { position_m, world_from_panorama: Mat3::new(cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0) }
+        Self {
+            position_m,
+            world_from_panorama: Mat3::new(cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0),
+        }
     }
 
     /// Shifted (m) and turned about its place by a rotation vector (rad), both in `world`.
     pub fn moved(&self, shift_m: Vec3, turn: Vec3) -> Self {
-        let world_from_panorama = nearest_rotation(&(from_rotation_vector(turn) * self.world_from_panorama));
-        Self { position_m: self.position_m + shift_m, world_from_panorama }
+        let world_from_panorama =
+            nearest_rotation(&(from_rotation_vector(turn) * self.world_from_panorama));
+        Self {
+            position_m: self.position_m + shift_m,
+            world_from_panorama,
+        }
     }
 
     /// Where the ray of a direction (`panorama`) comes down to a height, m.
@@ -42,7 +52,8 @@ impl PanoramaPose {
 
     /// The direction (`panorama`, unit) in which a point of `world` is seen.
     pub fn direction_in_panorama(&self, point_in_world: Vec3) -> Option<Vec3> {
-        (self.world_from_panorama.transpose() * (point_in_world - self.position_m)).try_normalize(1e-9)
+        (self.world_from_panorama.transpose() * (point_in_world - self.position_m))
+            .try_normalize(1e-9)
     }
 }
 
@@ -55,7 +66,8 @@ pub(super) struct PaintCorrespondence {
 }
 
 impl PaintCorrespondence {
-    /// The plane through the camera and the line, as its unit normal, and how far that was from unit.
+    /// The plane through the camera and the line, as its unit normal, and how far that was from
+    /// unit.
     pub fn plane(&self, at: &PanoramaPose) -> Option<(Vec3, f64)> {
         let across = (self.line.at - at.position_m).cross(&self.line.tangent);
         let length = across.norm();
@@ -76,7 +88,9 @@ impl Residual<1, 0, 6> for PaintCorrespondence {
 
     fn value(&self, at: &PanoramaPose) -> Option<SVector<f64, 1>> {
         let (normal, _) = self.plane(at)?;
-        Some(Vector1::new((at.world_from_panorama * self.direction_in_panorama).dot(&normal)))
+        Some(Vector1::new(
+            (at.world_from_panorama * self.direction_in_panorama).dot(&normal),
+        ))
     }
 
     fn linearised(&self, at: &PanoramaPose) -> Option<Linearised<1, 0, 6>> {
@@ -87,9 +101,17 @@ impl Residual<1, 0, 6> for PaintCorrespondence {
         let by_position = -self.line.tangent.cross(&(direction - normal * value)) / length;
         let by_turn = direction.cross(&normal);
         let mut by_own = nalgebra::SMatrix::<f64, 1, 6>::zeros();
-        by_own.fixed_columns_mut::<3>(0).copy_from(&by_position.transpose());
-        by_own.fixed_columns_mut::<3>(3).copy_from(&by_turn.transpose());
-        Some(Linearised { value: Vector1::new(value), by_shared: nalgebra::SMatrix::zeros(), by_own })
+        by_own
+            .fixed_columns_mut::<3>(0)
+            .copy_from(&by_position.transpose());
+        by_own
+            .fixed_columns_mut::<3>(3)
+            .copy_from(&by_turn.transpose());
+        Some(Linearised {
+            value: Vector1::new(value),
+            by_shared: nalgebra::SMatrix::zeros(),
+            by_own,
+        })
     }
 }
 
@@ -122,7 +144,11 @@ impl Residual<2, 0, 6> for Upright {
             by_own[(0, 3 + axis)] = moved.x;
             by_own[(1, 3 + axis)] = moved.y;
         }
-        Some(Linearised { value: self.value(at)?, by_shared: nalgebra::SMatrix::zeros(), by_own })
+        Some(Linearised {
+            value: self.value(at)?,
+            by_shared: nalgebra::SMatrix::zeros(),
+            by_own,
+        })
     }
 
     fn loss(&self, _: Loss) -> Loss {
@@ -150,15 +176,19 @@ impl Problem for OnPaint {
     }
 
     fn stepped(&self, from: &PanoramaPose, step: &SVector<f64, 6>) -> PanoramaPose {
-        from.moved(step.fixed_rows::<3>(0).into_owned(), step.fixed_rows::<3>(3).into_owned())
+        from.moved(
+            step.fixed_rows::<3>(0).into_owned(),
+            step.fixed_rows::<3>(3).into_owned(),
+        )
     }
 }
 
-/// How far off paint still pulls in each round, degrees, from [`USUAL_HEIGHT_M`]. What is no line pulls too: wider, it would pull
-/// low cameras away from where they stand.
+/// How far off paint still pulls in each round, degrees, from [`USUAL_HEIGHT_M`]. What is no line
+/// pulls too: wider, it would pull low cameras away from where they stand.
 const ROUNDS_DEG: [f64; 5] = [0.6, 0.6, 0.4, 0.3, 0.3];
 
-/// From lower cameras than this lines far away lie nearer to each other in the picture, as far as angles go, by its height.
+/// From lower cameras than this lines far away lie nearer to each other in the picture, as far as
+/// angles go, by its height.
 const USUAL_HEIGHT_M: f64 = 15.0;
 const LEAST_SHARE: f64 = 0.4;
 
@@ -170,14 +200,23 @@ pub(super) fn angular_scale(height_m: f64) -> f64 {
 /// The pan axis is vertical within this 1-σ.
 pub(super) const UPRIGHT_SIGMA: Angle = Angle::from_degrees(2.0);
 
-/// Moves a panorama so that directions of paint lie on the lines of a field, each on the one nearest to it (iterative closest point).
-pub(super) fn fit_pose(start: PanoramaPose, directions_in_panorama: &[Vec3], map: &PitchMap) -> PanoramaPose {
+/// Moves a panorama so that directions of paint lie on the lines of a field, each on the one
+/// nearest to it (iterative closest point).
+pub(super) fn fit_pose(
+    start: PanoramaPose,
+    directions_in_panorama: &[Vec3],
+    map: &PitchMap,
+) -> PanoramaPose {
     let mut pose = start;
     for reach_deg in ROUNDS_DEG {
         let sigma = angular_scale(pose.position_m.z) * reach_deg.to_radians();
         let sight = |direction: &Vec3| {
             let line = pose.line_at(*direction, map)?;
-            let sight = PaintCorrespondence { direction_in_panorama: *direction, line, sigma };
+            let sight = PaintCorrespondence {
+                direction_in_panorama: *direction,
+                line,
+                sigma,
+            };
             let off = sight.value(&pose)?[0].abs();
             (off < 3.0 * sigma).then_some(sight)
         };
@@ -189,7 +228,16 @@ pub(super) fn fit_pose(start: PanoramaPose, directions_in_panorama: &[Vec3], map
         if problem.sights.len() < 12 {
             return pose;
         }
-        pose = minimise(&problem, pose, Stopping { max_iterations: 4, short_step: 1e-5, small_gain: 1e-5 }).state;
+        pose = minimise(
+            &problem,
+            pose,
+            Stopping {
+                max_iterations: 4,
+                short_step: 1e-5,
+                small_gain: 1e-5,
+            },
+        )
+        .state;
     }
     pose
 }

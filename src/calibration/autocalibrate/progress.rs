@@ -66,7 +66,11 @@ pub(super) fn report(
     progress: &Progress<'_, AutocalibrationProgress>,
     step: AutocalibrationProgress,
 ) -> Result<(), AutocalibrationError> {
-    if progress.report(step).is_break() { Err(AutocalibrationError::Stopped) } else { Ok(()) }
+    if progress.report(step).is_break() {
+        Err(AutocalibrationError::Stopped)
+    } else {
+        Ok(())
+    }
 }
 
 impl AutocalibrationProgress {
@@ -89,18 +93,39 @@ impl fmt::Display for AutocalibrationProgress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let count = |number: usize| thousands(number);
         match *self {
-            Self::Looking { done, of } => write!(f, "looking at frame {} of {}", count(done), count(of)),
-            Self::Tying { done, of } => write!(f, "matching pairs of frames, {} of {}", count(done), count(of)),
+            Self::Looking { done, of } => {
+                write!(f, "looking at frame {} of {}", count(done), count(of))
+            }
+            Self::Tying { done, of } => write!(
+                f,
+                "matching pairs of frames, {} of {}",
+                count(done),
+                count(of)
+            ),
             Self::Gathering => f.write_str("collecting the painted lines"),
             Self::Refining => f.write_str("adjusting the base to the paint of every frame"),
             Self::Trying { places, done, of } => {
-                write!(f, "trying {} positions, round {} of {of}", count(places), (done + 1).min(of))
+                write!(
+                    f,
+                    "trying {} positions, round {} of {of}",
+                    count(places),
+                    (done + 1).min(of)
+                )
             }
-            Self::Adjusting { done, of } => write!(f, "adjusting, {} of {} positions", count(done), count(of)),
+            Self::Adjusting { done, of } => {
+                write!(f, "adjusting, {} of {} positions", count(done), count(of))
+            }
             Self::Sizing { done, of } => {
-                write!(f, "trying other field sizes, {} of {} positions", count(done), count(of))
+                write!(
+                    f,
+                    "trying other field sizes, {} of {} positions",
+                    count(done),
+                    count(of)
+                )
             }
-            Self::Snapping { done, of } => write!(f, "snapping {} of {} frames", count(done), count(of)),
+            Self::Snapping { done, of } => {
+                write!(f, "snapping {} of {} frames", count(done), count(of))
+            }
         }
     }
 }
@@ -111,11 +136,26 @@ mod tests {
 
     #[test]
     fn progress_is_words_and_a_share() {
-        let tying = AutocalibrationProgress::Tying { done: 1212, of: 4848 };
-        assert_eq!(tying.to_string(), "matching pairs of frames, 1,212 of 4,848");
+        let tying = AutocalibrationProgress::Tying {
+            done: 1212,
+            of: 4848,
+        };
+        assert_eq!(
+            tying.to_string(),
+            "matching pairs of frames, 1,212 of 4,848"
+        );
         assert!((tying.share_of_step() - 0.25).abs() < 1e-12);
-        let trying = AutocalibrationProgress::Trying { places: 304_425, done: 0, of: 5 };
+        let trying = AutocalibrationProgress::Trying {
+            places: 304_425,
+            done: 0,
+            of: 5,
+        };
         assert_eq!(trying.to_string(), "trying 304,425 positions, round 1 of 5");
-        assert!(AutocalibrationProgress::Looking { done: 0, of: 0 }.share_of_step().abs() < 1e-12);
+        assert!(
+            AutocalibrationProgress::Looking { done: 0, of: 0 }
+                .share_of_step()
+                .abs()
+                < 1e-12
+        );
     }
 }

@@ -1,7 +1,8 @@
 //! Refines the base of a hypothesis with the paint of its frames' own pictures.
 //!
-//! The strokes from which the search found the base are coarse: they were found without knowing where to look. With a base, the
-//! painted lines are measured where it predicts them, as for a base that a person refines ([`KnownFrames::estimate_base`]).
+//! The strokes from which the search found the base are coarse: they were found without knowing
+//! where to look. With a base, the painted lines are measured where it predicts them, as for a base
+//! that a person refines ([`KnownFrames::estimate_base`]).
 
 use super::align::prior_from_alignment;
 use super::error::Stop;
@@ -11,8 +12,8 @@ use super::progress::report;
 use super::sampled_frames::PictureOfFrame;
 use super::{AutocalibrationError, AutocalibrationProgress};
 use crate::calibrate::{
-    AutocalibratedCamera, AutocalibratedFrame, BaseOnPaintError, BaseProblem, KnownCameras, KnownFrames, OpenField,
-    PaintEstimate, covariance_on_paint, set_size,
+    AutocalibratedCamera, AutocalibratedFrame, BaseOnPaintError, BaseProblem, KnownCameras,
+    KnownFrames, OpenField, PaintEstimate, covariance_on_paint, set_size,
 };
 use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera};
@@ -21,7 +22,8 @@ use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
 use touchline_documents::document::{CameraId, Document, DocumentAt, FieldSpec};
 
-/// What is measured twice in the same pictures is known no better than this share of the difference.
+/// What is measured twice in the same pictures is known no better than this share of the
+/// difference.
 const SIGMA_OF_CHANGE: f64 = 0.5;
 
 /// The document whose camera is searched.
@@ -33,10 +35,11 @@ pub(super) struct SearchedCamera<'a> {
     pub is_size_unknown: bool,
 }
 
-/// Estimates the base of a hypothesis once more, from the paint of its frames' own pictures. None if that does not determine a base.
+/// Estimates the base of a hypothesis once more, from the paint of its frames' own pictures. None
+/// if that does not determine a base.
 ///
-/// Where the field's size is open it is fitted, even if the assumed one explained the paint as well: this adjustment sees decimetres
-/// of it.
+/// Where the field's size is open it is fitted, even if the assumed one explained the paint as
+/// well: this adjustment sees decimetres of it.
 ///
 /// # Errors
 /// The search was stopped, or the field cannot be had.
@@ -49,11 +52,19 @@ pub(super) fn refine_base(
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Option<Hypothesis>, Stop> {
     report(progress, AutocalibrationProgress::Refining)?;
-    let SearchedCamera { document, camera, is_size_unknown } = searched;
-    let Some(of_document) = document.camera(camera) else { return Ok(None) };
+    let SearchedCamera {
+        document,
+        camera,
+        is_size_unknown,
+    } = searched;
+    let Some(of_document) = document.camera(camera) else {
+        return Ok(None);
+    };
     let found = &hypothesis.camera;
     let spec = found_field(&document, camera, found);
-    let field = document.model_of(&spec).map_err(AutocalibrationError::from)?;
+    let field = document
+        .model_of(&spec)
+        .map_err(AutocalibrationError::from)?;
 
     // The search reads neither clicks nor cameras that were known before.
     let takes_part = |frame: &&AutocalibratedFrame| {
@@ -69,15 +80,25 @@ pub(super) fn refine_base(
             ptz: frames.iter().map(|frame| Some(frame.best_ptz())).collect(),
             by_clicks: false,
         },
-        masks: indices.iter().map(|&index| document.masks_of(&document.frames[index])).collect(),
+        masks: indices
+            .iter()
+            .map(|&index| document.masks_of(&document.frames[index]))
+            .collect(),
         picture: &mut |place: usize| picture(indices[place]),
-        open_field: is_size_unknown.then_some(OpenField { document, spec: &spec }),
+        open_field: is_size_unknown.then_some(OpenField {
+            document,
+            spec: &spec,
+        }),
         problem: BaseProblem::without_clicks(of_document, field, &found.base, indices.clone()),
     };
     let estimating = progress.part(|_| AutocalibrationProgress::Refining);
     let estimated = match known.estimate_base(options, &estimating) {
         Ok(estimated) => estimated,
-        Err(_) if progress.report(AutocalibrationProgress::Refining).is_break() => {
+        Err(_)
+            if progress
+                .report(AutocalibrationProgress::Refining)
+                .is_break() =>
+        {
             return Err(AutocalibrationError::Stopped.into());
         }
         Err(BaseOnPaintError::TooFewLines { .. } | BaseOnPaintError::Base(_)) => return Ok(None),
@@ -93,43 +114,73 @@ fn found_field(document: &Document, camera: &CameraId, found: &AutocalibratedCam
     spec
 }
 
-/// A hypothesis with another base, the frames that were estimated with it, and the field on which they were.
-fn with_base(hypothesis: &Hypothesis, estimated: PaintEstimate, matched: &MatchedFrames) -> Hypothesis {
-    let PaintEstimate { problem, estimate, mut sizes, .. } = estimated;
+/// A hypothesis with another base, the frames that were estimated with it, and the field on which
+/// they were.
+fn with_base(
+    hypothesis: &Hypothesis,
+    estimated: PaintEstimate,
+    matched: &MatchedFrames,
+) -> Hypothesis {
+    let PaintEstimate {
+        problem,
+        estimate,
+        mut sizes,
+        ..
+    } = estimated;
     let before = &hypothesis.camera;
 
-    // Both bases are measured in the same pictures: their difference is an error that neither σ has.
+    // Both bases are measured in the same pictures: their difference is an error that neither σ
+    // has.
     let mut base = estimate.base;
     let change_m = base.position_m - before.base.position_m;
     let error_m = base.sigma.following_position(SIGMA_OF_CHANGE * change_m);
     base.sigma = base.sigma.covering(&(error_m * error_m.transpose()));
     for (size, before) in sizes.iter_mut().zip(&before.sizes) {
         size.assumed_m = before.assumed_m;
-        size.sigma_m = size.sigma_m.max(SIGMA_OF_CHANGE * (size.value_m - before.value_m).abs());
+        size.sigma_m = size
+            .sigma_m
+            .max(SIGMA_OF_CHANGE * (size.value_m - before.value_m).abs());
     }
 
-    let field = FieldModel { crown_m: estimate.crown_m, ..problem.field };
-    // The strokes of a frame counted for little where they lay beside its lines; now it lies on its paint.
+    let field = FieldModel {
+        crown_m: estimate.crown_m,
+        ..problem.field
+    };
+    // The strokes of a frame counted for little where they lay beside its lines; now it lies on its
+    // paint.
     let fitted = problem.frames.iter().zip(&estimate.frames);
-    let ptz_by_index: BTreeMap<usize, Ptz> =
-        fitted.filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz))).collect();
-    let ptz: Vec<Option<Ptz>> = matched.indices.iter().map(|index| ptz_by_index.get(index).copied()).collect();
+    let ptz_by_index: BTreeMap<usize, Ptz> = fitted
+        .filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz)))
+        .collect();
+    let ptz: Vec<Option<Ptz>> = matched
+        .indices
+        .iter()
+        .map(|index| ptz_by_index.get(index).copied())
+        .collect();
     let paint_priors = ptz.iter().enumerate().filter_map(|(number, ptz)| {
         let ptz = (*ptz)?;
-        let covariance = covariance_on_paint(&PtzCamera::new(estimate.base, ptz), matched.image_size);
+        let covariance =
+            covariance_on_paint(&PtzCamera::new(estimate.base, ptz), matched.image_size);
         prior_from_alignment(number, ptz, &covariance, matched.image_size)
     });
     Hypothesis {
         paint_priors: paint_priors.collect(),
         ptz,
-        camera: AutocalibratedCamera { base, field, sizes, ..before.clone() },
+        camera: AutocalibratedCamera {
+            base,
+            field,
+            sizes,
+            ..before.clone()
+        },
         frames: hypothesis.frames.clone(),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::rotating_camera::{base, document, drawn_picture, hypothesis, matched, ptz, soccer};
+    use super::super::rotating_camera::{
+        base, document, drawn_picture, hypothesis, matched, ptz, soccer,
+    };
     use super::*;
     use rayon::prelude::*;
     use std::ops::ControlFlow;
@@ -151,13 +202,27 @@ mod tests {
     ) -> Result<Option<Hypothesis>, Stop> {
         let (document, camera) = (document(), "main".into());
         let document = document.at(Path::new(""));
-        let searched = SearchedCamera { document, camera: &camera, is_size_unknown: false };
-        refine_base(hypothesis, &BaseOptions::default(), searched, &matched(), picture, progress)
+        let searched = SearchedCamera {
+            document,
+            camera: &camera,
+            is_size_unknown: false,
+        };
+        refine_base(
+            hypothesis,
+            &BaseOptions::default(),
+            searched,
+            &matched(),
+            picture,
+            progress,
+        )
     }
 
     fn drawn_pictures() -> Vec<Picture> {
         let field = soccer().assumed;
-        ptz().into_par_iter().map(|ptz| drawn_picture(&field, ptz)).collect()
+        ptz()
+            .into_par_iter()
+            .map(|ptz| drawn_picture(&field, ptz))
+            .collect()
     }
 
     #[test]
@@ -168,18 +233,38 @@ mod tests {
             asked.push(index);
             pictures.get(index - 10).cloned()
         };
-        let refined = refine(&from, &mut picture, &Progress::default()).ok().flatten().unwrap();
+        let refined = refine(&from, &mut picture, &Progress::default())
+            .ok()
+            .flatten()
+            .unwrap();
         let off_m = (refined.position_m() - base().position_m).norm();
         assert!(off_m < 0.1, "{off_m:.3} m");
-        assert!(asked.iter().all(|index| (10..17).contains(index)), "{asked:?}");
-        let off_px = |(found, truth): (&Option<Ptz>, Ptz)| (found.unwrap().focal_px - truth.focal_px).abs();
-        assert!(refined.ptz.iter().zip(ptz()).map(off_px).all(|px| px < 3.0), "{:?}", refined.ptz);
-        assert_eq!((refined.paint_priors.len(), refined.camera.frames.len()), (7, 7));
+        assert!(
+            asked.iter().all(|index| (10..17).contains(index)),
+            "{asked:?}"
+        );
+        let off_px =
+            |(found, truth): (&Option<Ptz>, Ptz)| (found.unwrap().focal_px - truth.focal_px).abs();
+        assert!(
+            refined.ptz.iter().zip(ptz()).map(off_px).all(|px| px < 3.0),
+            "{:?}",
+            refined.ptz
+        );
+        assert_eq!(
+            (refined.paint_priors.len(), refined.camera.frames.len()),
+            (7, 7)
+        );
         // The same pictures gave both positions: half of what they differ by stays uncertain.
         let changed_m = (refined.position_m() - from.position_m()).norm();
         let sigma_m = refined.camera.base.sigma.position_m.norm();
-        assert!(sigma_m > SIGMA_OF_CHANGE * changed_m && sigma_m < 1.0, "{sigma_m} m after {changed_m} m");
-        assert_eq!(refined.camera.field.length_m, from.camera.field.length_m, "the size is known");
+        assert!(
+            sigma_m > SIGMA_OF_CHANGE * changed_m && sigma_m < 1.0,
+            "{sigma_m} m after {changed_m} m"
+        );
+        assert_eq!(
+            refined.camera.field.length_m, from.camera.field.length_m,
+            "the size is known"
+        );
     }
 
     #[test]
@@ -190,7 +275,14 @@ mod tests {
 
     #[test]
     fn refining_stops_when_it_is_cancelled() {
-        let stopped = refine(&beside(), &mut |_| None, &Progress::new(|_| ControlFlow::Break(())));
-        assert!(matches!(stopped, Err(Stop::Failed(AutocalibrationError::Stopped))));
+        let stopped = refine(
+            &beside(),
+            &mut |_| None,
+            &Progress::new(|_| ControlFlow::Break(())),
+        );
+        assert!(matches!(
+            stopped,
+            Err(Stop::Failed(AutocalibrationError::Stopped))
+        ));
     }
 }

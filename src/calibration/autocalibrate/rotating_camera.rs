@@ -1,5 +1,5 @@
-//! A known rotating camera for the tests of single stages: its frames with exact paint and exact matches, and drawn pictures where
-//! these are asked for.
+//! A known rotating camera for the tests of single stages: its frames with exact paint and exact
+//! matches, and drawn pictures where these are asked for.
 
 use super::field_prior::FieldPrior;
 use super::hypothesis::Hypothesis;
@@ -24,8 +24,15 @@ pub const IMAGE_SIZE: ImageSize = ImageSize::new(960, 540);
 
 /// The camera stands on the main stand and looks at the middle of the field.
 pub fn base() -> CameraBase {
-    let angles = BaseAngles { heading: Angle::from_degrees(3.0), ..BaseAngles::default() };
-    CameraBase::new(Vec3::new(-6.0, -62.0, 14.0), angles.base_from_world(), IMAGE_SIZE.centre())
+    let angles = BaseAngles {
+        heading: Angle::from_degrees(3.0),
+        ..BaseAngles::default()
+    };
+    CameraBase::new(
+        Vec3::new(-6.0, -62.0, 14.0),
+        angles.base_from_world(),
+        IMAGE_SIZE.centre(),
+    )
 }
 
 /// Seven views from left to right.
@@ -45,16 +52,28 @@ pub fn soccer() -> FieldPrior {
 /// The centres of the field's lines as a frame shows them, a sample each metre.
 pub fn paint(field: &FieldModel, ptz: Ptz) -> Vec<ImagePoint> {
     let camera = PtzCamera::new(base(), ptz);
-    let seen = |at: Vec3| camera.image_from_world(at).ok().filter(|at| IMAGE_SIZE.contains(*at));
-    PitchMap::without_grid(field).samples(1.0).filter_map(|line| seen(line.at)).collect()
+    let seen = |at: Vec3| {
+        camera
+            .image_from_world(at)
+            .ok()
+            .filter(|at| IMAGE_SIZE.contains(*at))
+    };
+    PitchMap::without_grid(field)
+        .samples(1.0)
+        .filter_map(|line| seen(line.at))
+        .collect()
 }
 
 /// The exact matches of two frames on a grid of pixels; none if they share too little.
 pub fn exact_match(first: usize, second: usize) -> Option<Tie> {
     let ptz = ptz();
     let [one, other] = [first, second].map(|frame| PtzCamera::new(base(), ptz[frame]));
-    let grid = (0..150_u32)
-        .map(|index| ImagePoint::new(f64::from(index % 15) * 64.0 + 32.0, f64::from(index / 15) * 54.0 + 27.0));
+    let grid = (0..150_u32).map(|index| {
+        ImagePoint::new(
+            f64::from(index % 15) * 64.0 + 32.0,
+            f64::from(index / 15) * 54.0 + 27.0,
+        )
+    });
     let pair = |at: ImagePoint| {
         let there = other.image_from_ray(one.ray_from_image(at).ok()?).ok()?;
         IMAGE_SIZE.contains(there).then_some((at, there))
@@ -65,24 +84,44 @@ pub fn exact_match(first: usize, second: usize) -> Option<Tie> {
         return None;
     }
     let vector = |at: ImagePoint| Vec2::new(at.x, at.y);
-    let pairs: Vec<(Vec2, Vec2)> = matches.iter().map(|(here, there)| (vector(*here), vector(*there))).collect();
+    let pairs: Vec<(Vec2, Vec2)> = matches
+        .iter()
+        .map(|(here, there)| (vector(*here), vector(*there)))
+        .collect();
     let second_from_first = homography(&pairs).ok()?;
-    Some(Tie { first, second, matches, agreeing, second_from_first })
+    Some(Tie {
+        first,
+        second,
+        matches,
+        agreeing,
+        second_from_first,
+    })
 }
 
 /// The matches of all pairs of views that overlap.
 pub fn exact_matches() -> Vec<Tie> {
     let num = ptz().len();
     let pairs = (0..num).flat_map(|first| (first + 1..num).map(move |second| (first, second)));
-    pairs.filter_map(|(first, second)| exact_match(first, second)).collect()
+    pairs
+        .filter_map(|(first, second)| exact_match(first, second))
+        .collect()
 }
 
 /// A sampled frame whose picture shows neither features nor paint.
 pub fn bare_frame(index: usize, image_size: ImageSize) -> SampledFrame {
     let picture = Picture::filled(image_size, [60, 120, 60, 255]);
-    let features = Features { image_size, keypoints: Vec::new(), descriptors: Vec::new() };
+    let features = Features {
+        image_size,
+        keypoints: Vec::new(),
+        descriptors: Vec::new(),
+    };
     let strokes = Strokes::of(&GroundPicture::new(&picture, &[]));
-    SampledFrame { index, masks: Vec::new(), features, strokes }
+    SampledFrame {
+        index,
+        masks: Vec::new(),
+        features,
+        strokes,
+    }
 }
 
 /// All views, matched. Their indices in the document are ten and more.
@@ -103,20 +142,32 @@ pub fn matched() -> MatchedFrames {
 pub fn frames_at_scale(field: &FieldModel) -> Arc<FramesAtScale> {
     let ptz = ptz();
     let paint = ptz.iter().map(|ptz| paint(field, *ptz)).collect();
-    let rotations = Turns { ptz, lens: FocalCurve::NONE, image_size: IMAGE_SIZE, residual_px: 0.3 };
-    Arc::new(FramesAtScale { log_scale: 0.0, rotations, paint })
+    let rotations = Turns {
+        ptz,
+        lens: FocalCurve::NONE,
+        image_size: IMAGE_SIZE,
+        residual_px: 0.3,
+    };
+    Arc::new(FramesAtScale {
+        log_scale: 0.0,
+        rotations,
+        paint,
+    })
 }
 
 /// A frame's picture: the white lines of a field on turf of one colour.
 ///
-/// Each line is drawn in steps of half a pixel: the pixels across it are covered as far as the paint covers them, and where lines
-/// cross the larger share counts.
+/// Each line is drawn in steps of half a pixel: the pixels across it are covered as far as the
+/// paint covers them, and where lines cross the larger share counts.
 pub fn drawn_picture(field: &FieldModel, ptz: Ptz) -> Picture {
     const TURF: [f64; 3] = [60.0, 120.0, 60.0];
     const PAINT: [f64; 3] = [225.0, 230.0, 225.0];
     let (width, height) = (IMAGE_SIZE.width as usize, IMAGE_SIZE.height as usize);
     let mut covered = vec![0.0_f64; width * height];
-    let options = SampleOptions { spacing_px: 0.5, border_px: 0.0 };
+    let options = SampleOptions {
+        spacing_px: 0.5,
+        border_px: 0.0,
+    };
     for sample in sample_lines(field, &PtzCamera::new(base(), ptz), IMAGE_SIZE, &options) {
         let half_px = 0.5 * sample.width_px;
         let reach_px = half_px.ceil() as i64 + 1;
@@ -129,13 +180,24 @@ pub fn drawn_picture(field: &FieldModel, ptz: Ptz) -> Picture {
             // Pixels have their middle half a pixel beside their corner.
             let middle = ImagePoint::new(column + 0.5, row + 0.5);
             let across_px = middle.offset_from(sample.image).dot(&sample.normal).abs();
-            let share = (half_px + 0.5 - across_px).clamp(0.0, 1.0).min(sample.width_px);
+            let share = (half_px + 0.5 - across_px)
+                .clamp(0.0, 1.0)
+                .min(sample.width_px);
             let pixel = &mut covered[row as usize * width + column as usize];
             *pixel = pixel.max(share);
         }
     }
-    let channel = |share: f64, index: usize| (TURF[index] + share * (PAINT[index] - TURF[index])).round() as u8;
-    let rgba = covered.iter().flat_map(|share| [channel(*share, 0), channel(*share, 1), channel(*share, 2), 255]);
+    let channel = |share: f64, index: usize| {
+        (TURF[index] + share * (PAINT[index] - TURF[index])).round() as u8
+    };
+    let rgba = covered.iter().flat_map(|share| {
+        [
+            channel(*share, 0),
+            channel(*share, 1),
+            channel(*share, 2),
+            255,
+        ]
+    });
     Picture::new(IMAGE_SIZE, rgba.collect()).unwrap()
 }
 
@@ -148,7 +210,8 @@ pub fn matched_with_strokes(field: &FieldModel, views: &[usize]) -> MatchedFrame
         let stride = pair.matches.len().div_ceil(MATCHES_OF_PAIR);
         pair.matches = pair.matches.iter().copied().step_by(stride).collect();
     }
-    let strokes_of = |&view: &usize| Strokes::of(&GroundPicture::new(&drawn_picture(field, ptz[view]), &[]));
+    let strokes_of =
+        |&view: &usize| Strokes::of(&GroundPicture::new(&drawn_picture(field, ptz[view]), &[]));
     MatchedFrames {
         indices: views.iter().map(|&view| all.indices[view]).collect(),
         matches,
@@ -161,9 +224,13 @@ pub fn matched_with_strokes(field: &FieldModel, views: &[usize]) -> MatchedFrame
 /// A document whose frames from the tenth on are the views. Nothing is known of them.
 pub fn document() -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
-    document.cameras.push(Camera::new("main".into(), IMAGE_SIZE).into());
+    document
+        .cameras
+        .push(Camera::new("main".into(), IMAGE_SIZE).into());
     for index in 0..10 + ptz().len() {
-        document.frames.push(Frame::from_image(&format!("{index}.png"), "main".into(), IMAGE_SIZE).into());
+        document
+            .frames
+            .push(Frame::from_image(&format!("{index}.png"), "main".into(), IMAGE_SIZE).into());
     }
     document
 }
@@ -177,12 +244,15 @@ pub fn paint_prior(frame: usize, ptz: Ptz) -> PosePrior {
 /// The right hypothesis, with an index for each frame and no evidence.
 pub fn hypothesis(field: &FieldModel) -> Hypothesis {
     let ptz = ptz();
-    let placed = ptz.iter().enumerate().map(|(number, &ptz)| AutocalibratedFrame {
-        index: 10 + number,
-        ptz,
-        uncertainty: None,
-        snapped: None,
-    });
+    let placed = ptz
+        .iter()
+        .enumerate()
+        .map(|(number, &ptz)| AutocalibratedFrame {
+            index: 10 + number,
+            ptz,
+            uncertainty: None,
+            snapped: None,
+        });
     let camera = AutocalibratedCamera {
         base: base(),
         field: field.clone(),
@@ -192,7 +262,16 @@ pub fn hypothesis(field: &FieldModel) -> Hypothesis {
         paint: Vec::new(),
         evidence: AutocalibrationEvidence::default(),
     };
-    let paint_priors = ptz.iter().enumerate().map(|(frame, &ptz)| paint_prior(frame, ptz)).collect();
+    let paint_priors = ptz
+        .iter()
+        .enumerate()
+        .map(|(frame, &ptz)| paint_prior(frame, ptz))
+        .collect();
     let ptz = ptz.into_iter().map(Some).collect();
-    Hypothesis { camera, ptz, paint_priors, frames: frames_at_scale(field) }
+    Hypothesis {
+        camera,
+        ptz,
+        paint_priors,
+        frames: frames_at_scale(field),
+    }
 }

@@ -4,8 +4,8 @@ use touchline_core::camera::{FocalCurve, Ptz};
 use touchline_core::geometry::{Mat3, Vec3};
 use touchline_vision::track::Turns;
 
-/// The matches of all ties together say about the focal scale what so many independent ones would: many of them share a player,
-/// or a lens that is not as the model has it.
+/// The matches of all ties together say about the focal scale what so many independent ones would:
+/// many of them share a player, or a lens that is not as the model has it.
 const INDEPENDENT_MATCHES: f64 = 200.0;
 
 /// The ties are never taken to say more, nor less, about the logarithm of the focal scale, 1-σ.
@@ -28,7 +28,10 @@ pub(super) struct FocalScale {
 impl FocalScale {
     /// Hardly anything is known of one.
     pub fn unknown(log_scale: f64) -> Self {
-        Self { log_scale, sigma: SIGMA[1] }
+        Self {
+            log_scale,
+            sigma: SIGMA[1],
+        }
     }
 }
 
@@ -41,7 +44,8 @@ impl RotationsByFocalScale {
         Self { levels }
     }
 
-    /// The turns at a logarithm of the focal scale, at most as far as was adjusted; none where nothing was.
+    /// The turns at a logarithm of the focal scale, at most as far as was adjusted; none where
+    /// nothing was.
     pub fn at(&self, log_scale: f64) -> Option<Turns> {
         let (first, last) = (self.levels.first()?, self.levels.last()?);
         let log_scale = log_scale.clamp(first.0, last.0);
@@ -62,12 +66,23 @@ impl RotationsByFocalScale {
             per_1000_px: between(from_turns.lens.per_1000_px, to_turns.lens.per_1000_px),
             ..from_turns.lens
         };
-        let ptz = from_turns.ptz.iter().zip(&to_turns.ptz).map(of_frame).collect();
+        let ptz = from_turns
+            .ptz
+            .iter()
+            .zip(&to_turns.ptz)
+            .map(of_frame)
+            .collect();
         let residual_px = between(from_turns.residual_px, to_turns.residual_px);
-        Some(Turns { ptz, lens, image_size: from_turns.image_size, residual_px })
+        Some(Turns {
+            ptz,
+            lens,
+            image_size: from_turns.image_size,
+            residual_px,
+        })
     }
 
-    /// What the ties say of the scale: where the frames fit each other best, and how much worse they do beside it.
+    /// What the ties say of the scale: where the frames fit each other best, and how much worse
+    /// they do beside it.
     pub fn focal_scale_from_matches(&self) -> FocalScale {
         let [least, most] = SIGMA;
         let unknown = FocalScale::unknown(0.0);
@@ -75,18 +90,29 @@ impl RotationsByFocalScale {
             let [a, b] = [a, b].map(|level| self.levels[*level].1.residual_px);
             a.total_cmp(&b)
         });
-        let Some(best) = best.filter(|_| self.levels.len() >= 3) else { return unknown };
+        let Some(best) = best.filter(|_| self.levels.len() >= 3) else {
+            return unknown;
+        };
         let begin = best.saturating_sub(1).min(self.levels.len() - 3);
         let best_px = self.levels[best].1.residual_px;
         // Through three levels: a + b x + c x².
         let three = &self.levels[begin..begin + 3];
         let powers = Mat3::from_fn(|row, column| three[row].0.powi(column as i32));
-        let chi = Vec3::from_fn(|row, _| INDEPENDENT_MATCHES * ((three[row].1.residual_px / best_px).powi(2) - 1.0));
-        let Some(parabola) = powers.try_inverse().map(|inverse| inverse * chi).filter(|by| by[2] > 0.0) else {
+        let chi = Vec3::from_fn(|row, _| {
+            INDEPENDENT_MATCHES * ((three[row].1.residual_px / best_px).powi(2) - 1.0)
+        });
+        let Some(parabola) = powers
+            .try_inverse()
+            .map(|inverse| inverse * chi)
+            .filter(|by| by[2] > 0.0)
+        else {
             return unknown;
         };
         let lowest = (-0.5 * parabola[1] / parabola[2]).clamp(three[0].0, three[2].0);
-        FocalScale { log_scale: lowest, sigma: parabola[2].sqrt().recip().clamp(least, most) }
+        FocalScale {
+            log_scale: lowest,
+            sigma: parabola[2].sqrt().recip().clamp(least, most),
+        }
     }
 }
 
@@ -99,21 +125,42 @@ mod tests {
     fn turns(percent: u32, residual_px: f64) -> (u32, Turns) {
         let scale = f64::from(percent) / 100.0;
         let ptz = |pan_deg: f64| Ptz::from_degrees(pan_deg / scale, -9.0, 1000.0 * scale);
-        let lens = FocalCurve { value: scale, ..FocalCurve::NONE };
+        let lens = FocalCurve {
+            value: scale,
+            ..FocalCurve::NONE
+        };
         let image_size = ImageSize::new(1280, 720);
-        (percent, Turns { ptz: vec![ptz(-20.0), ptz(20.0)], lens, image_size, residual_px })
+        (
+            percent,
+            Turns {
+                ptz: vec![ptz(-20.0), ptz(20.0)],
+                lens,
+                image_size,
+                residual_px,
+            },
+        )
     }
 
     #[test]
     fn between_two_scales_everything_is_between() {
         let levels = RotationsByFocalScale::new([turns(100, 0.3), turns(110, 0.4), turns(90, 0.5)]);
-        let between = levels.at(f64::midpoint(1.0_f64.ln(), 1.1_f64.ln())).unwrap();
+        let between = levels
+            .at(f64::midpoint(1.0_f64.ln(), 1.1_f64.ln()))
+            .unwrap();
         assert!((between.ptz[0].focal_px - 1000.0 * 1.1_f64.sqrt()).abs() < 1e-9);
         assert!((between.ptz[1].pan.degrees() - f64::midpoint(20.0, 20.0 / 1.1)).abs() < 1e-9);
         assert!((between.lens.value - 1.05).abs() < 1e-12);
         let there = levels.at(0.0).unwrap();
-        assert!((there.ptz[0].focal_px - 1000.0).abs() < 1e-9 && (there.residual_px - 0.3).abs() < 1e-12, "{there:?}");
-        assert_eq!(levels.at(-3.0).unwrap(), turns(90, 0.5).1, "no farther than what was adjusted");
+        assert!(
+            (there.ptz[0].focal_px - 1000.0).abs() < 1e-9
+                && (there.residual_px - 0.3).abs() < 1e-12,
+            "{there:?}"
+        );
+        assert_eq!(
+            levels.at(-3.0).unwrap(),
+            turns(90, 0.5).1,
+            "no farther than what was adjusted"
+        );
         assert!(RotationsByFocalScale::new([]).at(0.0).is_none());
     }
 
@@ -125,17 +172,26 @@ mod tests {
                 let off = (f64::from(percent) / 100.0).ln() - 1.02_f64.ln();
                 (0.09 + steepness * off * off).sqrt()
             };
-            RotationsByFocalScale::new([88, 94, 100, 106, 113].map(|percent| turns(percent, residual_px(percent))))
-                .focal_scale_from_matches()
+            RotationsByFocalScale::new(
+                [88, 94, 100, 106, 113].map(|percent| turns(percent, residual_px(percent))),
+            )
+            .focal_scale_from_matches()
         };
         let (sure, doubtful) = (fitting(100.0), fitting(1.0));
         assert!((sure.log_scale - 1.02_f64.ln()).abs() < 1e-6, "{sure:?}");
-        assert!((doubtful.log_scale - 1.02_f64.ln()).abs() < 1e-6, "{doubtful:?}");
-        assert!(sure.sigma < doubtful.sigma && doubtful.sigma <= SIGMA[1], "{sure:?}, {doubtful:?}");
-        let flat =
-            RotationsByFocalScale::new([94, 100, 106].map(|percent| turns(percent, 0.3))).focal_scale_from_matches();
+        assert!(
+            (doubtful.log_scale - 1.02_f64.ln()).abs() < 1e-6,
+            "{doubtful:?}"
+        );
+        assert!(
+            sure.sigma < doubtful.sigma && doubtful.sigma <= SIGMA[1],
+            "{sure:?}, {doubtful:?}"
+        );
+        let flat = RotationsByFocalScale::new([94, 100, 106].map(|percent| turns(percent, 0.3)))
+            .focal_scale_from_matches();
         assert_eq!(flat, FocalScale::unknown(0.0));
-        let two = RotationsByFocalScale::new([turns(100, 0.3), turns(106, 0.5)]).focal_scale_from_matches();
+        let two = RotationsByFocalScale::new([turns(100, 0.3), turns(106, 0.5)])
+            .focal_scale_from_matches();
         assert_eq!(two.sigma, SIGMA[1], "two scales say nothing");
     }
 }

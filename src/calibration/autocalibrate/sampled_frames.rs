@@ -28,11 +28,23 @@ impl SampledFrame {
     ///
     /// # Errors
     /// The program was built without OpenCV, or OpenCV refused.
-    pub fn from_picture(index: usize, picture: &Picture, masks: Vec<PixelBox>) -> Result<Self, FeatureError> {
-        let options = FeatureOptions { root_sift: true, ..FeatureOptions::default() };
+    pub fn from_picture(
+        index: usize,
+        picture: &Picture,
+        masks: Vec<PixelBox>,
+    ) -> Result<Self, FeatureError> {
+        let options = FeatureOptions {
+            root_sift: true,
+            ..FeatureOptions::default()
+        };
         let features = extract(picture, &masks, &options)?;
         let strokes = Strokes::of(&GroundPicture::new(picture, &masks));
-        Ok(Self { index, masks, features, strokes })
+        Ok(Self {
+            index,
+            masks,
+            features,
+            strokes,
+        })
     }
 
     pub fn image_size(&self) -> ImageSize {
@@ -55,9 +67,16 @@ pub(super) fn sample_frames(
         .collect()
 }
 
-/// The pictures of some frames, each with the frame's index; those that cannot be read are left out.
-pub(super) fn read_pictures(indices: &[usize], picture: PictureOfFrame<'_>) -> Vec<(usize, Picture)> {
-    indices.iter().filter_map(|index| Some((*index, picture(*index)?))).collect()
+/// The pictures of some frames, each with the frame's index; those that cannot be read are left
+/// out.
+pub(super) fn read_pictures(
+    indices: &[usize],
+    picture: PictureOfFrame<'_>,
+) -> Vec<(usize, Picture)> {
+    indices
+        .iter()
+        .filter_map(|index| Some((*index, picture(*index)?)))
+        .collect()
 }
 
 /// Which `count` of some frames are sampled: spread evenly over all of them, in their order.
@@ -89,7 +108,10 @@ mod tests {
             asked.push(index);
             (index != 4).then(|| Picture::filled(size, [0, 0, 0, 255]))
         };
-        let read: Vec<usize> = read_pictures(&[3, 4, 9], &mut picture).into_iter().map(|(index, _)| index).collect();
+        let read: Vec<usize> = read_pictures(&[3, 4, 9], &mut picture)
+            .into_iter()
+            .map(|(index, _)| index)
+            .collect();
         assert_eq!((read, asked), (vec![3, 9], vec![3, 4, 9]));
     }
 }

@@ -1,8 +1,9 @@
 //! The last questions that a camera has to pass before it is the answer.
 //!
-//! The evidence of the joint adjustment ([`super::evidence`]) comes from the coarse paint by which the camera was found. Here each
-//! frame's own picture is asked, at full resolution: how many frames agree with it, whether a line is missing where the camera
-//! predicts it, and whether a click contradicts it.
+//! The evidence of the joint adjustment ([`super::evidence`]) comes from the coarse paint by which
+//! the camera was found. Here each frame's own picture is asked, at full resolution: how many
+//! frames agree with it, whether a line is missing where the camera predicts it, and whether a
+//! click contradicts it.
 
 use super::clicked::GroundClick;
 use super::error::Stop;
@@ -14,11 +15,12 @@ use touchline_core::camera::PtzCamera;
 use touchline_documents::document::Frames;
 use touchline_vision::paint::Strokes;
 
-/// At least this share of the frames has to agree with the painted lines of its own picture. Right answers had .9 and more on
-/// real and drawn matches, wrong ones .5 and less.
+/// At least this share of the frames has to agree with the painted lines of its own picture. Right
+/// answers had .9 and more on real and drawn matches, wrong ones .5 and less.
 pub(super) const MIN_ALIGNED: f64 = 0.75;
 
-/// This share has to agree before the base is refined, which brings a position that is nearly right to its lines.
+/// This share has to agree before the base is refined, which brings a position that is nearly right
+/// to its lines.
 pub(super) const MIN_ALIGNED_BEFORE_REFINING: f64 = 0.5;
 
 /// With a runner-up that explains nearly as much, this share has to agree with the answer …
@@ -32,7 +34,11 @@ const CONTRADICTING_PX: f64 = 25.0;
 
 /// No answer, for what speaks against the best one.
 pub(super) fn uncertain(doubts: Vec<Doubt>, best: AutocalibratedCamera) -> Stop {
-    Abstention::Uncertain { doubts, best: Some(Box::new(best)) }.into()
+    Abstention::Uncertain {
+        doubts,
+        best: Some(Box::new(best)),
+    }
+    .into()
 }
 
 /// The share of the frames that agree with their own paint, of those that show enough of it.
@@ -51,15 +57,22 @@ pub(super) fn is_refuted(runner_up: &AutocalibratedCamera) -> bool {
     aligned_share(runner_up) <= MAX_ALIGNED_OF_RUNNER_UP
 }
 
-/// The doubt about a camera whose frames do not show how large the field is: lines that they do not show, or the position itself, may
-/// be metres off.
+/// The doubt about a camera whose frames do not show how large the field is: lines that they do not
+/// show, or the position itself, may be metres off.
 pub(super) fn open_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
     let open = camera.sizes.iter().find(|size| size.is_open)?;
-    Some(Doubt::SizeOpen { name: open.name.clone(), value_m: open.value_m, sigma_m: open.sigma_m })
+    Some(Doubt::SizeOpen {
+        name: open.name.clone(),
+        value_m: open.value_m,
+        sigma_m: open.sigma_m,
+    })
 }
 
 /// The lines of the field that a camera should show in its frames and does not, by name.
-pub(super) fn missing_in_frames(camera: &AutocalibratedCamera, matched: &MatchedFrames) -> Vec<String> {
+pub(super) fn missing_in_frames(
+    camera: &AutocalibratedCamera,
+    matched: &MatchedFrames,
+) -> Vec<String> {
     let looking = |frame: &AutocalibratedFrame| -> Option<(PtzCamera, &Strokes)> {
         let strokes = &matched.strokes[matched.number_of(frame.index)?];
         Some((PtzCamera::new(camera.base, frame.ptz), strokes))
@@ -68,14 +81,18 @@ pub(super) fn missing_in_frames(camera: &AutocalibratedCamera, matched: &Matched
     missing_lines(&camera.field, &frames)
 }
 
-/// The doubt about a camera that one of some clicks contradicts. `clicks` number frames as the document does.
+/// The doubt about a camera that one of some clicks contradicts. `clicks` number frames as the
+/// document does.
 pub(super) fn contradicting_click(
     camera: &AutocalibratedCamera,
     clicks: &[GroundClick],
     frames: &Frames,
 ) -> Option<Doubt> {
     clicks.iter().find_map(|click| {
-        let found = camera.frames.iter().find(|frame| frame.index == click.frame)?;
+        let found = camera
+            .frames
+            .iter()
+            .find(|frame| frame.index == click.frame)?;
         let landmark = camera.field.landmark(click.landmark.as_str())?;
         let at_m = camera.field.landmark_in_world(landmark);
         let seen = PtzCamera::new(camera.base, found.ptz).image_from_world(at_m);
@@ -83,13 +100,19 @@ pub(super) fn contradicting_click(
         let frame = &frames[click.frame];
         let max_px = CONTRADICTING_PX * frame.image_size.scale_from_1920();
         let landmark = click.landmark.as_str().to_owned();
-        (off_px > max_px).then(|| Doubt::ClickContradicts { landmark, frame: frame.name(), off_px })
+        (off_px > max_px).then(|| Doubt::ClickContradicts {
+            landmark,
+            frame: frame.name(),
+            off_px,
+        })
     })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::rotating_camera::{document, hypothesis, matched, matched_with_strokes, soccer};
+    use super::super::rotating_camera::{
+        document, hypothesis, matched, matched_with_strokes, soccer,
+    };
     use super::*;
     use touchline_core::geometry::{Angle, ImagePoint, Vec2, Vec3};
     use touchline_core::solve::base::FittedSize;
@@ -98,7 +121,13 @@ mod tests {
     fn frames_that_are_not_aligned_are_counted() {
         let mut camera = hypothesis(&soccer().assumed).camera;
         camera.evidence.frames = 7;
-        assert_eq!(few_aligned(&camera, MIN_ALIGNED), Some(Doubt::FewSnapped { snapped: 0, frames: 7 }));
+        assert_eq!(
+            few_aligned(&camera, MIN_ALIGNED),
+            Some(Doubt::FewSnapped {
+                snapped: 0,
+                frames: 7
+            })
+        );
         assert_eq!(few_aligned(&camera, 0.0), None);
         assert!(is_refuted(&camera));
     }
@@ -116,16 +145,24 @@ mod tests {
             is_open,
         };
         camera.sizes = vec![size("length_m", false), size("width_m", true)];
-        let doubt = Doubt::SizeOpen { name: "width_m".to_owned(), value_m: 104.0, sigma_m: 0.7 };
+        let doubt = Doubt::SizeOpen {
+            name: "width_m".to_owned(),
+            value_m: 104.0,
+            sigma_m: 0.7,
+        };
         assert_eq!(open_size(&camera), Some(doubt));
     }
 
     #[test]
     fn a_click_beside_where_the_camera_has_its_landmark_contradicts_it() {
         let (camera, document) = (hypothesis(&soccer().assumed).camera, document());
-        let (frame, landmark) = (&camera.frames[3], camera.field.landmark("centre_mark").unwrap());
-        let seen =
-            PtzCamera::new(camera.base, frame.ptz).image_from_world(camera.field.landmark_in_world(landmark)).unwrap();
+        let (frame, landmark) = (
+            &camera.frames[3],
+            camera.field.landmark("centre_mark").unwrap(),
+        );
+        let seen = PtzCamera::new(camera.base, frame.ptz)
+            .image_from_world(camera.field.landmark_in_world(landmark))
+            .unwrap();
         let click = |frame: usize, landmark: &str, off_px: f64| GroundClick {
             frame,
             landmark: landmark.into(),
@@ -136,16 +173,28 @@ mod tests {
         // A picture of 960 px width allows half of the 25 px.
         let near = click(frame.index, "centre_mark", 12.0);
         assert_eq!(doubt(std::slice::from_ref(&near)), None);
-        let Some(Doubt::ClickContradicts { landmark, frame: name, off_px }) =
-            doubt(&[near, click(frame.index, "centre_mark", 13.0)])
+        let Some(Doubt::ClickContradicts {
+            landmark,
+            frame: name,
+            off_px,
+        }) = doubt(&[near, click(frame.index, "centre_mark", 13.0)])
         else {
             panic!("the second click is too far away");
         };
-        assert_eq!((landmark.as_str(), name.as_str()), ("centre_mark", "13.png"));
+        assert_eq!(
+            (landmark.as_str(), name.as_str()),
+            ("centre_mark", "13.png")
+        );
         assert!((off_px - 13.0).abs() < 1e-9, "{off_px}");
 
         // Of another frame, or of something that the field lacks, nothing is known.
-        assert_eq!(doubt(&[click(2, "centre_mark", 400.0), click(frame.index, "centre_of_gravity", 400.0)]), None);
+        assert_eq!(
+            doubt(&[
+                click(2, "centre_mark", 400.0),
+                click(frame.index, "centre_of_gravity", 400.0)
+            ]),
+            None
+        );
     }
 
     #[test]
@@ -153,9 +202,22 @@ mod tests {
         let (mut camera, document) = (hypothesis(&soccer().assumed).camera, document());
         camera.frames[3].ptz.pan = camera.frames[3].ptz.pan + Angle::from_degrees(180.0);
         let image = ImagePoint::new(480.0, 270.0);
-        let click = GroundClick { frame: camera.frames[3].index, landmark: "centre_mark".into(), image };
+        let click = GroundClick {
+            frame: camera.frames[3].index,
+            landmark: "centre_mark".into(),
+            image,
+        };
         let doubt = contradicting_click(&camera, &[click], &document.frames);
-        assert!(matches!(doubt, Some(Doubt::ClickContradicts { off_px: f64::INFINITY, .. })), "{doubt:?}");
+        assert!(
+            matches!(
+                doubt,
+                Some(Doubt::ClickContradicts {
+                    off_px: f64::INFINITY,
+                    ..
+                })
+            ),
+            "{doubt:?}"
+        );
     }
 
     #[test]
@@ -168,7 +230,13 @@ mod tests {
     #[test]
     fn nothing_is_missing_in_pictures_that_show_all_lines() {
         let camera = hypothesis(&soccer().assumed).camera;
-        assert_eq!(missing_in_frames(&camera, &matched_with_strokes(&camera.field, &[0, 1, 2, 3, 4, 5, 6])), [""; 0]);
+        assert_eq!(
+            missing_in_frames(
+                &camera,
+                &matched_with_strokes(&camera.field, &[0, 1, 2, 3, 4, 5, 6])
+            ),
+            [""; 0]
+        );
     }
 
     #[test]

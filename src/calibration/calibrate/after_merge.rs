@@ -1,8 +1,9 @@
 //! What becomes of frames that were solved on another base or field than the merged document has.
 //!
-//! A merge takes a frame from one side and may take its camera from the other. The frame's clicks are as true as before, but its
-//! solution was computed for a camera that stands elsewhere. Clicked frames are solved again. Frames without clicks keep their
-//! lines on the picture as well as the new base allows, and what was only proposed is withdrawn.
+//! A merge takes a frame from one side and may take its camera from the other. The frame's clicks
+//! are as true as before, but its solution was computed for a camera that stands elsewhere. Clicked
+//! frames are solved again. Frames without clicks keep their lines on the picture as well as the
+//! new base allows, and what was only proposed is withdrawn.
 
 use super::follow_base::follow_base;
 use super::refit::refit;
@@ -24,8 +25,9 @@ pub struct SolvedAfterMerge {
     pub withdrawn: usize,
 }
 
-/// Solves the frames of a merged document that come from a side with another base or field. Of a frame that is on no side it is
-/// not known what it was solved for, so it is solved again. `folder` is the document's.
+/// Solves the frames of a merged document that come from a side with another base or field. Of a
+/// frame that is on no side it is not known what it was solved for, so it is solved again. `folder`
+/// is the document's.
 ///
 /// # Errors
 /// A field of the document is not valid; no clicked frame is solved then.
@@ -38,9 +40,16 @@ pub fn solve_after_merge(
     let mut clicked = Vec::new();
     for index in 0..document.frames.len() {
         let frame = &document.frames[index];
-        let origins: Vec<&Document> = sides.iter().copied().filter(|side| holds_frame(side, frame)).collect();
+        let origins: Vec<&Document> = sides
+            .iter()
+            .copied()
+            .filter(|side| holds_frame(side, frame))
+            .collect();
         let ground = Ground::under(document, frame);
-        if origins.iter().any(|side| Ground::under(side, frame) == ground) {
+        if origins
+            .iter()
+            .any(|side| Ground::under(side, frame) == ground)
+        {
             continue;
         }
         if is_by_clicks(frame) {
@@ -73,18 +82,27 @@ struct Ground<'a> {
 impl<'a> Ground<'a> {
     fn under(document: &'a Document, frame: &Frame) -> Self {
         let base = document.camera_of(frame).and_then(Camera::base);
-        Self { base, field: document.field_of(frame) }
+        Self {
+            base,
+            field: document.field_of(frame),
+        }
     }
 }
 
 /// Whether a document holds a frame with these contents.
 fn holds_frame(document: &Document, frame: &Frame) -> bool {
-    document.frames.by_id(&frame.id).is_some_and(|known| known.has_content_of(frame))
+    document
+        .frames
+        .by_id(&frame.id)
+        .is_some_and(|known| known.has_content_of(frame))
 }
 
 /// The frames of one document with the cameras of another.
 fn with_cameras_of(document: &Document, origin: &Document) -> Document {
-    Document { cameras: origin.cameras.clone(), ..document.clone() }
+    Document {
+        cameras: origin.cameras.clone(),
+        ..document.clone()
+    }
 }
 
 #[cfg(test)]
@@ -94,12 +112,18 @@ mod tests {
     use touchline_core::camera::{BaseAngles, Ptz, PtzCamera};
     use touchline_core::field::builtin;
     use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{Click, FramePtz, FrameStatus, Solution, SolutionSource, merge};
+    use touchline_documents::document::{
+        Click, FramePtz, FrameStatus, Solution, SolutionSource, merge,
+    };
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     fn base(x_m: f64) -> CameraBase {
-        CameraBase::new(Vec3::new(x_m, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre())
+        CameraBase::new(
+            Vec3::new(x_m, -62.0, 17.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        )
     }
 
     /// Two frames that nobody has touched.
@@ -108,8 +132,10 @@ mod tests {
         let mut camera = Camera::new("main".into(), SIZE);
         camera.set_base(&base(1.0));
         document.cameras.push(camera.into());
-        document.frames =
-            ["a", "b"].map(|name| Frame::from_image(name, "main".into(), SIZE).into()).into_iter().collect();
+        document.frames = ["a", "b"]
+            .map(|name| Frame::from_image(name, "main".into(), SIZE).into())
+            .into_iter()
+            .collect();
         document
     }
 
@@ -120,10 +146,18 @@ mod tests {
         for landmark in ["centre_mark", "halfway_far"] {
             let world = field.landmark_in_world(field.landmark(landmark).unwrap());
             let at = camera.image_from_world(world).unwrap();
-            document.frames[index].clicks.push(Click::landmark(landmark.into(), at));
+            document.frames[index]
+                .clicks
+                .push(Click::landmark(landmark.into(), at));
         }
-        let solved =
-            calibrate(document, &FrameLookup::of(document), &document.frames[index].clone(), &field, index).unwrap();
+        let solved = calibrate(
+            document,
+            &FrameLookup::of(document),
+            &document.frames[index].clone(),
+            &field,
+            index,
+        )
+        .unwrap();
         document.frames[index].record(&solved);
         document.frames[index].status = FrameStatus::Reference;
     }
@@ -139,9 +173,16 @@ mod tests {
         click(&mut ours, 0, 1.0);
         theirs.cameras[0].set_base(&base(9.0));
         let mut merged = merge(&start, &ours, &theirs).document;
-        assert_eq!(pan_deg(&merged, 0), pan_deg(&ours, 0), "the merge alone keeps what the old base gave");
+        assert_eq!(
+            pan_deg(&merged, 0),
+            pan_deg(&ours, 0),
+            "the merge alone keeps what the old base gave"
+        );
         let done = solve_after_merge(&mut merged, &[&ours, &theirs], folder).unwrap();
-        assert_eq!((done.solved, merged.frames[0].status), (1, FrameStatus::Reference));
+        assert_eq!(
+            (done.solved, merged.frames[0].status),
+            (1, FrameStatus::Reference)
+        );
         let again = calibrate(
             &merged,
             &FrameLookup::of(&merged),
@@ -171,14 +212,28 @@ mod tests {
         let (mut ours, mut theirs) = (start.clone(), start.clone());
         let frame = &mut ours.frames[0];
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(-4.0, -14.0, 2300.0), None));
-        frame.solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
+        frame.solution = Some(Solution {
+            source: Some(SolutionSource::Forest),
+            ..Solution::default()
+        });
         frame.status = FrameStatus::Reference;
         theirs.cameras[0].set_base(&base(4.0));
         let mut merged = merge(&start, &ours, &theirs).document;
         let done = solve_after_merge(&mut merged, &[&ours, &theirs], folder).unwrap();
         assert_eq!((done.refitted, done.withdrawn), (1, 0));
         let ground = Vec3::new(3.0, 10.0, 0.0);
-        let at = |document: &Document| document.pointed(&document.frames[0]).unwrap().image_from_world(ground).unwrap();
-        assert!(at(&merged).distance_px(at(&ours)) < 12.0, "{:?} {:?}", at(&merged), at(&ours));
+        let at = |document: &Document| {
+            document
+                .pointed(&document.frames[0])
+                .unwrap()
+                .image_from_world(ground)
+                .unwrap()
+        };
+        assert!(
+            at(&merged).distance_px(at(&ours)) < 12.0,
+            "{:?} {:?}",
+            at(&merged),
+            at(&ours)
+        );
     }
 }

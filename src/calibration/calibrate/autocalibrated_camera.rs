@@ -13,11 +13,13 @@ pub struct AutocalibratedCamera {
     pub base: CameraBase,
     /// The field, with the crown and the size that were found.
     pub field: FieldModel,
-    /// The lengths of the field that were fitted; none where its size is known, or where the one assumed explains the paint as well.
+    /// The lengths of the field that were fitted; none where its size is known, or where the one
+    /// assumed explains the paint as well.
     pub sizes: Vec<FittedSize>,
     /// The frames that hang together and whose camera is certain.
     pub frames: Vec<AutocalibratedFrame>,
-    /// Frames that were looked at and hang together with none of these, by their places in the document: another camera's.
+    /// Frames that were looked at and hang together with none of these, by their places in the
+    /// document: another camera's.
     pub others: Vec<usize>,
     /// Where paint stays while the camera turns: pan and tilt, evenly thinned.
     pub paint: Vec<PanTilt>,
@@ -29,7 +31,10 @@ impl AutocalibratedCamera {
     /// How many frames agree with the painted lines of their own picture.
     #[must_use]
     pub fn snapped_count(&self) -> usize {
-        self.frames.iter().filter(|frame| frame.snapped.is_some()).count()
+        self.frames
+            .iter()
+            .filter(|frame| frame.snapped.is_some())
+            .count()
     }
 }
 
@@ -42,15 +47,18 @@ pub struct AutocalibratedFrame {
     pub ptz: Ptz,
     /// What all frames together leave open; none where that was not asked.
     pub uncertainty: Option<Uncertainty>,
-    /// The camera pulled onto the painted lines of its own picture; none where these do not decide, or where the frames beside it
-    /// contradict them.
+    /// The camera pulled onto the painted lines of its own picture; none where these do not decide,
+    /// or where the frames beside it contradict them.
     pub snapped: Option<Snapped>,
 }
 
 impl AutocalibratedFrame {
-    /// Pan, tilt and focal length by its own picture where that decides, else by all frames together.
+    /// Pan, tilt and focal length by its own picture where that decides, else by all frames
+    /// together.
     pub(crate) fn best_ptz(&self) -> Ptz {
-        self.snapped.as_ref().map_or(self.ptz, |snapped| snapped.ptz)
+        self.snapped
+            .as_ref()
+            .map_or(self.ptz, |snapped| snapped.ptz)
     }
 }
 
@@ -68,15 +76,17 @@ pub struct AutocalibrationEvidence {
     pub rival: f64,
     /// The lines of the field that were seen, by name.
     pub lines: Vec<String>,
-    /// The lines of the field that should have been seen on open ground and were not, by label. Touchlines are not among them:
-    /// the width of a field is assumed, and its rules fix all other lines.
+    /// The lines of the field that should have been seen on open ground and were not, by label.
+    /// Touchlines are not among them: the width of a field is assumed, and its rules fix all other
+    /// lines.
     pub missing: Vec<String>,
     /// The median distance of paint from its line, px at 1920 px width.
     pub residual_px: f64,
-    /// How far the bases of the two halves of the frames lie apart, m; of three frames twice the 1-σ that leaving one out at a time gives;
-    /// infinite where some have none.
+    /// How far the bases of the two halves of the frames lie apart, m; of three frames twice the
+    /// 1-σ that leaving one out at a time gives; infinite where some have none.
     pub parts_m: f64,
-    /// Length and width of a field that would explain more, m, where the size is known and is not that.
+    /// Length and width of a field that would explain more, m, where the size is known and is not
+    /// that.
     pub other_size_m: Option<[f64; 2]>,
 }
 

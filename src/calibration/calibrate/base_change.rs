@@ -41,22 +41,31 @@ impl CameraChange {
     #[must_use]
     pub fn frames(&self, document: &Document) -> Vec<usize> {
         let concerned = |index: &usize| document.frames[*index].camera == self.camera;
-        (self.frame..document.frames.len()).filter(concerned).collect()
+        (self.frame..document.frames.len())
+            .filter(concerned)
+            .collect()
     }
 
     /// The way out: the frames from there on for a new camera, with the base that fits them.
     #[must_use]
     pub fn assigned(&self, document: &Document) -> AssignedFrames {
         AssignedFrames {
-            frames: self.frames(document).into_iter().map(|index| document.frames[index].id.clone()).collect(),
+            frames: self
+                .frames(document)
+                .into_iter()
+                .map(|index| document.frames[index].id.clone())
+                .collect(),
             camera: document.free_camera_name(&self.camera),
-            new: Some(NewCamera { like: self.camera.clone(), base: Some(self.base) }),
+            new: Some(NewCamera {
+                like: self.camera.clone(),
+                base: Some(self.base),
+            }),
         }
     }
 }
 
-/// Where a camera's base stops fitting the frames of the document, in their order, if it does. Rejected frames and those left
-/// out of the base count for nothing. `lookup` is the document's.
+/// Where a camera's base stops fitting the frames of the document, in their order, if it does.
+/// Rejected frames and those left out of the base count for nothing. `lookup` is the document's.
 #[must_use]
 pub fn camera_change(
     document: &Document,
@@ -69,9 +78,20 @@ pub fn camera_change(
     let telling = |index: usize| {
         let frame = &document.frames[index];
         let takes_part = frame.image_size == known.image_size && frame.is_used_for_base();
-        let observations = takes_part.then(|| observations(frame, field).ok()).flatten()?;
+        let observations = takes_part
+            .then(|| observations(frame, field).ok())
+            .flatten()?;
         let pointed = ptz_by_clicks(document, lookup, index, known, field);
-        Some((index, (FrameClicks { observations, start: None }, pointed)))
+        Some((
+            index,
+            (
+                FrameClicks {
+                    observations,
+                    start: None,
+                },
+                pointed,
+            ),
+        ))
     };
     let telling = lookup.clicked(camera).into_par_iter().filter_map(telling);
     let (places, told): (Vec<usize>, Vec<(FrameClicks, Option<Ptz>)>) = telling.unzip();
@@ -98,6 +118,8 @@ fn ptz_by_clicks(
     let frame = &document.frames[index];
     match camera.pointed(frame) {
         Some(pointed) if frame.is_solved_by_clicks() => Some(pointed.ptz()),
-        _ => calibrate(document, lookup, frame, field, index).ok().map(|solved| solved.ptz),
+        _ => calibrate(document, lookup, frame, field, index)
+            .ok()
+            .map(|solved| solved.ptz),
     }
 }

@@ -14,8 +14,9 @@ use touchline_core::field::{FieldError, FieldModel, LandmarkId, Symmetry};
 use touchline_core::geometry::{Angle, ImagePoint, ImageSize, median};
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{
-    AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, BaseProgress, CameraClicks, CrownModel, FittedSize,
-    FrameClicks, LensModel, MirroredFrame, adjust_base, estimate_base, start_base,
+    AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, BaseProgress, CameraClicks,
+    CrownModel, FittedSize, FrameClicks, LensModel, MirroredFrame, adjust_base, estimate_base,
+    start_base,
 };
 use touchline_core::solve::{FrameSolution, ObservationError, Verdict, WarningCode};
 use touchline_documents::document::{
@@ -97,11 +98,12 @@ pub struct LandmarkFit {
 }
 
 impl BaseProblem {
-    /// Gathers the clicks of a camera's frames: of all but the rejected ones and those left out. `folder` is the
-    /// document's.
+    /// Gathers the clicks of a camera's frames: of all but the rejected ones and those left out.
+    /// `folder` is the document's.
     ///
     /// # Errors
-    /// The document lacks the camera, its field is not valid, or a click names something that the field lacks.
+    /// The document lacks the camera, its field is not valid, or a click names something that the
+    /// field lacks.
     pub fn of(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, BaseEstimationError> {
         Self::gathered(document, camera, |_| false)
     }
@@ -110,13 +112,27 @@ impl BaseProblem {
     ///
     /// # Errors
     /// Those of [`Self::of`].
-    pub(super) fn with_solved(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, BaseEstimationError> {
+    pub(super) fn with_solved(
+        document: DocumentAt<'_>,
+        camera: &CameraId,
+    ) -> Result<Self, BaseEstimationError> {
         Self::gathered(document, camera, |frame| frame.ptz.is_some())
     }
 
     /// Frames of a camera on a field, by their indices, of which no click is known.
-    pub(crate) fn without_clicks(camera: &Camera, field: FieldModel, base: &CameraBase, frames: Vec<usize>) -> Self {
-        let clicks = frames.iter().map(|_| FrameClicks { observations: Vec::new(), start: None }).collect();
+    pub(crate) fn without_clicks(
+        camera: &Camera,
+        field: FieldModel,
+        base: &CameraBase,
+        frames: Vec<usize>,
+    ) -> Self {
+        let clicks = frames
+            .iter()
+            .map(|_| FrameClicks {
+                observations: Vec::new(),
+                start: None,
+            })
+            .collect();
         Self {
             camera: camera.id.clone(),
             field,
@@ -136,17 +152,31 @@ impl BaseProblem {
     ) -> Result<Self, BaseEstimationError> {
         let known = document
             .camera(camera)
-            .ok_or_else(|| BaseEstimationError::UnknownCamera { camera: camera.as_str().to_owned() })?;
+            .ok_or_else(|| BaseEstimationError::UnknownCamera {
+                camera: camera.as_str().to_owned(),
+            })?;
         let field = document.model_of(document.field_of_camera(camera))?;
         let (mut frames, mut clicks) = (Vec::new(), Vec::new());
-        let of_camera = |frame: &Frame| frame.camera == *camera && frame.image_size == known.image_size;
-        for (index, frame) in document.frames.iter().enumerate().filter(|(_, frame)| of_camera(frame)) {
-            let observations = observations(frame, &field)
-                .map_err(|source| BaseEstimationError::Observation { frame: frame.name(), source })?;
+        let of_camera =
+            |frame: &Frame| frame.camera == *camera && frame.image_size == known.image_size;
+        for (index, frame) in document
+            .frames
+            .iter()
+            .enumerate()
+            .filter(|(_, frame)| of_camera(frame))
+        {
+            let observations =
+                observations(frame, &field).map_err(|source| BaseEstimationError::Observation {
+                    frame: frame.name(),
+                    source,
+                })?;
             let has_clicks = observations.iter().any(|observation| !observation.check);
             if frame.is_used_for_base() && (has_clicks || is_wanted(frame)) {
                 frames.push(index);
-                clicks.push(FrameClicks { observations, start: None });
+                clicks.push(FrameClicks {
+                    observations,
+                    start: None,
+                });
             }
         }
         Ok(Self {
@@ -163,7 +193,11 @@ impl BaseProblem {
     /// How many clicks take part.
     #[must_use]
     pub fn click_count(&self) -> usize {
-        self.clicks.iter().flat_map(|frame| &frame.observations).filter(|observation| !observation.check).count()
+        self.clicks
+            .iter()
+            .flat_map(|frame| &frame.observations)
+            .filter(|observation| !observation.check)
+            .count()
     }
 
     /// Estimates the base. `document` is the one that the clicks were gathered from.
@@ -176,7 +210,12 @@ impl BaseProblem {
         options: &BaseOptions,
         progress: &Progress<'_, BaseProgress>,
     ) -> Result<EstimatedBase, BaseEstimationError> {
-        let estimate = estimate_base(&self.camera_clicks(), self.previous.as_ref(), options, progress)?;
+        let estimate = estimate_base(
+            &self.camera_clicks(),
+            self.previous.as_ref(),
+            options,
+            progress,
+        )?;
         Ok(self.estimated(document, estimate))
     }
 
@@ -191,7 +230,11 @@ impl BaseProblem {
     }
 
     /// An estimate from these frames, as one of the document's.
-    pub(super) fn estimated(&self, document: &Document, mut estimate: BaseEstimate) -> EstimatedBase {
+    pub(super) fn estimated(
+        &self,
+        document: &Document,
+        mut estimate: BaseEstimate,
+    ) -> EstimatedBase {
         for disputed in &mut estimate.disputed {
             disputed.frame = self.frames[disputed.frame];
         }
@@ -200,21 +243,42 @@ impl BaseProblem {
         }
         let landmarks = self.landmark_fits(document, &estimate);
         let (camera, frames) = (self.camera.clone(), self.frames.clone());
-        EstimatedBase { camera, frames, estimate, landmarks, sizes: Vec::new(), on_paint: None }
+        EstimatedBase {
+            camera,
+            frames,
+            estimate,
+            landmarks,
+            sizes: Vec::new(),
+            on_paint: None,
+        }
     }
 
     fn landmark_fits(&self, document: &Document, estimate: &BaseEstimate) -> Vec<LandmarkFit> {
-        let field = FieldModel { crown_m: estimate.crown_m, ..self.field.clone() };
+        let field = FieldModel {
+            crown_m: estimate.crown_m,
+            ..self.field.clone()
+        };
         let mut errors: BTreeMap<&LandmarkId, Vec<(f64, usize, usize)>> = BTreeMap::new();
         for (index, fit) in self.frames.iter().zip(&estimate.frames) {
-            let (Some(fit), Some(frame)) = (fit, document.frames.get(*index)) else { continue };
+            let (Some(fit), Some(frame)) = (fit, document.frames.get(*index)) else {
+                continue;
+            };
             let camera = PtzCamera::new(estimate.base, fit.ptz);
-            for (number, click) in frame.clicks.iter().enumerate().filter(|(_, click)| !click.check) {
+            for (number, click) in frame
+                .clicks
+                .iter()
+                .enumerate()
+                .filter(|(_, click)| !click.check)
+            {
                 if let Some(Target::Landmark(id)) = &click.target
                     && let Some(landmark) = field.landmark(id.as_str())
                     && let Ok(image) = camera.image_from_world(field.landmark_in_world(landmark))
                 {
-                    errors.entry(id).or_default().push((image.distance_px(click.image), *index, number));
+                    errors.entry(id).or_default().push((
+                        image.distance_px(click.image),
+                        *index,
+                        number,
+                    ));
                 }
             }
         }
@@ -222,7 +286,13 @@ impl BaseProblem {
             errors.sort_by(|a, b| a.0.total_cmp(&b.0));
             let (worst_px, frame, click) = *errors.last()?;
             let median_px = median(&mut errors.iter().map(|error| error.0).collect::<Vec<_>>())?;
-            Some(LandmarkFit { id: id.clone(), median_px, clicks: errors.len(), worst: (frame, click), worst_px })
+            Some(LandmarkFit {
+                id: id.clone(),
+                median_px,
+                clicks: errors.len(),
+                worst: (frame, click),
+                worst_px,
+            })
         };
         let mut fits: Vec<LandmarkFit> = errors.into_iter().filter_map(fit).collect();
         fits.sort_by(|a, b| b.median_px.total_cmp(&a.median_px));
@@ -231,27 +301,34 @@ impl BaseProblem {
 }
 
 impl EstimatedBase {
-    /// Writes position, rotation, lens and sigma into the camera, the crown and a fitted size into its field; frames stay. Where there are
-    /// several cameras, each gets a field of its own with its crown: they may stand at different venues.
+    /// Writes position, rotation, lens and sigma into the camera, the crown and a fitted size into
+    /// its field; frames stay. Where there are several cameras, each gets a field of its own with
+    /// its crown: they may stand at different venues.
     pub fn write_camera(&self, document: &mut Document) {
         set_field_size(document, &self.camera, &self.sizes);
         let base = &self.estimate.base;
         let shared = (document.cameras.len() > 1).then(|| document.field.clone());
-        let Some(camera) = document.camera_mut(&self.camera) else { return };
+        let Some(camera) = document.camera_mut(&self.camera) else {
+            return;
+        };
         camera.set_base(base);
         if let Some(shared) = shared
             && shared.crown_m() != self.estimate.crown_m
         {
             camera.field.get_or_insert(shared);
         }
-        let field = if camera.field.is_some() { camera.field.as_mut() } else { Some(&mut document.field) };
+        let field = if camera.field.is_some() {
+            camera.field.as_mut()
+        } else {
+            Some(&mut document.field)
+        };
         if let Some(field) = field {
             field.set_crown_m(self.estimate.crown_m);
         }
     }
 
-    /// Marks the clicks that disagree and the frames named from the wrong side in the frames' solutions; to be called after
-    /// they have been solved with the new base.
+    /// Marks the clicks that disagree and the frames named from the wrong side in the frames'
+    /// solutions; to be called after they have been solved with the new base.
     pub fn mark_disputes(&self, document: &mut Document) {
         let places: Vec<usize> = (0..document.frames.len()).collect();
         self.mark_disputes_in(document, &places);
@@ -260,54 +337,89 @@ impl EstimatedBase {
     /// The same in some frames: by their places, ascending.
     fn mark_disputes_in(&self, document: &mut Document, places: &[usize]) {
         let is_concerned = |index: usize| places.binary_search(&index).is_ok();
-        for disputed in self.estimate.disputed.iter().filter(|disputed| is_concerned(disputed.frame)) {
-            let Some(frame) = document.frames.get_mut(disputed.frame) else { continue };
-            let named = frame.clicks.get(disputed.click).and_then(|click| click.target.as_ref());
+        for disputed in self
+            .estimate
+            .disputed
+            .iter()
+            .filter(|disputed| is_concerned(disputed.frame))
+        {
+            let Some(frame) = document.frames.get_mut(disputed.frame) else {
+                continue;
+            };
+            let named = frame
+                .clicks
+                .get(disputed.click)
+                .and_then(|click| click.target.as_ref());
             let named = named.map(|target| target.as_str().to_owned());
-            let Some(solution) = &mut frame.solution else { continue };
+            let Some(solution) = &mut frame.solution else {
+                continue;
+            };
             if !solution.disputed.contains(&disputed.click) {
                 solution.disputed.push(disputed.click);
             }
             if let (Some((better, distance_px)), Some(named), Some(error_px)) =
                 (&disputed.fits_better, named, disputed.error_px)
-                && solution
-                    .warnings
-                    .iter()
-                    .all(|known| known.renames.iter().all(|rename| rename.click != disputed.click))
+                && solution.warnings.iter().all(|known| {
+                    known
+                        .renames
+                        .iter()
+                        .all(|rename| rename.click != disputed.click)
+                })
             {
                 let message = format!(
                     "Point {} is {error_px:.0} px off as {named}, {distance_px:.1} px as {better}.",
                     disputed.click + 1
                 );
                 let warning = SolutionWarning::new(WarningCode::WrongLine.as_str(), message);
-                solution.warnings.push(SolutionWarning { clicks: vec![disputed.click], ..warning });
+                solution.warnings.push(SolutionWarning {
+                    clicks: vec![disputed.click],
+                    ..warning
+                });
             }
         }
-        for mirrored in self.estimate.mirrored.iter().filter(|mirrored| is_concerned(mirrored.frame)) {
-            let solution = document.frames.get_mut(mirrored.frame).and_then(|frame| frame.solution.as_mut());
+        for mirrored in self
+            .estimate
+            .mirrored
+            .iter()
+            .filter(|mirrored| is_concerned(mirrored.frame))
+        {
+            let solution = document
+                .frames
+                .get_mut(mirrored.frame)
+                .and_then(|frame| frame.solution.as_mut());
             let told = |known: &SolutionWarning| known.code == WarningCode::Mirrored.as_str();
-            if let Some(solution) = solution.filter(|solution| !solution.warnings.iter().any(told)) {
+            if let Some(solution) = solution.filter(|solution| !solution.warnings.iter().any(told))
+            {
                 let message = format!("The names look mirrored: {}.", describe_mirrored(mirrored));
-                solution.warnings.push(SolutionWarning::new(WarningCode::Mirrored.as_str(), message));
+                solution.warnings.push(SolutionWarning::new(
+                    WarningCode::Mirrored.as_str(),
+                    message,
+                ));
                 solution.verdict = Some(Verdict::Wrong);
             }
         }
     }
 
-    /// Writes the base into the document: the camera, the crown, and every frame of the camera solved anew from its
-    /// clicks; what the estimate disputes is marked. Frames by hand or from elsewhere keep their direction.
+    /// Writes the base into the document: the camera, the crown, and every frame of the camera
+    /// solved anew from its clicks; what the estimate disputes is marked. Frames by hand or from
+    /// elsewhere keep their direction.
     ///
     /// # Errors
     /// The camera's field is not valid with the crown.
-    pub fn write_to(&self, document: &mut Document, folder: &Path) -> Result<(), BaseEstimationError> {
+    pub fn write_to(
+        &self,
+        document: &mut Document,
+        folder: &Path,
+    ) -> Result<(), BaseEstimationError> {
         let before = document.clone();
         self.write_camera(document);
         let places: Vec<usize> = (0..document.frames.len()).collect();
         Ok(self.write_frames(document, &before, folder, &places, &Progress::default())?)
     }
 
-    /// The part of [`Self::write_to`] that lies in frames, for some of them: the document has the base already, `before` is without
-    /// it. Where `progress` cancels this, frames have changed: the document is to be dropped.
+    /// The part of [`Self::write_to`] that lies in frames, for some of them: the document has the
+    /// base already, `before` is without it. Where `progress` cancels this, frames have changed:
+    /// the document is to be dropped.
     pub(super) fn write_frames(
         &self,
         document: &mut Document,
@@ -316,12 +428,22 @@ impl EstimatedBase {
         places: &[usize],
         progress: &Progress<'_, ()>,
     ) -> Result<(), FieldError> {
-        let Some(camera) = document.camera(&self.camera) else { return Ok(()) };
-        let field = document.at(folder).model_of(camera.field.as_ref().unwrap_or(&document.field))?;
+        let Some(camera) = document.camera(&self.camera) else {
+            return Ok(());
+        };
+        let field = document
+            .at(folder)
+            .model_of(camera.field.as_ref().unwrap_or(&document.field))?;
         let before = before.camera(&self.camera).and_then(Camera::base);
-        let turned_deg = before
-            .map_or(0.0, |before| before.angles().heading.turn_from(self.estimate.base.angles().heading).degrees());
-        let of_camera = |frame: &Frame| frame.camera == self.camera && frame.status != FrameStatus::Rejected;
+        let turned_deg = before.map_or(0.0, |before| {
+            before
+                .angles()
+                .heading
+                .turn_from(self.estimate.base.angles().heading)
+                .degrees()
+        });
+        let of_camera =
+            |frame: &Frame| frame.camera == self.camera && frame.status != FrameStatus::Rejected;
         let mut clicked = Vec::new();
         for &index in places {
             if !of_camera(&document.frames[index]) {
@@ -330,13 +452,23 @@ impl EstimatedBase {
             if turned_deg != 0.0
                 && let Some(ptz) = &mut document.frames[index].ptz
             {
-                ptz.pan_deg = Angle::from_degrees(ptz.pan_deg + turned_deg).wrapped().degrees();
+                ptz.pan_deg = Angle::from_degrees(ptz.pan_deg + turned_deg)
+                    .wrapped()
+                    .degrees();
             }
             if is_by_clicks(&document.frames[index]) {
                 clicked.push(index);
             }
         }
-        if solve_frames(document, &clicked, ShownFields::Camera(&field), record_or_drop, progress).is_none() {
+        if solve_frames(
+            document,
+            &clicked,
+            ShownFields::Camera(&field),
+            record_or_drop,
+            progress,
+        )
+        .is_none()
+        {
             return Ok(());
         }
         if let Some(on_paint) = &self.on_paint {
@@ -359,20 +491,32 @@ fn record_or_drop(frame: &mut Frame, solved: Result<&FrameSolution, &Calibration
     }
 }
 
-/// The camera that a frame's own clicks determine while no base is known: four or more landmarks on the ground. None where
-/// they do not.
+/// The camera that a frame's own clicks determine while no base is known: four or more landmarks on
+/// the ground. None where they do not.
 #[must_use]
 pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> Option<PtzCamera> {
     let camera = document.camera_of(frame)?;
     if frame.landmark_clicks() < LANDMARKS_ALONE {
         return None;
     }
-    let frames = [FrameClicks { observations: observations(frame, field).ok()?, start: None }];
+    let frames = [FrameClicks {
+        observations: observations(frame, field).ok()?,
+        start: None,
+    }];
     let (image_size, principal_point) = (frame.image_size, camera.principal_point);
-    let clicks = CameraClicks { field, frames: &frames, image_size, principal_point };
+    let clicks = CameraClicks {
+        field,
+        frames: &frames,
+        image_size,
+        principal_point,
+    };
     let start = start_base(&clicks).ok()?;
     let crown = CrownModel::Fixed(field.crown_m);
-    let model = BaseModel { lens: LensModel::Pinhole, crown, principal_point: None };
+    let model = BaseModel {
+        lens: LensModel::Pinhole,
+        crown,
+        principal_point: None,
+    };
     let options = AdjustOptions::default();
     let adjusted = adjust_base(&clicks, &start.base, &start.ptz, &model, &options);
     Some(PtzCamera::new(adjusted.base, (*adjusted.ptz.first()?)?))

@@ -1,8 +1,8 @@
 //! The base of a camera from the clicks and the painted lines of its frames, in one adjustment.
 //!
-//! The clicks give a first base, or the camera has one. With it every frame is pulled onto its paint, the places of the paint and
-//! the clicks are adjusted together, and once more with what that has found. Lens and crown are chosen by paint that they
-//! have not seen.
+//! The clicks give a first base, or the camera has one. With it every frame is pulled onto its
+//! paint, the places of the paint and the clicks are adjusted together, and once more with what
+//! that has found. Lens and crown are chosen by paint that they have not seen.
 
 use super::follow_base::forget_certainty;
 use super::known_frames::{BaseOnPaintError, KnownCameras, KnownFrames, OpenField, PaintEstimate};
@@ -24,7 +24,8 @@ use touchline_vision::paint::SnapOptions;
 /// A base from clicks and paint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BaseOnPaint {
-    /// The base, and the frames that gave it; their cameras are where clicks and paint together put them.
+    /// The base, and the frames that gave it; their cameras are where clicks and paint together put
+    /// them.
     pub estimated: EstimatedBase,
     /// What the paint said.
     pub seen: PaintSeen,
@@ -34,9 +35,10 @@ pub struct BaseOnPaint {
 pub type PictureOf<'a> = &'a mut dyn FnMut(&Frame) -> Option<Picture>;
 
 impl BaseOnPaint {
-    /// Pulls all frames of the camera onto their paint with the new base and writes them; how many could be. The document has the base
-    /// already, and its frames are solved from their clicks: a frame that cannot be pulled stays so; without clicks it gets the camera
-    /// of the adjustment, or where it took no part in that the one that leaves its lines where they were in `before`.
+    /// Pulls all frames of the camera onto their paint with the new base and writes them; how many
+    /// could be. The document has the base already, and its frames are solved from their clicks: a
+    /// frame that cannot be pulled stays so; without clicks it gets the camera of the adjustment,
+    /// or where it took no part in that the one that leaves its lines where they were in `before`.
     pub fn write_frames(
         &self,
         document: &mut Document,
@@ -51,8 +53,8 @@ impl BaseOnPaint {
         counts
     }
 
-    /// The estimate together with the frames pulled onto their paint: to be written where the pictures are not at hand. `document`
-    /// is the one that it was estimated from.
+    /// The estimate together with the frames pulled onto their paint: to be written where the
+    /// pictures are not at hand. `document` is the one that it was estimated from.
     ///
     /// # Errors
     /// The camera's field is not valid with the crown.
@@ -63,14 +65,22 @@ impl BaseOnPaint {
     ) -> Result<EstimatedBase, BaseEstimationError> {
         let mut solved = document.document.clone();
         self.estimated.write_to(&mut solved, document.folder)?;
-        let field = solved.at(document.folder).model_of(solved.field_of_camera(&self.estimated.camera))?;
+        let field = solved
+            .at(document.folder)
+            .model_of(solved.field_of_camera(&self.estimated.camera))?;
         let (pulled, _) = self.pull(&solved, document.document, &field, pictures);
         let pulled = pulled.into_iter().map(|(_, frame)| frame).collect();
-        Ok(EstimatedBase { on_paint: Some(Arc::new(OnPaint { seen: self.seen, pulled })), ..self.estimated })
+        Ok(EstimatedBase {
+            on_paint: Some(Arc::new(OnPaint {
+                seen: self.seen,
+                pulled,
+            })),
+            ..self.estimated
+        })
     }
 
-    /// The frames that the paint or the new base changes, by their indices. Every solved frame of the camera is one of them, however few
-    /// of them the base was found from.
+    /// The frames that the paint or the new base changes, by their indices. Every solved frame of
+    /// the camera is one of them, however few of them the base was found from.
     fn pull(
         &self,
         document: &Document,
@@ -87,15 +97,20 @@ impl BaseOnPaint {
             .filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz)))
             .collect();
         let is_of_camera = |frame: &Frame| {
-            frame.camera == self.estimated.camera && frame.ptz.is_some() && frame.status != FrameStatus::Rejected
+            frame.camera == self.estimated.camera
+                && frame.ptz.is_some()
+                && frame.status != FrameStatus::Rejected
         };
         let (mut frames, mut counts) = (Vec::new(), PulledFrames::default());
         let mut carried_over = document.clone();
-        for index in (0..document.frames.len()).filter(|index| is_of_camera(&document.frames[*index])) {
+        for index in
+            (0..document.frames.len()).filter(|index| is_of_camera(&document.frames[*index]))
+        {
             let frame = &document.frames[index];
             let by_clicks = is_by_clicks(frame);
             if let Some(ptz) = fits.get(&index) {
-                carried_over.frames[index].point(*ptz, estimate.base.distortion.radial_at(ptz.focal_px));
+                carried_over.frames[index]
+                    .point(*ptz, estimate.base.distortion.radial_at(ptz.focal_px));
             } else if !by_clicks {
                 refit(&mut carried_over, index, before);
                 forget_certainty(&mut carried_over.frames[index]);
@@ -103,8 +118,16 @@ impl BaseOnPaint {
             counts.solved += 1;
             let mut pulled = Frame::clone(&carried_over.frames[index]);
             let picture = pictures(&pulled);
-            let snapped = picture
-                .and_then(|picture| snap_frame(&carried_over, &pulled, field, &picture, &SnapOptions::default()).ok());
+            let snapped = picture.and_then(|picture| {
+                snap_frame(
+                    &carried_over,
+                    &pulled,
+                    field,
+                    &picture,
+                    &SnapOptions::default(),
+                )
+                .ok()
+            });
             if let Some((base, snapped)) = snapped {
                 record_snapped(&mut pulled, &base, &snapped);
                 counts.on_paint += 1;
@@ -126,7 +149,8 @@ pub struct PulledFrames {
     pub on_paint: usize,
 }
 
-/// Estimates the base of a camera from clicks and paint; with `size` the field's length and width as well.
+/// Estimates the base of a camera from clicks and paint; with `size` the field's length and width
+/// as well.
 ///
 /// # Errors
 /// There is no base to begin with, too few lines are seen, or the adjustment gives no base.
@@ -141,16 +165,34 @@ pub fn estimate_on_paint(
     let problem = BaseProblem::with_solved(document, camera)?;
     let start = first_cameras(&problem, document, options, progress)?;
     let spec = document.field_of_camera(camera);
-    let frames: Vec<&Frame> = problem.frames.iter().map(|index| &*document.frames[*index]).collect();
+    let frames: Vec<&Frame> = problem
+        .frames
+        .iter()
+        .map(|index| &*document.frames[*index])
+        .collect();
     let known = KnownFrames {
         start,
-        masks: frames.iter().map(|frame| document.masks_of(frame)).collect(),
+        masks: frames
+            .iter()
+            .map(|frame| document.masks_of(frame))
+            .collect(),
         picture: &mut |place: usize| pictures(frames.get(place)?),
         open_field: size.then_some(OpenField { document, spec }),
         problem,
     };
-    let PaintEstimate { problem, estimate, sizes, seen } = known.estimate_base(options, progress)?;
-    Ok(BaseOnPaint { estimated: EstimatedBase { sizes, ..problem.estimated(&document, estimate) }, seen })
+    let PaintEstimate {
+        problem,
+        estimate,
+        sizes,
+        seen,
+    } = known.estimate_base(options, progress)?;
+    Ok(BaseOnPaint {
+        estimated: EstimatedBase {
+            sizes,
+            ..problem.estimated(&document, estimate)
+        },
+        seen,
+    })
 }
 
 /// What the clicks alone say; where they do not give a base, what the document says.
@@ -162,18 +204,34 @@ fn first_cameras(
 ) -> Result<KnownCameras, BaseEstimationError> {
     let recorded = |index: &usize| document.frames.get(*index)?.ptz.as_ref().map(FramePtz::ptz);
     let mut ptz: Vec<Option<Ptz>> = problem.frames.iter().map(recorded).collect();
-    let by_clicks = BaseProblem::of(document, &problem.camera)?.estimate(&document, options, progress);
+    let by_clicks =
+        BaseProblem::of(document, &problem.camera)?.estimate(&document, options, progress);
     match (by_clicks, problem.previous) {
-        (Ok(EstimatedBase { frames, estimate, .. }), _) => {
+        (
+            Ok(EstimatedBase {
+                frames, estimate, ..
+            }),
+            _,
+        ) => {
             for (index, fit) in frames.iter().zip(&estimate.frames) {
                 if let (Ok(place), Some(fit)) = (problem.frames.binary_search(index), fit) {
                     ptz[place] = Some(fit.ptz);
                 }
             }
-            Ok(KnownCameras { base: estimate.base, crown_m: estimate.crown_m, ptz, by_clicks: true })
+            Ok(KnownCameras {
+                base: estimate.base,
+                crown_m: estimate.crown_m,
+                ptz,
+                by_clicks: true,
+            })
         }
         (Err(BaseEstimationError::Base(BaseError::Stopped)), _) => Err(BaseError::Stopped.into()),
-        (Err(_), Some(base)) => Ok(KnownCameras { base, crown_m: problem.field.crown_m, ptz, by_clicks: false }),
+        (Err(_), Some(base)) => Ok(KnownCameras {
+            base,
+            crown_m: problem.field.crown_m,
+            ptz,
+            by_clicks: false,
+        }),
         (Err(error), None) => Err(error),
     }
 }

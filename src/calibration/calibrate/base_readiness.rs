@@ -29,12 +29,24 @@ impl BaseReadiness {
     /// What one frame gives.
     #[must_use]
     pub fn of_frame(frame: &Frame) -> Self {
-        let clicks = frame.clicks.iter().filter(|click| !click.check && click.target.is_some()).count();
+        let clicks = frame
+            .clicks
+            .iter()
+            .filter(|click| !click.check && click.target.is_some())
+            .count();
         if !frame.use_for_base {
-            Self { left_out: 1, ..Self::default() }
+            Self {
+                left_out: 1,
+                ..Self::default()
+            }
         } else if frame.is_used_for_base() && clicks > 0 {
             let wide = usize::from(frame.landmark_clicks() >= LANDMARKS_ALONE);
-            Self { frames: 1, clicks, wide, left_out: 0 }
+            Self {
+                frames: 1,
+                clicks,
+                wide,
+                left_out: 0,
+            }
         } else {
             Self::default()
         }
@@ -66,23 +78,40 @@ impl BaseReadiness {
     }
 }
 
-/// The frame of a camera that is to be clicked next for its base: one that shows enough landmarks of the field, has too few points,
-/// and looks farthest from those that have enough. Frames whose camera is not known come last. None where there is no such frame.
+/// The frame of a camera that is to be clicked next for its base: one that shows enough landmarks
+/// of the field, has too few points, and looks farthest from those that have enough. Frames whose
+/// camera is not known come last. None where there is no such frame.
 #[must_use]
 pub fn next_for_base(document: &Document, camera: &CameraId, field: &FieldModel) -> Option<usize> {
-    let of_camera = || document.frames.iter().enumerate().filter(|(_, frame)| frame.camera == *camera);
+    let of_camera = || {
+        document
+            .frames
+            .iter()
+            .enumerate()
+            .filter(|(_, frame)| frame.camera == *camera)
+    };
     let is_wide = |frame: &Frame| BaseReadiness::of_frame(frame).wide > 0;
-    let wide: Vec<(usize, Option<Angle>)> =
-        of_camera().filter(|(_, frame)| is_wide(frame)).map(|(index, frame)| (index, pan_of(frame))).collect();
+    let wide: Vec<(usize, Option<Angle>)> = of_camera()
+        .filter(|(_, frame)| is_wide(frame))
+        .map(|(index, frame)| (index, pan_of(frame)))
+        .collect();
     let shows_enough = |frame: &Frame| {
-        let seen = document.pointed(frame).map(|camera| project_landmarks(field, &camera, frame.image_size, 0.0).len());
+        let seen = document
+            .pointed(frame)
+            .map(|camera| project_landmarks(field, &camera, frame.image_size, 0.0).len());
         seen.is_none_or(|seen| seen >= LANDMARKS_ALONE)
     };
     // How far a frame is from the wide ones: by where it looks, else by its place.
     let gain = |index: usize, frame: &Frame| {
-        let apart_deg = |(_, other): &(usize, Option<Angle>)| Some(pan_of(frame)?.turn_from((*other)?).degrees().abs());
+        let apart_deg = |(_, other): &(usize, Option<Angle>)| {
+            Some(pan_of(frame)?.turn_from((*other)?).degrees().abs())
+        };
         let by_pan = wide.iter().filter_map(apart_deg).min_by(f64::total_cmp);
-        let by_place = wide.iter().map(|(other, _)| index.abs_diff(*other)).min().unwrap_or(0);
+        let by_place = wide
+            .iter()
+            .map(|(other, _)| index.abs_diff(*other))
+            .min()
+            .unwrap_or(0);
         (by_pan.is_some(), by_pan.unwrap_or(by_place as f64))
     };
     of_camera()
@@ -125,21 +154,45 @@ mod tests {
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let mut document = Document::new(FieldSpec::new("soccer"));
         let mut camera = Camera::new("main".into(), SIZE);
-        let turned = BaseAngles { pitch: Angle::from_degrees(-2.0), ..BaseAngles::default() }.base_from_world();
-        camera.set_base(&CameraBase::new(Vec3::new(0.0, -60.0, 18.0), turned, SIZE.centre()));
+        let turned = BaseAngles {
+            pitch: Angle::from_degrees(-2.0),
+            ..BaseAngles::default()
+        }
+        .base_from_world();
+        camera.set_base(&CameraBase::new(
+            Vec3::new(0.0, -60.0, 18.0),
+            turned,
+            SIZE.centre(),
+        ));
         document.cameras.push(camera.into());
         // The last one is so close up that it shows too few landmarks.
-        for (pan_deg, focal_px) in [(0.0, 1800.0), (-4.0, 1800.0), (-22.0, 1800.0), (25.0, 1800.0), (70.0, 30_000.0)] {
+        for (pan_deg, focal_px) in [
+            (0.0, 1800.0),
+            (-4.0, 1800.0),
+            (-22.0, 1800.0),
+            (25.0, 1800.0),
+            (70.0, 30_000.0),
+        ] {
             let mut frame = Frame::from_image("x.jpg", "main".into(), SIZE);
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -10.0, focal_px), None));
+            frame.ptz = Some(FramePtz::new(
+                Ptz::from_degrees(pan_deg, -10.0, focal_px),
+                None,
+            ));
             frame.status = FrameStatus::Draft;
             document.frames.push(frame.into());
         }
         let next = |document: &Document| next_for_base(document, &"main".into(), &field);
         let make_wide = |document: &mut Document, index: usize| {
-            for landmark in ["centre_mark", "halfway_far", "centre_circle_left", "centre_circle_right"] {
+            for landmark in [
+                "centre_mark",
+                "halfway_far",
+                "centre_circle_left",
+                "centre_circle_right",
+            ] {
                 let at = ImagePoint::new(100.0, 100.0);
-                document.frames[index].clicks.push(Click::landmark(landmark.into(), at));
+                document.frames[index]
+                    .clicks
+                    .push(Click::landmark(landmark.into(), at));
             }
         };
         make_wide(&mut document, 0);

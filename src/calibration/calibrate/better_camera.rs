@@ -3,7 +3,9 @@
 use super::observations;
 use std::sync::Arc;
 use touchline_core::field::FieldModel;
-use touchline_core::solve::{CHECK_MISFIT, FrameSolution, SolveContext, Warning, WarningCode, solve_frame};
+use touchline_core::solve::{
+    CHECK_MISFIT, FrameSolution, SolveContext, Warning, WarningCode, solve_frame,
+};
 use touchline_documents::document::{Camera, CameraId, Document, Frame};
 
 /// Another camera has to fit this many times better (as χ²).
@@ -28,14 +30,24 @@ impl BetterCamera {
     /// What a person reads.
     #[must_use]
     pub fn warning(&self) -> Warning {
-        let Self { camera, rms_px, own_rms_px } = self;
-        let message = format!("camera “{camera}” fits to {rms_px:.1} px, this frame's own to {own_rms_px:.1} px");
-        Warning { code: WarningCode::OtherCamera, message, clicks: Vec::new() }
+        let Self {
+            camera,
+            rms_px,
+            own_rms_px,
+        } = self;
+        let message = format!(
+            "camera “{camera}” fits to {rms_px:.1} px, this frame's own to {own_rms_px:.1} px"
+        );
+        Warning {
+            code: WarningCode::OtherCamera,
+            message,
+            clicks: Vec::new(),
+        }
     }
 }
 
-/// The camera that fits a frame's clicks best, if the frame's own does not and that one does. `fields` has the field of each
-/// camera of the document, in their order (`Fields::of_cameras`).
+/// The camera that fits a frame's clicks best, if the frame's own does not and that one does.
+/// `fields` has the field of each camera of the document, in their order (`Fields::of_cameras`).
 #[must_use]
 pub fn better_camera(
     document: &Document,
@@ -51,8 +63,10 @@ pub fn better_camera(
     let context = SolveContext::new(frame.image_size);
     let fit = |camera: &Camera, field: &FieldModel| {
         let fit = solve_frame(&camera.base()?, &observations(frame, field).ok()?, &context).ok()?;
-        let fits = fit.redundancy == solved.redundancy && fit.misfit().is_some_and(|misfit| misfit < usual);
-        let better = BETTER * fit.chi_squared < solved.chi_squared && fit.chi_squared + BETTER_BY < solved.chi_squared;
+        let fits = fit.redundancy == solved.redundancy
+            && fit.misfit().is_some_and(|misfit| misfit < usual);
+        let better = BETTER * fit.chi_squared < solved.chi_squared
+            && fit.chi_squared + BETTER_BY < solved.chi_squared;
         (fits && better && context.ranges.contains(&fit.ptz)).then_some(fit)
     };
     document
@@ -62,10 +76,15 @@ pub fn better_camera(
         .filter(|(camera, _)| camera.id != frame.camera && camera.image_size == frame.image_size)
         .filter_map(|(camera, field)| Some((camera, fit(camera, field)?)))
         .min_by(|a, b| a.1.chi_squared.total_cmp(&b.1.chi_squared))
-        .map(|(camera, fit)| BetterCamera { camera: camera.id.clone(), rms_px: fit.rms_px, own_rms_px: solved.rms_px })
+        .map(|(camera, fit)| BetterCamera {
+            camera: camera.id.clone(),
+            rms_px: fit.rms_px,
+            own_rms_px: solved.rms_px,
+        })
 }
 
-/// Puts the warning that another camera fits before a solution's others, where one does. `fields` as for
+/// Puts the warning that another camera fits before a solution's others, where one does. `fields`
+/// as for
 /// [`better_camera`].
 pub fn warn_of_better_camera(
     document: &Document,

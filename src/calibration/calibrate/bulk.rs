@@ -1,8 +1,10 @@
-//! A change after which many frames are solved again: worked out beside the document, then joined with what it has become.
+//! A change after which many frames are solved again: worked out beside the document, then joined
+//! with what it has become.
 //!
-//! Solving 100,000 frames takes seconds, and a person goes on labelling meanwhile. The change and the solved frames are therefore
-//! made in a copy of the document; nothing has changed before it is done. Frames that were edited since the copy was taken stay as
-//! they are then, but for what the change means for each of them.
+//! Solving 100,000 frames takes seconds, and a person goes on labelling meanwhile. The change and
+//! the solved frames are therefore made in a copy of the document; nothing has changed before it is
+//! done. Frames that were edited since the copy was taken stay as they are then, but for what the
+//! change means for each of them.
 
 use super::follow_base::follow_bases;
 use super::solve_frames::{is_by_clicks, solve_by_clicks};
@@ -24,7 +26,8 @@ pub enum BulkChange {
     Numbers(Box<Document>),
     /// A camera gets the base that was estimated.
     Base(Arc<EstimatedBase>),
-    /// A camera gets the base that was found without a click, and its frames what was found with it.
+    /// A camera gets the base that was found without a click, and its frames what was found with
+    /// it.
     Autocalibrated(Arc<FoundCamera>),
     /// Frames are assigned to a camera.
     Assign(Box<AssignedFrames>),
@@ -99,10 +102,14 @@ impl BulkSolve {
         self.solved_again(&self.change.places(&self.document))
     }
 
-    /// How many of some frames are solved again: those that have clicks, and accepted proposals, whose lines are held.
+    /// How many of some frames are solved again: those that have clicks, and accepted proposals,
+    /// whose lines are held.
     fn solved_again(&self, places: &[usize]) -> usize {
         let is_one = |frame: &Frame| is_by_clicks(frame) || frame.is_suggestion();
-        places.iter().filter(|index| is_one(&self.document.frames[**index])).count()
+        places
+            .iter()
+            .filter(|index| is_one(&self.document.frames[**index]))
+            .count()
     }
 
     /// Works the change out. A step of `progress` counts frames.
@@ -114,11 +121,24 @@ impl BulkSolve {
         self.change.make_beside_frames(&mut after)?;
         let places = self.change.places(&self.document);
         let (of, done) = (self.solved_again(&places), AtomicUsize::new(0));
-        let counting = progress.part(|()| Share { done: done.fetch_add(1, Ordering::Relaxed) + 1, of });
-        let withdrawn = self.change.make_in_frames(&mut after, &self.document, &self.folder, &places, &counting)?;
+        let counting = progress.part(|()| Share {
+            done: done.fetch_add(1, Ordering::Relaxed) + 1,
+            of,
+        });
+        let withdrawn = self.change.make_in_frames(
+            &mut after,
+            &self.document,
+            &self.folder,
+            &places,
+            &counting,
+        )?;
         // Counted here, so that joining need not touch every frame.
         after.count_edits_since(&self.document);
-        Ok(BulkSolved { work: self, after, withdrawn })
+        Ok(BulkSolved {
+            work: self,
+            after,
+            withdrawn,
+        })
     }
 }
 
@@ -140,9 +160,9 @@ impl BulkSolved {
         }
     }
 
-    /// The change in the document as it is now: frames that were edited meanwhile keep their edits, and are solved again if
-    /// the change means it. None where cameras, field or the order of the frames have changed meanwhile: it has to be worked out
-    /// again then.
+    /// The change in the document as it is now: frames that were edited meanwhile keep their edits,
+    /// and are solved again if the change means it. None where cameras, field or the order of the
+    /// frames have changed meanwhile: it has to be worked out again then.
     ///
     /// # Errors
     /// The change cannot be made in the frames that were edited.
@@ -151,25 +171,37 @@ impl BulkSolved {
         if !now.same_beside_frames(before) {
             return Ok(None);
         }
-        let Some(edited) = now.frames.changed_in_place(&before.frames) else { return Ok(None) };
+        let Some(edited) = now.frames.changed_in_place(&before.frames) else {
+            return Ok(None);
+        };
         let mut document = self.after.clone();
         for &index in &edited {
             document.frames[index] = now.frames[index].clone();
         }
         let concerned = self.work.change.places(now);
-        let again: Vec<usize> = edited.into_iter().filter(|index| concerned.binary_search(index).is_ok()).collect();
+        let again: Vec<usize> = edited
+            .into_iter()
+            .filter(|index| concerned.binary_search(index).is_ok())
+            .collect();
         let (change, folder) = (&self.work.change, &self.work.folder);
-        let withdrawn = change.make_in_frames(&mut document, now, folder, &again, &Progress::default())?;
-        Ok(Some(Joined { document, withdrawn: self.withdrawn + withdrawn }))
+        let withdrawn =
+            change.make_in_frames(&mut document, now, folder, &again, &Progress::default())?;
+        Ok(Some(Joined {
+            document,
+            withdrawn: self.withdrawn + withdrawn,
+        }))
     }
 }
 
-/// The numbers that a change sets, on what has become of the others since `before`: of a camera that the change leaves alone all of
-/// it, of the others the masks that were drawn meanwhile.
+/// The numbers that a change sets, on what has become of the others since `before`: of a camera
+/// that the change leaves alone all of it, of the others the masks that were drawn meanwhile.
 fn rebase_numbers(numbers: &Document, before: &Document, now: &Document) -> Document {
     let mut rebased = now.clone();
     for camera in &mut rebased.cameras {
-        let (Some(set), Some(known)) = (numbers.camera(&camera.id), before.camera(&camera.id)) else { continue };
+        let (Some(set), Some(known)) = (numbers.camera(&camera.id), before.camera(&camera.id))
+        else {
+            continue;
+        };
         if set == known {
             continue;
         }
@@ -206,7 +238,8 @@ impl BulkChange {
             Self::Assign(given) => {
                 let Some(new) = &given.new else { return Ok(()) };
                 add_camera_like(document, &given.camera, &new.like)?;
-                if let (Some(camera), Some(base)) = (document.camera_mut(&given.camera), &new.base) {
+                if let (Some(camera), Some(base)) = (document.camera_mut(&given.camera), &new.base)
+                {
                     camera.set_base(base);
                 }
             }
@@ -217,10 +250,15 @@ impl BulkChange {
     /// The places of the frames that it may change, ascending.
     fn places(&self, document: &Document) -> Vec<usize> {
         match self {
-            Self::Numbers(_) | Self::Base(_) | Self::Autocalibrated(_) => (0..document.frames.len()).collect(),
+            Self::Numbers(_) | Self::Base(_) | Self::Autocalibrated(_) => {
+                (0..document.frames.len()).collect()
+            }
             Self::Assign(given) => {
-                let mut places: Vec<usize> =
-                    given.frames.iter().filter_map(|id| document.frames.position_of(id)).collect();
+                let mut places: Vec<usize> = given
+                    .frames
+                    .iter()
+                    .filter_map(|id| document.frames.position_of(id))
+                    .collect();
                 places.sort_unstable();
                 places.dedup();
                 places
@@ -228,8 +266,8 @@ impl BulkChange {
         }
     }
 
-    /// Makes the part of the change that lies in these frames, and says how many proposals it withdrew. `before` is the document
-    /// without the change.
+    /// Makes the part of the change that lies in these frames, and says how many proposals it
+    /// withdrew. `before` is the document without the change.
     fn make_in_frames(
         &self,
         document: &mut Document,
@@ -242,7 +280,9 @@ impl BulkChange {
             return Ok(0);
         }
         match self {
-            Self::Numbers(_) | Self::Autocalibrated(_) => solve_by_clicks(document, folder, places, progress)?,
+            Self::Numbers(_) | Self::Autocalibrated(_) => {
+                solve_by_clicks(document, folder, places, progress)?
+            }
             Self::Base(found) => found.write_frames(document, before, folder, places, progress)?,
             Self::Assign(given) => {
                 let fields = Fields::of(document.at(folder))?;
@@ -251,7 +291,11 @@ impl BulkChange {
             }
         }
         let withdrawn = follow_bases(document, before, places, progress);
-        if progress.is_cancelled() { Err(BulkError::Stopped) } else { Ok(withdrawn) }
+        if progress.is_cancelled() {
+            Err(BulkError::Stopped)
+        } else {
+            Ok(withdrawn)
+        }
     }
 }
 
@@ -263,24 +307,52 @@ mod tests {
 
     #[test]
     fn what_was_changed_beside_the_numbers_meanwhile_stays() {
-        let (size, mut before) = (ImageSize::new(64, 48), Document::new(FieldSpec::new("soccer")));
-        before.cameras.extend(["main", "other"].map(|name| Camera::new(name.into(), size).into()));
+        let (size, mut before) = (
+            ImageSize::new(64, 48),
+            Document::new(FieldSpec::new("soccer")),
+        );
+        before
+            .cameras
+            .extend(["main", "other"].map(|name| Camera::new(name.into(), size).into()));
         let mut numbers = before.clone();
         numbers.cameras[0].click_noise_px = Some(2.0);
         let change = BulkChange::Numbers(Box::new(numbers));
-        let solve =
-            |document: &Document, change| BulkSolve { document: document.clone(), folder: PathBuf::new(), change };
+        let solve = |document: &Document, change| BulkSolve {
+            document: document.clone(),
+            folder: PathBuf::new(),
+            change,
+        };
         let solved = solve(&before, change).run(&Progress::default()).unwrap();
         let mut now = before.clone();
-        let mask = PixelBox { x: 1.0, y: 2.0, width: 30.0, height: 8.0 };
-        now.cameras.iter_mut().for_each(|camera| camera.masks.push(mask));
+        let mask = PixelBox {
+            x: 1.0,
+            y: 2.0,
+            width: 30.0,
+            height: 8.0,
+        };
+        now.cameras
+            .iter_mut()
+            .for_each(|camera| camera.masks.push(mask));
         now.field.template = "futsal".to_owned();
         now.cameras.push(Camera::new("new".into(), size).into());
-        assert_eq!(solved.join(&now).unwrap(), None, "it has to be worked out again");
-        let again = solve(&now, solved.change_for(&now)).run(&Progress::default()).unwrap();
+        assert_eq!(
+            solved.join(&now).unwrap(),
+            None,
+            "it has to be worked out again"
+        );
+        let again = solve(&now, solved.change_for(&now))
+            .run(&Progress::default())
+            .unwrap();
         let document = again.join(&now).unwrap().unwrap().document;
-        assert_eq!((document.cameras[0].click_noise_px, document.cameras.len()), (Some(2.0), 3));
-        assert!(document.cameras[..2].iter().all(|camera| camera.masks == [mask]));
+        assert_eq!(
+            (document.cameras[0].click_noise_px, document.cameras.len()),
+            (Some(2.0), 3)
+        );
+        assert!(
+            document.cameras[..2]
+                .iter()
+                .all(|camera| camera.masks == [mask])
+        );
         assert_eq!(document.field.template, "futsal");
     }
 }

@@ -7,7 +7,8 @@ use touchline_core::camera::Ptz;
 use touchline_core::field::{FieldModel, LandmarkId};
 use touchline_core::geometry::ImageSize;
 use touchline_core::solve::{
-    FrameSolution, Observation, ObservationError, SolveContext, SolveError, check_identity, solve_frame,
+    FrameSolution, Observation, ObservationError, SolveContext, SolveError, check_identity,
+    solve_frame,
 };
 use touchline_documents::document::{Document, Frame, Target};
 
@@ -44,7 +45,10 @@ pub enum CalibrationError {
 ///
 /// # Errors
 /// A click names a landmark or line that the field lacks.
-pub fn observations(frame: &Frame, field: &FieldModel) -> Result<Vec<Observation>, ObservationError> {
+pub fn observations(
+    frame: &Frame,
+    field: &FieldModel,
+) -> Result<Vec<Observation>, ObservationError> {
     frame
         .clicks
         .iter()
@@ -52,10 +56,16 @@ pub fn observations(frame: &Frame, field: &FieldModel) -> Result<Vec<Observation
         .filter_map(|(index, click)| click.target.as_ref().map(|target| (index, click, target)))
         .map(|(index, click, target)| {
             let observation = match target {
-                Target::Landmark(id) => {
-                    Observation::of_landmark(field, id.as_str(), click.image, frame.image_size, index)
+                Target::Landmark(id) => Observation::of_landmark(
+                    field,
+                    id.as_str(),
+                    click.image,
+                    frame.image_size,
+                    index,
+                ),
+                Target::Line(id) => {
+                    Observation::of_line(field, id.as_str(), click.image, frame.image_size, index)
                 }
-                Target::Line(id) => Observation::of_line(field, id.as_str(), click.image, frame.image_size, index),
             }?;
             let observation = match (target, click.snapped_sigma_px) {
                 (Target::Landmark(id), Some(sigma_px)) => {
@@ -63,13 +73,17 @@ pub fn observations(frame: &Frame, field: &FieldModel) -> Result<Vec<Observation
                 }
                 _ => observation,
             };
-            Ok(if click.check { observation.held_out() } else { observation })
+            Ok(if click.check {
+                observation.held_out()
+            } else {
+                observation
+            })
         })
         .collect()
 }
 
-/// A click that was moved onto the paint: what is left of its noise is how well the paint was found, and that the place itself is
-/// not quite where the rules put it.
+/// A click that was moved onto the paint: what is left of its noise is how well the paint was
+/// found, and that the place itself is not quite where the rules put it.
 fn of_snapped(
     observation: Observation,
     field: &FieldModel,
@@ -77,16 +91,23 @@ fn of_snapped(
     size: ImageSize,
     sigma_px: f64,
 ) -> Observation {
-    let place_px = field.landmark(landmark.as_str()).map_or(0.0, |landmark| landmark.place_sigma_px);
-    Observation { sigma_px: sigma_px.hypot(place_px * size.scale_from_1920()), ..observation }
+    let place_px = field
+        .landmark(landmark.as_str())
+        .map_or(0.0, |landmark| landmark.place_sigma_px);
+    Observation {
+        sigma_px: sigma_px.hypot(place_px * size.scale_from_1920()),
+        ..observation
+    }
 }
 
-/// The camera of a frame from its clicks and its camera's base, and where they are too few from what was proposed. `index` is
-/// its place in the document (`frame` may be a changed copy): the frames around it, and with `lookup` all others of the
-/// document, decide where its clicks cannot. Names that fit better come first among its warnings.
+/// The camera of a frame from its clicks and its camera's base, and where they are too few from
+/// what was proposed. `index` is its place in the document (`frame` may be a changed copy): the
+/// frames around it, and with `lookup` all others of the document, decide where its clicks cannot.
+/// Names that fit better come first among its warnings.
 ///
 /// # Errors
-/// The camera is unknown or has no base, a click names something that the field lacks, or the clicks give no camera.
+/// The camera is unknown or has no base, a click names something that the field lacks, or the
+/// clicks give no camera.
 pub fn calibrate(
     document: &Document,
     lookup: &FrameLookup,
@@ -96,9 +117,14 @@ pub fn calibrate(
 ) -> Result<FrameSolution, CalibrationError> {
     let camera = document
         .camera_of(frame)
-        .ok_or_else(|| CalibrationError::UnknownCamera { camera: frame.camera.as_str().to_owned() })?;
-    let base =
-        camera.base_for(frame).ok_or_else(|| CalibrationError::NoBase { camera: frame.camera.as_str().to_owned() })?;
+        .ok_or_else(|| CalibrationError::UnknownCamera {
+            camera: frame.camera.as_str().to_owned(),
+        })?;
+    let base = camera
+        .base_for(frame)
+        .ok_or_else(|| CalibrationError::NoBase {
+            camera: frame.camera.as_str().to_owned(),
+        })?;
     let observations = observations(frame, field)?;
     let mut context = SolveContext {
         neighbours: solved_neighbours(document, index),
@@ -122,11 +148,17 @@ pub fn calibrate(
 pub fn solved_neighbours(document: &Document, index: usize) -> Vec<Ptz> {
     /// Farther away a camera has had time to go anywhere.
     const WITHIN: usize = 50;
-    let Some(frame) = document.frames.get(index) else { return Vec::new() };
+    let Some(frame) = document.frames.get(index) else {
+        return Vec::new();
+    };
     let mut found = Vec::with_capacity(NEIGHBOURS);
     for distance in 1..=WITHIN {
         let both = [index.checked_sub(distance), index.checked_add(distance)];
-        for other in both.into_iter().flatten().filter_map(|other| document.frames.get(other)) {
+        for other in both
+            .into_iter()
+            .flatten()
+            .filter_map(|other| document.frames.get(other))
+        {
             if other.camera == frame.camera
                 && other.clip == frame.clip
                 && let Some(ptz) = other.ptz.as_ref().filter(|_| other.vouches())

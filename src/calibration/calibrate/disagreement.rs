@@ -15,11 +15,12 @@ const WITHIN: f64 = 50.0;
 /// A corner that another camera has behind it lies this far off, px.
 const BEHIND_PX: f64 = 20_000.0;
 
-/// How a frame lies to the solved frames before and after it, px at 1920 px width: root mean square over the picture's
-/// corners.
+/// How a frame lies to the solved frames before and after it, px at 1920 px width: root mean square
+/// over the picture's corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disagreement {
-    /// From the way that leads from the frame before to the one after, wherever on it the frame may be.
+    /// From the way that leads from the frame before to the one after, wherever on it the frame may
+    /// be.
     pub apart_px: f64,
     /// How far that way is.
     pub neighbours_px: f64,
@@ -29,22 +30,24 @@ pub struct Disagreement {
 const STILL_PX: f64 = 0.1;
 
 impl Disagreement {
-    /// Whether the camera stands exactly still from the frame before to the one after. An operator's never does for long: where the
-    /// picture moves, the answers come from something that is fixed on the screen.
+    /// Whether the camera stands exactly still from the frame before to the one after. An
+    /// operator's never does for long: where the picture moves, the answers come from something
+    /// that is fixed on the screen.
     #[must_use]
     pub fn is_still(&self) -> bool {
         self.apart_px.max(self.neighbours_px) < STILL_PX
     }
 }
 
-/// For every frame how it lies to its neighbours in time; none without a camera of its own or without two such neighbours in its
-/// shot.
+/// For every frame how it lies to its neighbours in time; none without a camera of its own or
+/// without two such neighbours in its shot.
 #[must_use]
 pub fn disagreements(document: &Document) -> Vec<Option<Disagreement>> {
     Disagreements::of(document).found
 }
 
-/// How the frames of a document lie to their neighbours: only what has changed since the last look is compared again.
+/// How the frames of a document lie to their neighbours: only what has changed since the last look
+/// is compared again.
 #[derive(Clone, Debug, Default)]
 pub struct Disagreements {
     cameras: Vec<Shared<Camera>>,
@@ -70,7 +73,8 @@ impl Disagreements {
         Self::anew(document, 0)
     }
 
-    /// How a frame lies to its neighbours; none without a camera of its own or without two neighbours in its shot.
+    /// How a frame lies to its neighbours; none without a camera of its own or without two
+    /// neighbours in its shot.
     #[must_use]
     pub fn of_frame(&self, index: usize) -> Option<Disagreement> {
         self.found.get(index).copied().flatten()
@@ -87,7 +91,8 @@ impl Disagreements {
         self.edition
     }
 
-    /// The frames that came to lie otherwise since an edition; none where that is too long ago to be known.
+    /// The frames that came to lie otherwise since an edition; none where that is too long ago to
+    /// be known.
     #[must_use]
     pub fn changed_since(&self, edition: u64) -> Option<&[usize]> {
         let changes = usize::try_from(self.edition.checked_sub(edition)?).ok()?;
@@ -97,7 +102,11 @@ impl Disagreements {
     /// Brings it up to date with a document.
     pub fn update(&mut self, document: &Document) {
         let same_cameras = self.cameras.len() == document.cameras.len()
-            && self.cameras.iter().zip(&document.cameras).all(|(known, camera)| known.is_same(camera));
+            && self
+                .cameras
+                .iter()
+                .zip(&document.cameras)
+                .all(|(known, camera)| known.is_same(camera));
         match document.frames.changes_since(&self.frames) {
             FrameChanges::At(changed) if same_cameras => self.change(document, &changed),
             _ => *self = Self::anew(document, self.edition + 1),
@@ -111,14 +120,27 @@ impl Disagreements {
                 shots.entry(key).or_default().insert(index);
             }
         }
-        let threes: Vec<[usize; 3]> = shots.values().flat_map(|shot| threes(shot.iter().copied())).collect();
-        let compared: Vec<Option<Disagreement>> = threes.par_iter().map(|three| compare(document, *three)).collect();
+        let threes: Vec<[usize; 3]> = shots
+            .values()
+            .flat_map(|shot| threes(shot.iter().copied()))
+            .collect();
+        let compared: Vec<Option<Disagreement>> = threes
+            .par_iter()
+            .map(|three| compare(document, *three))
+            .collect();
         let mut found = vec![None; document.frames.len()];
         for ([_, index, _], compared) in threes.into_iter().zip(compared) {
             found[index] = compared;
         }
         let (cameras, frames) = (document.cameras.clone(), document.frames.clone());
-        Self { cameras, frames, shots, found, edition, changed: Vec::new() }
+        Self {
+            cameras,
+            frames,
+            shots,
+            found,
+            edition,
+            changed: Vec::new(),
+        }
     }
 
     fn change(&mut self, document: &Document, changed: &[usize]) {
@@ -132,7 +154,9 @@ impl Disagreements {
             for frame in [&before[index], &document.frames[index]] {
                 concerned.extend(self.beside(frame, index).into_iter().flatten());
             }
-            if let Some(shot) = shot_if_solved(&before[index]).and_then(|key| self.shots.get_mut(&key)) {
+            if let Some(shot) =
+                shot_if_solved(&before[index]).and_then(|key| self.shots.get_mut(&key))
+            {
                 shot.remove(&index);
             }
             if let Some(key) = shot_if_solved(&document.frames[index]) {
@@ -153,17 +177,26 @@ impl Disagreements {
         }
     }
 
-    /// The solved frames before and after a place in the shot of a frame; none of a frame that is not solved.
+    /// The solved frames before and after a place in the shot of a frame; none of a frame that is
+    /// not solved.
     fn beside(&self, frame: &Frame, index: usize) -> [Option<usize>; 2] {
-        let Some(shot) = shot_if_solved(frame).and_then(|key| self.shots.get(&key)) else { return [None; 2] };
-        [shot.range(..index).next_back().copied(), shot.range(index + 1..).next().copied()]
+        let Some(shot) = shot_if_solved(frame).and_then(|key| self.shots.get(&key)) else {
+            return [None; 2];
+        };
+        [
+            shot.range(..index).next_back().copied(),
+            shot.range(index + 1..).next().copied(),
+        ]
     }
 }
 
 /// Each place with the one before and the one after it.
 fn threes(places: impl Iterator<Item = usize> + Clone) -> impl Iterator<Item = [usize; 3]> {
     let (after, last) = (places.clone().skip(1), places.clone().skip(2));
-    places.zip(after).zip(last).map(|((before, index), after)| [before, index, after])
+    places
+        .zip(after)
+        .zip(last)
+        .map(|((before, index), after)| [before, index, after])
 }
 
 fn shot_if_solved(frame: &Frame) -> Option<ShotKey> {
@@ -171,42 +204,65 @@ fn shot_if_solved(frame: &Frame) -> Option<ShotKey> {
 }
 
 fn ptz_if_solved(frame: &Frame) -> Option<Ptz> {
-    frame.ptz.as_ref().filter(|_| frame.status != FrameStatus::Rejected).map(FramePtz::ptz)
+    frame
+        .ptz
+        .as_ref()
+        .filter(|_| frame.status != FrameStatus::Rejected)
+        .map(FramePtz::ptz)
 }
 
-/// How the middle one of three solved frames lies to the others; none where these are too far apart.
+/// How the middle one of three solved frames lies to the others; none where these are too far
+/// apart.
 fn compare(document: &Document, [before, index, after]: [usize; 3]) -> Option<Disagreement> {
     let [from, frame, to] = [before, index, after].map(|place| &*document.frames[place]);
     if way(from, before, to, after)? > WITHIN {
         return None;
     }
     let own = document.pointed(frame)?;
-    Some(disagreement(&own, ptz_if_solved(from)?, ptz_if_solved(to)?, frame.image_size))
+    Some(disagreement(
+        &own,
+        ptz_if_solved(from)?,
+        ptz_if_solved(to)?,
+        frame.image_size,
+    ))
 }
 
-/// How many frames lie between two: of the video where both come from one, of the document where they are of one shot. None where
-/// nothing says that they follow each other in time: stills.
+/// How many frames lie between two: of the video where both come from one, of the document where
+/// they are of one shot. None where nothing says that they follow each other in time: stills.
 fn way(from: &Frame, from_index: usize, to: &Frame, to_index: usize) -> Option<f64> {
     match (&from.video, &to.video) {
-        (Some(from), Some(to)) if from.path == to.path => Some(to.frame_index as f64 - from.frame_index as f64),
-        _ => from.clip.is_some().then_some(to_index as f64 - from_index as f64),
+        (Some(from), Some(to)) if from.path == to.path => {
+            Some(to.frame_index as f64 - from.frame_index as f64)
+        }
+        _ => from
+            .clip
+            .is_some()
+            .then_some(to_index as f64 - from_index as f64),
     }
 }
 
 fn disagreement(own: &PtzCamera, from: Ptz, to: Ptz, image_size: ImageSize) -> Disagreement {
-    let [from, to] = [from, to].map(|ptz| corners_off_px(own, &PtzCamera::new(*own.base(), ptz), image_size));
+    let [from, to] =
+        [from, to].map(|ptz| corners_off_px(own, &PtzCamera::new(*own.base(), ptz), image_size));
     let way = to - from;
     // Between neighbours the corners move on lines that are nearly straight.
     let apart = distance_from_segment(SVector::zeros(), [from, to]);
     // Over four corners, at 1920 px width.
     let scale = 0.5 / image_size.scale_from_1920();
-    Disagreement { apart_px: scale * apart, neighbours_px: scale * way.norm() }
+    Disagreement {
+        apart_px: scale * apart,
+        neighbours_px: scale * way.norm(),
+    }
 }
 
-/// Where another camera has the corners of a camera's picture, from these corners, px: x and y of each.
+/// Where another camera has the corners of a camera's picture, from these corners, px: x and y of
+/// each.
 fn corners_off_px(own: &PtzCamera, other: &PtzCamera, image_size: ImageSize) -> SVector<f64, 8> {
     let offsets = image_size.corners().map(|corner| {
-        let seen = own.ray_from_image(corner).ok().and_then(|ray| other.image_from_ray(ray).ok());
+        let seen = own
+            .ray_from_image(corner)
+            .ok()
+            .and_then(|ray| other.image_from_ray(ray).ok());
         seen.map_or(Vec2::new(BEHIND_PX, 0.0), |seen| seen.offset_from(corner))
     });
     SVector::from_iterator(offsets.iter().flat_map(|offset| [offset.x, offset.y]))
@@ -225,13 +281,20 @@ mod tests {
     fn document(pans_deg: &[f64]) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
         let mut camera = Camera::new("main".into(), SIZE);
-        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        let base = CameraBase::new(
+            Vec3::new(0.0, -60.0, 18.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        );
         camera.set_base(&base);
         document.cameras.push(camera.into());
         for &pan_deg in pans_deg {
             let mut frame = Frame::from_image("x.jpg", "main".into(), SIZE);
             frame.clip = Some(Clip::Number(1));
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -10.0, 2000.0), None));
+            frame.ptz = Some(FramePtz::new(
+                Ptz::from_degrees(pan_deg, -10.0, 2000.0),
+                None,
+            ));
             frame.status = FrameStatus::Suggested;
             document.frames.push(frame.into());
         }
@@ -243,16 +306,28 @@ mod tests {
         let mut document = document(&[0.0, 0.5, 1.5, 1.6, 2.0]);
         let pan = disagreements(&document);
         assert_eq!((pan[0], pan[4]), (None, None), "no neighbour on one side");
-        assert!(pan[1..4].iter().all(|found| found.unwrap().apart_px < 0.5), "{pan:?}");
+        assert!(
+            pan[1..4].iter().all(|found| found.unwrap().apart_px < 0.5),
+            "{pan:?}"
+        );
         // A degree of pan at 2000 px is 35 px in the middle of the picture, more at its corners.
-        assert!((52.0..66.0).contains(&pan[1].unwrap().neighbours_px), "{pan:?}");
+        assert!(
+            (52.0..66.0).contains(&pan[1].unwrap().neighbours_px),
+            "{pan:?}"
+        );
         if let Some(ptz) = &mut document.frames[2].ptz {
             ptz.tilt_deg += 1.0;
         }
         let jump = disagreements(&document);
-        assert!((34.0..45.0).contains(&jump[2].unwrap().apart_px), "{jump:?}");
+        assert!(
+            (34.0..45.0).contains(&jump[2].unwrap().apart_px),
+            "{jump:?}"
+        );
         document.frames[2].ptz = Some(FramePtz::new(Ptz::from_degrees(170.0, -10.0, 2000.0), None));
-        assert!(disagreements(&document)[2].unwrap().apart_px > 10_000.0, "it looks the other way");
+        assert!(
+            disagreements(&document)[2].unwrap().apart_px > 10_000.0,
+            "it looks the other way"
+        );
     }
 
     #[test]
@@ -278,11 +353,16 @@ mod tests {
             change(&mut document);
             let before = known.edition();
             known.update(&document);
-            let found: Vec<_> = (0..document.frames.len()).map(|index| known.of_frame(index)).collect();
+            let found: Vec<_> = (0..document.frames.len())
+                .map(|index| known.of_frame(index))
+                .collect();
             assert_eq!(found, disagreements(&document));
             assert!(found.iter().any(Option::is_some) && known.edition() > before);
             let edition = known.edition();
-            document.frames[0].comment = document.frames[0].comment.is_none().then(|| "rain".to_owned());
+            document.frames[0].comment = document.frames[0]
+                .comment
+                .is_none()
+                .then(|| "rain".to_owned());
             known.update(&document);
             assert_eq!(known.edition(), edition, "a comment moves no camera");
         }
@@ -292,7 +372,10 @@ mod tests {
     fn stills_have_no_neighbours_in_time() {
         let mut document = document(&[0.0, 9.0, -4.0]);
         assert!(disagreements(&document)[1].is_some());
-        document.frames.iter_mut().for_each(|frame| frame.clip = None);
+        document
+            .frames
+            .iter_mut()
+            .for_each(|frame| frame.clip = None);
         assert_eq!(disagreements(&document), [None; 3]);
     }
 

@@ -4,30 +4,48 @@ use super::paint::LINE_CHECK;
 use super::refit::refit;
 use std::collections::BTreeSet;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{Camera, CameraId, Document, Frame, FrameStatus, SolutionSource};
+use touchline_documents::document::{
+    Camera, CameraId, Document, Frame, FrameStatus, SolutionSource,
+};
 
-/// The frames, ascending, whose camera has another base than in `before`, or that another camera has now.
+/// The frames, ascending, whose camera has another base than in `before`, or that another camera
+/// has now.
 fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
     let base = |document: &Document, id: &CameraId| document.camera(id).and_then(Camera::base);
-    let ids = now.cameras.iter().filter(|_| before.cameras != now.cameras).map(|camera| &camera.id);
+    let ids = now
+        .cameras
+        .iter()
+        .filter(|_| before.cameras != now.cameras)
+        .map(|camera| &camera.id);
     let moved: BTreeSet<&CameraId> = ids.filter(|id| base(before, id) != base(now, id)).collect();
     let given_away = |index: &usize| {
         let frame = &now.frames[*index];
-        before.frames.get(*index).is_some_and(|known| known.id == frame.id && known.camera != frame.camera)
+        before
+            .frames
+            .get(*index)
+            .is_some_and(|known| known.id == frame.id && known.camera != frame.camera)
     };
-    let given_away = now.frames.differences(&before.frames).into_iter().filter(given_away);
+    let given_away = now
+        .frames
+        .differences(&before.frames)
+        .into_iter()
+        .filter(given_away);
     if moved.is_empty() {
         return given_away.collect();
     }
     let of_moved = |index: &usize| moved.contains(&now.frames[*index].camera);
-    let mut frames: Vec<usize> = (0..now.frames.len()).filter(of_moved).chain(given_away).collect();
+    let mut frames: Vec<usize> = (0..now.frames.len())
+        .filter(of_moved)
+        .chain(given_away)
+        .collect();
     frames.sort_unstable();
     frames.dedup();
     frames
 }
 
-/// Lets the frames of some places (ascending) whose cameras have moved since `before` follow them; how many proposals were withdrawn.
-/// `progress` hears of each proposal before that is looked at. Where it cancels this, the frames behind have not followed.
+/// Lets the frames of some places (ascending) whose cameras have moved since `before` follow them;
+/// how many proposals were withdrawn. `progress` hears of each proposal before that is looked at.
+/// Where it cancels this, the frames behind have not followed.
 pub(crate) fn follow_bases(
     document: &mut Document,
     before: &Document,
@@ -39,13 +57,19 @@ pub(crate) fn follow_bases(
     follow_each(document, before, &moved, progress)
 }
 
-/// Lets all frames whose cameras have moved since `before` follow them; how many proposals were withdrawn.
+/// Lets all frames whose cameras have moved since `before` follow them; how many proposals were
+/// withdrawn.
 pub fn follow_all_bases(document: &mut Document, before: &Document) -> usize {
     let moved = moved_frames(before, document);
     follow_each(document, before, &moved, &Progress::default())
 }
 
-fn follow_each(document: &mut Document, before: &Document, moved: &[usize], progress: &Progress<'_, ()>) -> usize {
+fn follow_each(
+    document: &mut Document,
+    before: &Document,
+    moved: &[usize],
+    progress: &Progress<'_, ()>,
+) -> usize {
     let mut withdrawn = 0;
     for &index in moved {
         if document.frames[index].is_suggestion() && progress.report(()).is_break() {
@@ -56,12 +80,18 @@ fn follow_each(document: &mut Document, before: &Document, moved: &[usize], prog
     withdrawn
 }
 
-/// Lets a frame follow its camera, which was elsewhere in `before`. What the forest or tracking proposed for the old place is
-/// withdrawn, because they propose again; other lines stay on the picture where they were, with nothing said of how certain that
-/// is. True where a proposal was withdrawn. Cameras from clicks, and those that were found with the new base, are not touched.
+/// Lets a frame follow its camera, which was elsewhere in `before`. What the forest or tracking
+/// proposed for the old place is withdrawn, because they propose again; other lines stay on the
+/// picture where they were, with nothing said of how certain that is. True where a proposal was
+/// withdrawn. Cameras from clicks, and those that were found with the new base, are not touched.
 pub(crate) fn follow_base(document: &mut Document, index: usize, before: &Document) -> bool {
-    let Some(frame) = document.frames.get(index) else { return false };
-    let is_of_old_base = before.frames.get(index).is_some_and(|known| known.ptz == frame.ptz);
+    let Some(frame) = document.frames.get(index) else {
+        return false;
+    };
+    let is_of_old_base = before
+        .frames
+        .get(index)
+        .is_some_and(|known| known.ptz == frame.ptz);
     if is_of_old_base && frame.is_suggestion() && frame.status != FrameStatus::Reference {
         withdraw(&mut document.frames[index]);
         return true;
@@ -79,19 +109,34 @@ pub(crate) fn follow_base(document: &mut Document, index: usize, before: &Docume
     false
 }
 
-/// Whether a frame's camera came from its picture and not from clicks, which are solved again, or from numbers that a person typed.
+/// Whether a frame's camera came from its picture and not from clicks, which are solved again, or
+/// from numbers that a person typed.
 fn follows_picture(frame: &Frame) -> bool {
     use SolutionSource::{Forest, Import, Markings, Tracking};
     let source = frame.source();
     frame.ptz.is_some() && matches!(source, Some(Forest | Tracking | Markings | Import))
 }
 
-/// Forgets how certain a camera was and what the paint said about it: both were found with the old base.
+/// Forgets how certain a camera was and what the paint said about it: both were found with the old
+/// base.
 pub(super) fn forget_certainty(frame: &mut Frame) {
-    let Some(solution) = &mut frame.solution else { return };
-    (solution.covariance, solution.own_covariance, solution.worst_corner_sigma_px) = (None, None, None);
-    (solution.confidence, solution.line_check, solution.rms_px, solution.samples) = (None, None, None, None);
-    solution.warnings.retain(|warning| warning.code != LINE_CHECK);
+    let Some(solution) = &mut frame.solution else {
+        return;
+    };
+    (
+        solution.covariance,
+        solution.own_covariance,
+        solution.worst_corner_sigma_px,
+    ) = (None, None, None);
+    (
+        solution.confidence,
+        solution.line_check,
+        solution.rms_px,
+        solution.samples,
+    ) = (None, None, None, None);
+    solution
+        .warnings
+        .retain(|warning| warning.code != LINE_CHECK);
 }
 
 /// Takes back what was proposed for a frame.
@@ -105,7 +150,10 @@ fn withdraw(frame: &mut Frame) {
 
 /// Whether a person corrected a proposal that the frame still keeps.
 fn keeps_proposal(frame: &Frame) -> bool {
-    frame.solution.as_ref().is_some_and(|solution| solution.proposed.is_some())
+    frame
+        .solution
+        .as_ref()
+        .is_some_and(|solution| solution.proposed.is_some())
 }
 
 #[cfg(test)]
@@ -121,7 +169,11 @@ mod tests {
     fn raised(source: Option<SolutionSource>, status: FrameStatus) -> (Document, Document) {
         let base = |height_m: f64| {
             let position_m = Vec3::new(0.0, -62.0, height_m);
-            CameraBase::new(position_m, BaseAngles::default().base_from_world(), SIZE.centre())
+            CameraBase::new(
+                position_m,
+                BaseAngles::default().base_from_world(),
+                SIZE.centre(),
+            )
         };
         let mut document = Document::new(FieldSpec::new("soccer"));
         let mut camera = Camera::new("main".into(), SIZE);
@@ -129,8 +181,16 @@ mod tests {
         document.cameras.push(camera.into());
         let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -14.0, 2300.0), None));
-        let line_check = Some(PaintEvidence { score: 0.99, ..PaintEvidence::default() });
-        frame.solution = Some(Solution { source, confidence: Some(0.98), line_check, ..Solution::default() });
+        let line_check = Some(PaintEvidence {
+            score: 0.99,
+            ..PaintEvidence::default()
+        });
+        frame.solution = Some(Solution {
+            source,
+            confidence: Some(0.98),
+            line_check,
+            ..Solution::default()
+        });
         frame.status = status;
         document.frames.push(frame.into());
         let mut after = document.clone();
@@ -149,12 +209,21 @@ mod tests {
             let (before, mut after) = raised(Some(source), status);
             assert_eq!(follow_all_bases(&mut after, &before), 0, "{source:?}");
             let ground = Vec3::new(5.0, 3.0, 0.0);
-            let at =
-                |document: &Document| document.pointed(&document.frames[0]).unwrap().image_from_world(ground).unwrap();
+            let at = |document: &Document| {
+                document
+                    .pointed(&document.frames[0])
+                    .unwrap()
+                    .image_from_world(ground)
+                    .unwrap()
+            };
             let moved_px = at(&before).distance_px(at(&after));
             assert!(moved_px < 10.0, "{source:?} {status:?}: {moved_px}");
             let solution = after.frames[0].solution.as_ref().unwrap();
-            assert_eq!((solution.confidence, &solution.line_check), (None, &None), "{source:?} {status:?}");
+            assert_eq!(
+                (solution.confidence, &solution.line_check),
+                (None, &None),
+                "{source:?} {status:?}"
+            );
             assert_eq!(after.frames[0].status, status);
         }
     }

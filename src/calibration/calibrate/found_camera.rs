@@ -1,4 +1,5 @@
-//! A camera that was found without a click, on its way into a document that has been edited meanwhile.
+//! A camera that was found without a click, on its way into a document that has been edited
+//! meanwhile.
 
 use super::{AutocalibratedCamera, AutocalibratedFrame, record_found};
 use touchline_core::camera::Ptz;
@@ -20,27 +21,55 @@ impl FoundCamera {
     /// What was found in a document as it is now.
     #[must_use]
     pub fn of(document: &Document, camera: &CameraId, found: AutocalibratedCamera) -> Self {
-        let frames = found.frames.iter().map(|frame| document.frames[frame.index].id.clone()).collect();
-        Self { camera: camera.clone(), found, frames }
+        let frames = found
+            .frames
+            .iter()
+            .map(|frame| document.frames[frame.index].id.clone())
+            .collect();
+        Self {
+            camera: camera.clone(),
+            found,
+            frames,
+        }
     }
 
-    /// Where the frames that a document still has look, with their places in it and the sizes of their pictures.
-    pub fn looks<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = (usize, (Ptz, ImageSize))> + 'a {
-        self.frames.iter().zip(&self.found.frames).filter_map(|(id, of_found)| {
-            let index = document.frames.position_of(id)?;
-            Some((index, (of_found.ptz, document.frames[index].image_size)))
-        })
+    /// Where the frames that a document still has look, with their places in it and the sizes of
+    /// their pictures.
+    pub fn looks<'a>(
+        &'a self,
+        document: &'a Document,
+    ) -> impl Iterator<Item = (usize, (Ptz, ImageSize))> + 'a {
+        self.frames
+            .iter()
+            .zip(&self.found.frames)
+            .filter_map(|(id, of_found)| {
+                let index = document.frames.position_of(id)?;
+                Some((index, (of_found.ptz, document.frames[index].image_size)))
+            })
     }
 
-    /// Writes base, crown and suggestions into a document. Frames in which somebody has clicked or decided stay as they are.
+    /// Writes base, crown and suggestions into a document. Frames in which somebody has clicked or
+    /// decided stay as they are.
     pub(super) fn write(&self, document: &mut Document) {
         let here = |(id, of_found): (&FrameId, &AutocalibratedFrame)| {
             let index = document.frames.position_of(id)?;
-            let is_open = document.frames[index].is_open() && document.frames[index].camera == self.camera;
-            is_open.then(|| AutocalibratedFrame { index, ..of_found.clone() })
+            let is_open =
+                document.frames[index].is_open() && document.frames[index].camera == self.camera;
+            is_open.then(|| AutocalibratedFrame {
+                index,
+                ..of_found.clone()
+            })
         };
-        let frames = self.frames.iter().zip(&self.found.frames).filter_map(here).collect();
-        let found = AutocalibratedCamera { frames, ..self.found.clone() };
+        let frames = self
+            .frames
+            .iter()
+            .zip(&self.found.frames)
+            .filter_map(here)
+            .collect();
+        let found = AutocalibratedCamera {
+            frames,
+            ..self.found.clone()
+        };
         record_found(document, &self.camera, &found);
     }
 }

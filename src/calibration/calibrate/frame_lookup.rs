@@ -1,15 +1,18 @@
 //! What calibrating looks up in a document's frames, kept up to date as the document changes.
 //!
-//! Every solve asks where its camera usually looks and how fast it moves. Looking through all frames for the answer would make
-//! solving a document quadratic, so the answer is kept: by camera the ranges of the accepted frames and which frames have
-//! clicks, by shot the solved frames in the video's order and how far the camera moves between them.
+//! Every solve asks where its camera usually looks and how fast it moves. Looking through all
+//! frames for the answer would make solving a document quadratic, so the answer is kept: by camera
+//! the ranges of the accepted frames and which frames have clicks, by shot the solved frames in the
+//! video's order and how far the camera moves between them.
 
 use super::BaseReadiness;
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::{Angle, AngleRange, Directions};
 use touchline_core::solve::{Motion, MotionPrior, PtzRanges, PtzStep};
-use touchline_documents::document::{CameraId, Clip, Document, Frame, FrameChanges, FramePtz, FrameStatus, Frames};
+use touchline_documents::document::{
+    CameraId, Clip, Document, Frame, FrameChanges, FramePtz, FrameStatus, Frames,
+};
 
 /// As many accepted frames tell where a camera looks.
 const MIN_ACCEPTED: usize = 5;
@@ -20,8 +23,8 @@ const MIN_MOVES: usize = 8;
 /// Frames farther apart say nothing about how fast a camera moves.
 const WITHIN_FRAMES: u64 = 50;
 
-/// What calibrating looks up in a document's frames. It holds for the document that it was derived from or last brought up to
-/// date with; the latter takes work only for frames that have changed.
+/// What calibrating looks up in a document's frames. It holds for the document that it was derived
+/// from or last brought up to date with; the latter takes work only for frames that have changed.
 #[derive(Clone, Debug, Default)]
 pub struct FrameLookup {
     /// The frames as they were when they were looked at, by their places in the document.
@@ -72,8 +75,14 @@ impl FrameLookup {
         Self {
             clicked,
             frames: document.frames.clone(),
-            accepted: accepted.into_iter().map(|(camera, all)| (camera, Accepted::of(&all))).collect(),
-            shots: shots.into_iter().map(|(key, solved)| (key, Shot::of(solved))).collect(),
+            accepted: accepted
+                .into_iter()
+                .map(|(camera, all)| (camera, Accepted::of(&all)))
+                .collect(),
+            shots: shots
+                .into_iter()
+                .map(|(key, solved)| (key, Shot::of(solved)))
+                .collect(),
         }
     }
 
@@ -90,8 +99,13 @@ impl FrameLookup {
     }
 
     fn replace(&mut self, index: usize, before: &Frame, frame: &Frame) {
-        let clicked =
-            [before, frame].map(|frame| (&frame.camera, !frame.clicks.is_empty(), BaseReadiness::of_frame(frame)));
+        let clicked = [before, frame].map(|frame| {
+            (
+                &frame.camera,
+                !frame.clicks.is_empty(),
+                BaseReadiness::of_frame(frame),
+            )
+        });
         if clicked[0] != clicked[1] {
             let [(camera, _, readiness), added] = clicked;
             let of_camera = self.clicked.entry(camera.clone()).or_default();
@@ -109,10 +123,19 @@ impl FrameLookup {
             let same_camera = before.camera == frame.camera;
             let [removed, added] = accepted.map(|accepted| accepted.map(|(_, ptz)| ptz));
             if same_camera {
-                self.accepted.entry(frame.camera.clone()).or_default().change(removed, added);
+                self.accepted
+                    .entry(frame.camera.clone())
+                    .or_default()
+                    .change(removed, added);
             } else {
-                self.accepted.entry(before.camera.clone()).or_default().change(removed, None);
-                self.accepted.entry(frame.camera.clone()).or_default().change(None, added);
+                self.accepted
+                    .entry(before.camera.clone())
+                    .or_default()
+                    .change(removed, None);
+                self.accepted
+                    .entry(frame.camera.clone())
+                    .or_default()
+                    .change(None, added);
             }
         }
         let solved = [before, frame].map(solved_in_shot);
@@ -122,7 +145,10 @@ impl FrameLookup {
                 self.shots.entry(key).or_default().remove((number, index));
             }
             if let Some((key, number, ptz)) = added {
-                self.shots.entry(key).or_default().insert((number, index), ptz);
+                self.shots
+                    .entry(key)
+                    .or_default()
+                    .insert((number, index), ptz);
             }
         }
     }
@@ -130,47 +156,74 @@ impl FrameLookup {
     /// The places of a camera's frames that have clicks, in the document's order.
     #[must_use]
     pub fn clicked(&self, camera: &CameraId) -> Vec<usize> {
-        self.clicked.get(camera).map(|clicked| clicked.places.iter().copied().collect()).unwrap_or_default()
+        self.clicked
+            .get(camera)
+            .map(|clicked| clicked.places.iter().copied().collect())
+            .unwrap_or_default()
     }
 
     /// How many of a camera's frames have clicks.
     #[must_use]
     pub fn clicked_count(&self, camera: &CameraId) -> usize {
-        self.clicked.get(camera).map_or(0, |clicked| clicked.places.len())
+        self.clicked
+            .get(camera)
+            .map_or(0, |clicked| clicked.places.len())
     }
 
     /// What a camera's frames give for its base.
     #[must_use]
     pub fn readiness(&self, camera: &CameraId) -> BaseReadiness {
-        self.clicked.get(camera).map(|clicked| clicked.readiness).unwrap_or_default()
+        self.clicked
+            .get(camera)
+            .map(|clicked| clicked.readiness)
+            .unwrap_or_default()
     }
 
-    /// What the camera of a frame usually does, the frame itself left out: where accepted frames look, and how fast it moves in
-    /// frames of one video whose numbers are known. Nothing is known of a frame that the document does not have.
+    /// What the camera of a frame usually does, the frame itself left out: where accepted frames
+    /// look, and how fast it moves in frames of one video whose numbers are known. Nothing is known
+    /// of a frame that the document does not have.
     #[must_use]
     pub fn prior(&self, index: usize) -> MotionPrior {
-        let Some(frame) = self.frames.get(index) else { return MotionPrior::default() };
-        let seen = self.accepted.get(&frame.camera).and_then(|accepted| accepted.without(accepted_ptz(frame)));
-        let motion = shot_of(frame).and_then(|(key, number)| self.shots.get(&key)?.motion((number, index)));
+        let Some(frame) = self.frames.get(index) else {
+            return MotionPrior::default();
+        };
+        let seen = self
+            .accepted
+            .get(&frame.camera)
+            .and_then(|accepted| accepted.without(accepted_ptz(frame)));
+        let motion =
+            shot_of(frame).and_then(|(key, number)| self.shots.get(&key)?.motion((number, index)));
         MotionPrior { seen, motion }
     }
 }
 
 /// How an accepted frame is pointed.
 fn accepted_ptz(frame: &Frame) -> Option<Ptz> {
-    frame.ptz.as_ref().filter(|_| frame.status == FrameStatus::Reference).map(FramePtz::ptz)
+    frame
+        .ptz
+        .as_ref()
+        .filter(|_| frame.status == FrameStatus::Reference)
+        .map(FramePtz::ptz)
 }
 
 /// The shot of a video's frame, and its number there.
 fn shot_of(frame: &Frame) -> Option<(ShotKey, u64)> {
     let video = frame.video.as_ref()?;
-    let key = ShotKey { camera: frame.camera.clone(), clip: frame.clip.clone(), video: video.path.clone() };
+    let key = ShotKey {
+        camera: frame.camera.clone(),
+        clip: frame.clip.clone(),
+        video: video.path.clone(),
+    };
     Some((key, video.frame_index))
 }
 
 /// The shot of a solved frame, its number there, and how it is pointed.
 fn solved_in_shot(frame: &Frame) -> Option<(ShotKey, u64, Ptz)> {
-    let ptz = frame.ptz.as_ref().filter(|_| frame.status != FrameStatus::Rejected && frame.vouches())?.ptz();
+    let ptz = frame
+        .ptz
+        .as_ref()
+        .filter(|_| frame.status != FrameStatus::Rejected && frame.vouches())?
+        .ptz();
     let (key, number) = shot_of(frame)?;
     Some((key, number, ptz))
 }
@@ -195,7 +248,8 @@ impl Accepted {
     }
 
     fn change(&mut self, removed: Option<Ptz>, added: Option<Ptz>) {
-        self.pans.change(added.map(|ptz| ptz.pan), removed.map(|ptz| ptz.pan));
+        self.pans
+            .change(added.map(|ptz| ptz.pan), removed.map(|ptz| ptz.pan));
         if let Some(ptz) = removed {
             self.tilts.remove(ptz.tilt.radians());
             self.focals.remove(ptz.focal_px);
@@ -215,14 +269,21 @@ impl Accepted {
             Some(ptz) => AngleRange::smallest_without(&self.pans, ptz.pan),
             None => AngleRange::smallest_of(&self.pans),
         }?;
-        let [lowest, highest] = self.tilts.ends_without(left_out.map(|ptz| ptz.tilt.radians()))?;
+        let [lowest, highest] = self
+            .tilts
+            .ends_without(left_out.map(|ptz| ptz.tilt.radians()))?;
         let [shortest, longest] = self.focals.ends_without(left_out.map(|ptz| ptz.focal_px))?;
         let tilt = Angle::from_radians(lowest)..=Angle::from_radians(highest);
-        Some(PtzRanges { pan, tilt, focal_px: shortest..=longest })
+        Some(PtzRanges {
+            pan,
+            tilt,
+            focal_px: shortest..=longest,
+        })
     }
 }
 
-/// When a frame was: its number in the video, and among frames of one number its place in the document.
+/// When a frame was: its number in the video, and among frames of one number its place in the
+/// document.
 type Moment = (u64, usize);
 
 /// A solved frame: when it is, and where the camera was.
@@ -248,36 +309,58 @@ impl Shot {
         let (before, after) = self.beside(moment);
         let at = (&moment, &ptz);
         let broken = before.zip(after).and_then(|(from, to)| rates(from, to));
-        let made = [before.and_then(|from| rates(from, at)), after.and_then(|to| rates(at, to))];
+        let made = [
+            before.and_then(|from| rates(from, at)),
+            after.and_then(|to| rates(at, to)),
+        ];
         self.change(made.into_iter().flatten(), broken);
         self.solved.insert(moment, ptz);
     }
 
     fn remove(&mut self, moment: Moment) {
-        let Some(ptz) = self.solved.remove(&moment) else { return };
+        let Some(ptz) = self.solved.remove(&moment) else {
+            return;
+        };
         let (before, after) = self.beside(moment);
         let at = (&moment, &ptz);
         let made = before.zip(after).and_then(|(from, to)| rates(from, to));
-        let broken = [before.and_then(|from| rates(from, at)), after.and_then(|to| rates(at, to))];
+        let broken = [
+            before.and_then(|from| rates(from, at)),
+            after.and_then(|to| rates(at, to)),
+        ];
         self.change(made, broken.into_iter().flatten());
     }
 
-    fn change(&mut self, made: impl IntoIterator<Item = [f64; 3]>, broken: impl IntoIterator<Item = [f64; 3]>) {
+    fn change(
+        &mut self,
+        made: impl IntoIterator<Item = [f64; 3]>,
+        broken: impl IntoIterator<Item = [f64; 3]>,
+    ) {
         for moved in broken {
-            self.rates.iter_mut().zip(moved).for_each(|(rates, moved)| rates.remove(moved));
+            self.rates
+                .iter_mut()
+                .zip(moved)
+                .for_each(|(rates, moved)| rates.remove(moved));
         }
         for moved in made {
-            self.rates.iter_mut().zip(moved).for_each(|(rates, moved)| rates.insert(moved));
+            self.rates
+                .iter_mut()
+                .zip(moved)
+                .for_each(|(rates, moved)| rates.insert(moved));
         }
     }
 
     /// The solved frames next to a moment, other than of that very moment.
     fn beside(&self, moment: Moment) -> (Option<Solved<'_>>, Option<Solved<'_>>) {
         use std::ops::Bound::{Excluded, Unbounded};
-        (self.solved.range(..moment).next_back(), self.solved.range((Excluded(moment), Unbounded)).next())
+        (
+            self.solved.range(..moment).next_back(),
+            self.solved.range((Excluded(moment), Unbounded)).next(),
+        )
     }
 
-    /// Where the camera was in the solved frame nearest to one, and how far it usually gets from there; without that frame.
+    /// Where the camera was in the solved frame nearest to one, and how far it usually gets from
+    /// there; without that frame.
     fn motion(&self, moment: Moment) -> Option<Motion> {
         let (before, after) = self.beside(moment);
         let (mut broken, mut made) = (Vec::new(), None);
@@ -298,36 +381,58 @@ impl Shot {
             let made = made.map(|rates| rates[which]);
             self.rates[which].nth_of_changed(count * 9 / 10, &broken, made) * frames as f64
         };
-        let usual =
-            PtzStep { pan: Angle::from_degrees(usual(0)), tilt: Angle::from_degrees(usual(1)), log_focal: usual(2) };
-        Some(Motion { from, frames, usual })
+        let usual = PtzStep {
+            pan: Angle::from_degrees(usual(0)),
+            tilt: Angle::from_degrees(usual(1)),
+            log_focal: usual(2),
+        };
+        Some(Motion {
+            from,
+            frames,
+            usual,
+        })
     }
 
-    /// The other solved frame that is nearest in the video, the earlier one of two, and how many frames it is away, at least 1.
-    /// None that is too far away.
+    /// The other solved frame that is nearest in the video, the earlier one of two, and how many
+    /// frames it is away, at least 1. None that is too far away.
     fn nearest(&self, moment: Moment) -> Option<(Ptz, u64)> {
         let number = moment.0;
         // Of several with one number the first stands for all.
         let first_of = |at: u64| {
             let mut of_number = self.solved.range((at, 0)..=(at, usize::MAX));
-            of_number.find(|(other, _)| **other != moment).map(|(_, ptz)| *ptz)
+            of_number
+                .find(|(other, _)| **other != moment)
+                .map(|(_, ptz)| *ptz)
         };
-        let earlier = self.solved.range(..(number, 0)).next_back().map(|(at, _)| at.0);
-        let later = self.solved.range((number, usize::MAX)..).map(|(at, _)| at.0).find(|at| *at > number);
-        let found = [earlier, Some(number), later].into_iter().flatten().filter_map(|at| Some((at, first_of(at)?)));
+        let earlier = self
+            .solved
+            .range(..(number, 0))
+            .next_back()
+            .map(|(at, _)| at.0);
+        let later = self
+            .solved
+            .range((number, usize::MAX)..)
+            .map(|(at, _)| at.0)
+            .find(|at| *at > number);
+        let found = [earlier, Some(number), later]
+            .into_iter()
+            .flatten()
+            .filter_map(|at| Some((at, first_of(at)?)));
         let (at, ptz) = found.min_by_key(|(at, _)| at.abs_diff(number))?;
         let frames = at.abs_diff(number).max(1);
         (frames <= WITHIN_FRAMES).then_some((ptz, frames))
     }
 }
 
-/// How far pan (°), tilt (°) and the logarithm of the focal length move a frame from one solved frame to the next; none where
-/// these are too far apart, or have one number.
+/// How far pan (°), tilt (°) and the logarithm of the focal length move a frame from one solved
+/// frame to the next; none where these are too far apart, or have one number.
 fn rates((from, before): (&Moment, &Ptz), (to, after): (&Moment, &Ptz)) -> Option<[f64; 3]> {
     let frames = to.0 - from.0;
     let step = PtzStep::between(before, after);
     let moved = [step.pan.degrees(), step.tilt.degrees(), step.log_focal];
-    (1..=WITHIN_FRAMES).contains(&frames).then(|| moved.map(|moved| moved / frames as f64))
+    (1..=WITHIN_FRAMES)
+        .contains(&frames)
+        .then(|| moved.map(|moved| moved / frames as f64))
 }
 
 /// Numbers in ascending order; the same one may be there more than once.
@@ -348,7 +453,9 @@ impl Sorted {
     }
 
     fn insert(&mut self, value: f64) {
-        let place = self.0.partition_point(|known| known.total_cmp(&value).is_lt());
+        let place = self
+            .0
+            .partition_point(|known| known.total_cmp(&value).is_lt());
         self.0.insert(place, value);
     }
 
@@ -361,23 +468,39 @@ impl Sorted {
 
     /// The least and the greatest, with one of the numbers left out.
     fn ends_without(&self, left_out: Option<f64>) -> Option<[f64; 2]> {
-        let is_left_out = |value: &f64| left_out.is_some_and(|left_out| left_out.total_cmp(value).is_eq());
-        let least = self.0.get(usize::from(self.0.first().is_some_and(is_left_out)))?;
-        let greatest = self.0.iter().rev().nth(usize::from(self.0.last().is_some_and(is_left_out)))?;
+        let is_left_out =
+            |value: &f64| left_out.is_some_and(|left_out| left_out.total_cmp(value).is_eq());
+        let least = self
+            .0
+            .get(usize::from(self.0.first().is_some_and(is_left_out)))?;
+        let greatest = self
+            .0
+            .iter()
+            .rev()
+            .nth(usize::from(self.0.last().is_some_and(is_left_out)))?;
         Some([*least, *greatest])
     }
 
-    /// The number at a place, from 0, if some were removed (two at most) and one added. Zero where there is no such place.
+    /// The number at a place, from 0, if some were removed (two at most) and one added. Zero where
+    /// there is no such place.
     fn nth_of_changed(&self, place: usize, removed: &[f64], added: Option<f64>) -> f64 {
         let rank = |value: f64, counts: fn(std::cmp::Ordering) -> bool| {
             let counts_value = |known: &f64| counts(known.total_cmp(&value));
-            let before = self.0.partition_point(counts_value) + usize::from(added.as_ref().is_some_and(counts_value));
-            before - removed.iter().filter(|removed| counts_value(removed)).count()
+            let before = self.0.partition_point(counts_value)
+                + usize::from(added.as_ref().is_some_and(counts_value));
+            before
+                - removed
+                    .iter()
+                    .filter(|removed| counts_value(removed))
+                    .count()
         };
         // As many places as it may be off.
         let near = self.0.iter().skip(place.saturating_sub(1)).take(4);
         let found = near.copied().chain(added).find(|value| {
-            let (below, upto) = (rank(*value, std::cmp::Ordering::is_lt), rank(*value, std::cmp::Ordering::is_le));
+            let (below, upto) = (
+                rank(*value, std::cmp::Ordering::is_lt),
+                rank(*value, std::cmp::Ordering::is_le),
+            );
             (below..upto).contains(&place)
         });
         found.unwrap_or(0.0)
@@ -396,30 +519,47 @@ mod tests {
         let frame = &document.frames[index];
         let others = || {
             let all = document.frames.iter().enumerate();
-            all.filter(move |(other, candidate)| *other != index && candidate.camera == frame.camera)
-                .map(|(_, other)| &**other)
+            all.filter(move |(other, candidate)| {
+                *other != index && candidate.camera == frame.camera
+            })
+            .map(|(_, other)| &**other)
         };
         let accepted: Vec<Ptz> = others().filter_map(accepted_ptz).collect();
         let range = |of: fn(&Ptz) -> f64| {
             let values = accepted.iter().map(of);
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, upto], value| [from.min(value), upto.max(value)])
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, upto], value| {
+                [from.min(value), upto.max(value)]
+            })
         };
-        let ([lowest, highest], [shortest, longest]) = (range(|ptz| ptz.tilt.radians()), range(|ptz| ptz.focal_px));
+        let ([lowest, highest], [shortest, longest]) =
+            (range(|ptz| ptz.tilt.radians()), range(|ptz| ptz.focal_px));
         let seen = (accepted.len() >= MIN_ACCEPTED).then(|| PtzRanges {
             pan: AngleRange::smallest(accepted.iter().map(|ptz| ptz.pan)).unwrap(),
             tilt: Angle::from_radians(lowest)..=Angle::from_radians(highest),
             focal_px: shortest..=longest,
         });
-        MotionPrior { seen, motion: motion_looked_up(frame, others()) }
+        MotionPrior {
+            seen,
+            motion: motion_looked_up(frame, others()),
+        }
     }
 
-    fn motion_looked_up<'a>(frame: &Frame, others: impl Iterator<Item = &'a Frame>) -> Option<Motion> {
+    fn motion_looked_up<'a>(
+        frame: &Frame,
+        others: impl Iterator<Item = &'a Frame>,
+    ) -> Option<Motion> {
         let (key, number) = shot_of(frame)?;
-        let of_shot = others.filter_map(solved_in_shot).filter(|(other, ..)| *other == key);
+        let of_shot = others
+            .filter_map(solved_in_shot)
+            .filter(|(other, ..)| *other == key);
         let mut solved: Vec<(u64, Ptz)> = of_shot.map(|(_, number, ptz)| (number, ptz)).collect();
         solved.sort_by_key(|(number, _)| *number);
-        let pairs = solved.windows(2).map(|pair| (((pair[0].0, 0), pair[0].1), ((pair[1].0, 0), pair[1].1)));
-        let moves: Vec<[f64; 3]> = pairs.filter_map(|(a, b)| rates((&a.0, &a.1), (&b.0, &b.1))).collect();
+        let pairs = solved
+            .windows(2)
+            .map(|pair| (((pair[0].0, 0), pair[0].1), ((pair[1].0, 0), pair[1].1)));
+        let moves: Vec<[f64; 3]> = pairs
+            .filter_map(|(a, b)| rates((&a.0, &a.1), (&b.0, &b.1)))
+            .collect();
         if moves.len() < MIN_MOVES {
             return None;
         }
@@ -431,10 +571,19 @@ mod tests {
             moved[moved.len() * 9 / 10] * frames as f64
         });
         let [pan, tilt] = [usual[0], usual[1]].map(Angle::from_degrees);
-        (frames <= WITHIN_FRAMES).then_some(Motion { from, frames, usual: PtzStep { pan, tilt, log_focal: usual[2] } })
+        (frames <= WITHIN_FRAMES).then_some(Motion {
+            from,
+            frames,
+            usual: PtzStep {
+                pan,
+                tilt,
+                log_focal: usual[2],
+            },
+        })
     }
 
-    /// A frame of a camera and a video, perhaps solved. Few different values, so that many are equal.
+    /// A frame of a camera and a video, perhaps solved. Few different values, so that many are
+    /// equal.
     fn a_frame() -> impl Strategy<Value = Frame> {
         let video = prop_oneof![9 => Just(0_usize), 1 => Just(1)];
         let places = (0..2_usize, 0..2_i64, video, 0..40_u64);
@@ -446,15 +595,25 @@ mod tests {
         ];
         (places, ptz, status).prop_map(|((camera, clip, video, number), ptz, status)| {
             let video = VideoFrame::new(["a.mp4", "b.mp4"][video], number, None);
-            let mut frame = Frame::from_video(video, ["main", "high"][camera].into(), ImageSize::new(64, 36));
+            let mut frame = Frame::from_video(
+                video,
+                ["main", "high"][camera].into(),
+                ImageSize::new(64, 36),
+            );
             frame.clip = Some(Clip::Number(clip));
             if number % 3 == 0 {
-                frame.clicks.push(Click::landmark("centre_mark".into(), ImagePoint::new(1.0, 1.0)));
+                frame.clicks.push(Click::landmark(
+                    "centre_mark".into(),
+                    ImagePoint::new(1.0, 1.0),
+                ));
             }
             frame.status = status;
             frame.ptz = ptz.map(|(pan, tilt, focal)| {
                 let [pan, tilt, focal] = [pan, tilt, focal].map(f64::from);
-                FramePtz::new(Ptz::from_degrees(30.0 * pan, 5.0 * tilt, 1000.0 + 100.0 * focal), None)
+                FramePtz::new(
+                    Ptz::from_degrees(30.0 * pan, 5.0 * tilt, 1000.0 + 100.0 * focal),
+                    None,
+                )
             });
             frame
         })
@@ -462,7 +621,12 @@ mod tests {
 
     fn same_as_looked_up(index: &FrameLookup, document: &Document) -> Result<(), TestCaseError> {
         for place in 0..document.frames.len() {
-            prop_assert_eq!(index.prior(place), looked_up(document, place), "frame {}", place);
+            prop_assert_eq!(
+                index.prior(place),
+                looked_up(document, place),
+                "frame {}",
+                place
+            );
         }
         prop_assert_eq!(index.prior(document.frames.len()), MotionPrior::default());
         for camera in ["main", "high"] {

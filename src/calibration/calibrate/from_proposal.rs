@@ -1,7 +1,8 @@
 //! What a solve knows from a camera that the program proposed.
 //!
-//! A proposal with its covariance is evidence as clicks are: a click that agrees with it makes the camera better known, never
-//! worse. A click that contradicts it says that the covariance is too small, and by how much.
+//! A proposal with its covariance is evidence as clicks are: a click that agrees with it makes the
+//! camera better known, never worse. A click that contradicts it says that the covariance is too
+//! small, and by how much.
 
 use nalgebra::SMatrix;
 use touchline_core::camera::{CameraBase, PtzCamera};
@@ -9,17 +10,32 @@ use touchline_core::geometry::{Angle, ImageSize};
 use touchline_core::solve::{Observation, PtzPrior, SolveContext, Uncertainty};
 use touchline_documents::document::{ENOUGH_EQUATIONS, Proposed};
 
-/// One click on a proposal moves it: pan and tilt follow a click that contradicts it, within this 1-σ.
+/// One click on a proposal moves it: pan and tilt follow a click that contradicts it, within this
+/// 1-σ.
 const FREE: Angle = Angle::from_degrees(3.0);
 /// And the focal length stays as it was proposed, within this share.
 const FOCAL_SHARE: f64 = 0.02;
 
-/// What a solve knows from a proposal: where to start, and with too few clicks to decide by themselves, what they move.
-pub(super) fn inform(context: &mut SolveContext, base: &CameraBase, proposed: &Proposed, observations: &[Observation]) {
+/// What a solve knows from a proposal: where to start, and with too few clicks to decide by
+/// themselves, what they move.
+pub(super) fn inform(
+    context: &mut SolveContext,
+    base: &CameraBase,
+    proposed: &Proposed,
+    observations: &[Observation],
+) {
     let ptz = proposed.ptz.ptz();
     context.start = Some(ptz);
-    let used: Vec<&Observation> = observations.iter().filter(|observation| !observation.check).collect();
-    if used.iter().map(|observation| observation.equations()).sum::<usize>() < ENOUGH_EQUATIONS {
+    let used: Vec<&Observation> = observations
+        .iter()
+        .filter(|observation| !observation.check)
+        .collect();
+    if used
+        .iter()
+        .map(|observation| observation.equations())
+        .sum::<usize>()
+        < ENOUGH_EQUATIONS
+    {
         let camera = PtzCamera::new(*base, ptz);
         let stated = stated_prior(&camera, proposed, &used, context.image_size);
         context.prior = Some(stated.unwrap_or(PtzPrior {
@@ -32,8 +48,8 @@ pub(super) fn inform(context: &mut SolveContext, base: &CameraBase, proposed: &P
     }
 }
 
-/// A proposal as its covariance states it, made wider where the clicks are farther off than it allows; none where it states
-/// nothing that can be used.
+/// A proposal as its covariance states it, made wider where the clicks are farther off than it
+/// allows; none where it states nothing that can be used.
 fn stated_prior(
     camera: &PtzCamera,
     proposed: &Proposed,
@@ -78,7 +94,11 @@ mod tests {
 
     /// A frame whose proposal looks 2° too far right, and the camera that it should have been.
     fn slightly_wrong() -> (Document, PtzCamera) {
-        let base = CameraBase::new(Vec3::new(0.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        let base = CameraBase::new(
+            Vec3::new(0.0, -62.0, 17.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        );
         let truth = PtzCamera::new(base, Ptz::from_degrees(-4.0, -14.0, 2300.0));
         let mut document = Document::new(FieldSpec::new("soccer"));
         let mut camera = Camera::new("main".into(), SIZE);
@@ -87,7 +107,11 @@ mod tests {
         let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(-2.0, -13.5, 2310.0), None));
         let source = Some(SolutionSource::Forest);
-        frame.solution = Some(Solution { source, confidence: Some(0.8), ..Solution::default() });
+        frame.solution = Some(Solution {
+            source,
+            confidence: Some(0.8),
+            ..Solution::default()
+        });
         frame.status = FrameStatus::Suggested;
         document.frames.push(frame.into());
         (document, truth)
@@ -110,25 +134,51 @@ mod tests {
             Click::landmark(landmark.into(), truth.image_from_world(world).unwrap())
         };
         document.frames[0].clicks.push(seen("centre_mark"));
-        let one = calibrate(&document, &FrameLookup::of(&document), &document.frames[0], &field, 0).unwrap();
+        let one = calibrate(
+            &document,
+            &FrameLookup::of(&document),
+            &document.frames[0],
+            &field,
+            0,
+        )
+        .unwrap();
         document.frames[0].record(&one);
         let corrected = document.pointed(&document.frames[0]).unwrap().ptz();
-        assert!((corrected.pan - truth.ptz().pan).abs().degrees() < 0.05, "{corrected:?}");
-        assert!((corrected.focal_px - 2310.0).abs() < 5.0, "the focal length is the proposal's: {corrected:?}");
-        assert!(!document.frames[0].is_solved_by_clicks(), "one click does not make it the annotator's own");
+        assert!(
+            (corrected.pan - truth.ptz().pan).abs().degrees() < 0.05,
+            "{corrected:?}"
+        );
+        assert!(
+            (corrected.focal_px - 2310.0).abs() < 5.0,
+            "the focal length is the proposal's: {corrected:?}"
+        );
+        assert!(
+            !document.frames[0].is_solved_by_clicks(),
+            "one click does not make it the annotator's own"
+        );
         assert_eq!(document.frames[0].proposed(), Some(before.clone()));
         document.frames[0].clicks.push(seen("halfway_far"));
-        let two = calibrate(&document, &FrameLookup::of(&document), &document.frames[0], &field, 0).unwrap();
+        let two = calibrate(
+            &document,
+            &FrameLookup::of(&document),
+            &document.frames[0],
+            &field,
+            0,
+        )
+        .unwrap();
         document.frames[0].record(&two);
         let solved = document.pointed(&document.frames[0]).unwrap().ptz();
-        assert!((solved.focal_px - 2300.0).abs() < 1e-6 && document.frames[0].is_solved_by_clicks());
+        assert!(
+            (solved.focal_px - 2300.0).abs() < 1e-6 && document.frames[0].is_solved_by_clicks()
+        );
         document.frames[0].clicks.clear();
         assert!(document.frames[0].restore_proposed());
         assert_eq!(document.frames[0].proposed(), Some(before));
         assert!(!document.frames[0].restore_proposed());
     }
 
-    /// What is stated of the worst corner after one click on the centre mark that is off from where the proposal has it.
+    /// What is stated of the worst corner after one click on the centre mark that is off from where
+    /// the proposal has it.
     fn after_one_click(off_px: f64) -> (f64, f64, Ptz) {
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let (mut document, _) = slightly_wrong();
@@ -138,7 +188,10 @@ mod tests {
             rotation: Vec3::new(5e-4, 5e-4, 0.0),
             ..BaseSigma::default()
         };
-        let base = CameraBase { sigma, ..document.camera(&camera).unwrap().base().unwrap() };
+        let base = CameraBase {
+            sigma,
+            ..document.camera(&camera).unwrap().base().unwrap()
+        };
         document.camera_mut(&camera).unwrap().set_base(&base);
         let proposed = document.pointed(&document.frames[0]).unwrap();
         let known = Mat3::from_diagonal(&Vec3::new(4e-4_f64.powi(2), 4e-4_f64.powi(2), 4.0));
@@ -147,22 +200,40 @@ mod tests {
         let solution = document.frames[0].solution.as_mut().unwrap();
         solution.covariance = Some(stated.ptz_covariance_deg());
         solution.own_covariance = Some(stated.own_covariance_deg());
-        let at = proposed.image_from_world(field.landmark_in_world(field.landmark("centre_mark").unwrap())).unwrap();
-        document.frames[0].clicks.push(Click::landmark("centre_mark".into(), ImagePoint::new(at.x + off_px, at.y)));
-        let one = calibrate(&document, &FrameLookup::of(&document), &document.frames[0], &field, 0).unwrap();
+        let at = proposed
+            .image_from_world(field.landmark_in_world(field.landmark("centre_mark").unwrap()))
+            .unwrap();
+        document.frames[0].clicks.push(Click::landmark(
+            "centre_mark".into(),
+            ImagePoint::new(at.x + off_px, at.y),
+        ));
+        let one = calibrate(
+            &document,
+            &FrameLookup::of(&document),
+            &document.frames[0],
+            &field,
+            0,
+        )
+        .unwrap();
         (before_px, one.worst_corner_sigma_px, one.ptz)
     }
 
     #[test]
     fn a_click_that_agrees_with_a_proposal_makes_it_no_less_certain() {
         let (before_px, after_px, _) = after_one_click(1.0);
-        assert!(after_px < before_px && after_px > 0.5 * before_px, "{before_px} {after_px}");
+        assert!(
+            after_px < before_px && after_px > 0.5 * before_px,
+            "{before_px} {after_px}"
+        );
     }
 
     #[test]
     fn a_click_that_contradicts_a_proposal_moves_it_and_says_how_far_it_was_off() {
         let (before_px, after_px, ptz) = after_one_click(40.0);
-        assert!(after_px > 2.0 * before_px && after_px < 40.0, "{before_px} {after_px}");
+        assert!(
+            after_px > 2.0 * before_px && after_px < 40.0,
+            "{before_px} {after_px}"
+        );
         // 40 px at a focal length of 2310 px.
         let turned = (ptz.pan.degrees() + 2.0) / 40f64.atan2(2310.0).to_degrees();
         assert!((-1.1..-0.9).contains(&turned), "{turned}");
@@ -173,7 +244,11 @@ mod tests {
         let (mut document, _) = slightly_wrong();
         let proposed = document.frames[0].proposed();
         let source = Some(SolutionSource::Clicks);
-        document.frames[0].solution = Some(Solution { source, proposed, ..Solution::default() });
+        document.frames[0].solution = Some(Solution {
+            source,
+            proposed,
+            ..Solution::default()
+        });
         let text = serde_json::to_string(&*document.frames[0]).unwrap();
         assert!(
             text.contains(
@@ -181,6 +256,9 @@ mod tests {
             ),
             "{text}"
         );
-        assert_eq!(serde_json::from_str::<Frame>(&text).unwrap(), *document.frames[0]);
+        assert_eq!(
+            serde_json::from_str::<Frame>(&text).unwrap(),
+            *document.frames[0]
+        );
     }
 }

@@ -5,26 +5,40 @@ use touchline_core::field::LandmarkId;
 use touchline_core::geometry::Angle;
 use touchline_documents::document::{Document, Frame};
 
-/// How many gold frames are chosen: with three landmarks each, one round is enough to tell the noise.
+/// How many gold frames are chosen: with three landmarks each, one round is enough to tell the
+/// noise.
 const CHOSEN: usize = 6;
 
-/// References to be gold, spread over pan and landmarks, by their places: each next one is the one that asks for most
-/// landmarks nobody asks for yet, and among those the one whose pan is farthest from the pans chosen. Frames that are gold
-/// already count as chosen; six in all.
+/// References to be gold, spread over pan and landmarks, by their places: each next one is the one
+/// that asks for most landmarks nobody asks for yet, and among those the one whose pan is farthest
+/// from the pans chosen. Frames that are gold already count as chosen; six in all.
 #[must_use]
 pub fn choose_gold(document: &Document) -> Vec<usize> {
-    let frames = || document.frames.iter().enumerate().map(|(index, frame)| (index, &**frame));
+    let frames = || {
+        document
+            .frames
+            .iter()
+            .enumerate()
+            .map(|(index, frame)| (index, &**frame))
+    };
     let gold = || frames().filter(|(_, frame)| frame.gold);
     let pan = |frame: &Frame| frame.ptz.as_ref().map_or(Angle::ZERO, |ptz| ptz.ptz().pan);
     let mut pans: Vec<Angle> = gold().map(|(_, frame)| pan(frame)).collect();
-    let mut asked: BTreeSet<&LandmarkId> = gold().flat_map(|(_, frame)| frame.asked_again()).collect();
-    let mut open: Vec<(usize, &Frame)> =
-        frames().filter(|(_, frame)| !frame.gold && frame.why_not_gold().is_none()).collect();
+    let mut asked: BTreeSet<&LandmarkId> =
+        gold().flat_map(|(_, frame)| frame.asked_again()).collect();
+    let mut open: Vec<(usize, &Frame)> = frames()
+        .filter(|(_, frame)| !frame.gold && frame.why_not_gold().is_none())
+        .collect();
     let mut chosen = Vec::new();
     while pans.len() < CHOSEN && !open.is_empty() {
         let rank = |frame: &Frame| {
-            let news: BTreeSet<&LandmarkId> = frame.asked_again().filter(|id| !asked.contains(id)).collect();
-            let apart = pans.iter().map(|other| pan(frame).turn_from(*other).abs().radians());
+            let news: BTreeSet<&LandmarkId> = frame
+                .asked_again()
+                .filter(|id| !asked.contains(id))
+                .collect();
+            let apart = pans
+                .iter()
+                .map(|other| pan(frame).turn_from(*other).abs().radians());
             (news.len(), apart.fold(f64::INFINITY, f64::min))
         };
         // The last of equals is the first frame.
@@ -42,7 +56,8 @@ pub fn choose_gold(document: &Document) -> Vec<usize> {
     chosen
 }
 
-/// Whether [`choose_gold`] chooses any, given how many frames are gold and how many others could be: see [`Frame::why_not_gold`].
+/// Whether [`choose_gold`] chooses any, given how many frames are gold and how many others could
+/// be: see [`Frame::why_not_gold`].
 #[must_use]
 pub const fn can_choose_gold(gold: usize, others: usize) -> bool {
     gold < CHOSEN && others > 0
@@ -70,7 +85,9 @@ mod tests {
         document.frames.extend(frames.into_iter().map(Into::into));
         assert_eq!(choose_gold(&document), [0, 1, 2, 3]);
         for index in 0..20 {
-            document.frames.push(reference(-29.0 + 0.1 * f64::from(index), &["penalty_mark_left"]).into());
+            document
+                .frames
+                .push(reference(-29.0 + 0.1 * f64::from(index), &["penalty_mark_left"]).into());
         }
         let chosen = choose_gold(&document);
         assert_eq!(chosen.len(), CHOSEN);
@@ -81,7 +98,9 @@ mod tests {
         assert_eq!(choose_gold(&document).len(), CHOSEN - 2);
         let can_choose = |document: &Document| {
             let could = |frame: &Frame| !frame.gold && frame.why_not_gold().is_none();
-            let count = |wanted: fn(&Frame) -> bool| document.frames.iter().filter(|frame| wanted(frame)).count();
+            let count = |wanted: fn(&Frame) -> bool| {
+                document.frames.iter().filter(|frame| wanted(frame)).count()
+            };
             can_choose_gold(count(|frame| frame.gold), count(could))
         };
         for index in choose_gold(&document) {

@@ -1,10 +1,11 @@
-//! The base of a camera from frames whose cameras are about known: from the places of painted lines in their pictures, and from their
-//! clicks where there are some.
+//! The base of a camera from frames whose cameras are about known: from the places of painted lines
+//! in their pictures, and from their clicks where there are some.
 //!
-//! 1. Each frame is pulled onto its paint with the cameras to begin with, and the places of the paint are measured.
+//! 1. Each frame is pulled onto its paint with the cameras to begin with, and the places of the
+//!    paint are measured.
 //! 2. Base and frames are adjusted to them; where the size of the field is open it is fitted.
-//! 3. From there the paint is measured once more, and the base is estimated from it. Lens and crown are chosen by paint that they have
-//!    not seen.
+//! 3. From there the paint is measured once more, and the base is estimated from it. Lens and crown
+//!    are chosen by paint that they have not seen.
 
 use super::field_size::set_size;
 use super::on_paint::{OnPaintErrors, PaintSeen};
@@ -18,8 +19,8 @@ use touchline_core::geometry::{PixelBox, subsample};
 use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
-    AdjustOptions, BaseEstimate, BaseModel, BaseOptions, BaseProgress, CameraClicks, FittedSize, FrameClicks,
-    HeldOutErrors, adjust_base, estimate_base_on_paint, held_out_on_paint,
+    AdjustOptions, BaseEstimate, BaseModel, BaseOptions, BaseProgress, CameraClicks, FittedSize,
+    FrameClicks, HeldOutErrors, adjust_base, estimate_base_on_paint, held_out_on_paint,
 };
 use touchline_documents::document::{DocumentAt, FieldSpec};
 use touchline_vision::media::Picture;
@@ -29,9 +30,11 @@ use touchline_vision::paint::{GroundPicture, PaintPlace, SnapOptions, paint_plac
 pub const FRAMES_FOR_PAINT: usize = 3;
 const FEWEST_LINES: usize = 5;
 
-/// 1-σ of the position along each axis, and of a fitted length of the field, where paint alone gives it, m: what grounds are off by
-/// is common to all frames. Positions are .06 to .64 m from those fitted to people's clicks where the paint's scatter alone says .05,
-/// and widths up to .8 m where that says .04 to .13. Where clicks give a position too, half of the way between the two takes its place.
+/// 1-σ of the position along each axis, and of a fitted length of the field, where paint alone
+/// gives it, m: what grounds are off by is common to all frames. Positions are .06 to .64 m from
+/// those fitted to people's clicks where the paint's scatter alone says .05, and widths up to .8 m
+/// where that says .04 to .13. Where clicks give a position too, half of the way between the two
+/// takes its place.
 pub(crate) const ALONE_SIGMA_M: f64 = 0.3;
 
 /// Lengths that paint alone gives are stated no better than they are known.
@@ -123,7 +126,13 @@ impl KnownFrames<'_> {
         options: &BaseOptions,
         progress: &Progress<'_, BaseProgress>,
     ) -> Result<PaintEstimate, BaseOnPaintError> {
-        let Self { mut problem, start: first, masks, picture, open_field } = self;
+        let Self {
+            mut problem,
+            start: first,
+            masks,
+            picture,
+            open_field,
+        } = self;
         let first_field = problem.field.clone();
         let seen = Seen::of(&problem, &first, &masks, picture)?;
         let model = options.richest(&problem.camera_clicks());
@@ -147,16 +156,29 @@ impl KnownFrames<'_> {
         let sigma = estimate.base.sigma;
         estimate.base.sigma = if first.by_clicks {
             // What both have in common errs by about half of what they differ by.
-            let half = sigma.following_position((estimate.base.position_m - first.base.position_m) * 0.5);
+            let half =
+                sigma.following_position((estimate.base.position_m - first.base.position_m) * 0.5);
             sigma.covering(&(half * half.transpose()))
         } else {
             sigma.with_position_error_of(ALONE_SIGMA_M)
         };
         // The first base is judged by the same paint, on the field that it was found with.
-        let as_first: Vec<FrameClicks> = seen.painted.iter().map(|frame| frame_on_field(frame, &first_field)).collect();
-        let as_first = CameraClicks { field: &first_field, frames: &as_first, ..clicks };
-        let (paint, at_clicks) = held_out_on_paint(&as_first, &first.base, first.crown_m, &start.ptz);
-        let chosen = estimate.scores.iter().find(|score| score.model == estimate.model);
+        let as_first: Vec<FrameClicks> = seen
+            .painted
+            .iter()
+            .map(|frame| frame_on_field(frame, &first_field))
+            .collect();
+        let as_first = CameraClicks {
+            field: &first_field,
+            frames: &as_first,
+            ..clicks
+        };
+        let (paint, at_clicks) =
+            held_out_on_paint(&as_first, &first.base, first.crown_m, &start.ptz);
+        let chosen = estimate
+            .scores
+            .iter()
+            .find(|score| score.model == estimate.model);
         let after = OnPaintErrors {
             paint: chosen.map(|score| HeldOutErrors {
                 median_px: score.median_px,
@@ -165,24 +187,58 @@ impl KnownFrames<'_> {
             }),
             clicks: chosen.and_then(|score| score.at_clicks),
         };
-        let Seen { frames, places, lines, .. } = seen;
-        let before = OnPaintErrors { paint, clicks: at_clicks };
-        let seen = PaintSeen { frames, places, lines: lines.len(), before, after };
-        Ok(PaintEstimate { problem, estimate, sizes, seen })
+        let Seen {
+            frames,
+            places,
+            lines,
+            ..
+        } = seen;
+        let before = OnPaintErrors {
+            paint,
+            clicks: at_clicks,
+        };
+        let seen = PaintSeen {
+            frames,
+            places,
+            lines: lines.len(),
+            before,
+            after,
+        };
+        Ok(PaintEstimate {
+            problem,
+            estimate,
+            sizes,
+            seen,
+        })
     }
 }
 
 impl BaseProblem {
     /// The same frames on a field of another size.
     fn on_field(self, field: FieldModel) -> Self {
-        Self { clicks: self.clicks.iter().map(|frame| frame_on_field(frame, &field)).collect(), field, ..self }
+        Self {
+            clicks: self
+                .clicks
+                .iter()
+                .map(|frame| frame_on_field(frame, &field))
+                .collect(),
+            field,
+            ..self
+        }
     }
 }
 
 /// The same clicks and paint on a field of another size.
 fn frame_on_field(frame: &FrameClicks, field: &FieldModel) -> FrameClicks {
-    let renamed = |seen: &Observation| seen.element.and_then(|element| seen.renamed(field, element)).unwrap_or(*seen);
-    FrameClicks { observations: frame.observations.iter().map(renamed).collect(), start: frame.start }
+    let renamed = |seen: &Observation| {
+        seen.element
+            .and_then(|element| seen.renamed(field, element))
+            .unwrap_or(*seen)
+    };
+    FrameClicks {
+        observations: frame.observations.iter().map(renamed).collect(),
+        start: frame.start,
+    }
 }
 
 /// A base, its crown and the frames' cameras.
@@ -198,14 +254,31 @@ pub(crate) struct KnownCameras {
 impl KnownCameras {
     /// The field with the crown.
     fn field(&self, problem: &BaseProblem) -> FieldModel {
-        FieldModel { crown_m: self.crown_m, ..problem.field.clone() }
+        FieldModel {
+            crown_m: self.crown_m,
+            ..problem.field.clone()
+        }
     }
 
     /// Adjusted to what is seen.
-    fn adjusted(&self, problem: &BaseProblem, seen: &Seen, model: &BaseModel, options: &AdjustOptions) -> Self {
-        let painted = CameraClicks { frames: &seen.painted, ..problem.camera_clicks() };
+    fn adjusted(
+        &self,
+        problem: &BaseProblem,
+        seen: &Seen,
+        model: &BaseModel,
+        options: &AdjustOptions,
+    ) -> Self {
+        let painted = CameraClicks {
+            frames: &seen.painted,
+            ..problem.camera_clicks()
+        };
         let adjusted = adjust_base(&painted, &self.base, &seen.ptz, model, options);
-        Self { base: adjusted.base, crown_m: adjusted.crown_m, ptz: adjusted.ptz, ..*self }
+        Self {
+            base: adjusted.base,
+            crown_m: adjusted.crown_m,
+            ptz: adjusted.ptz,
+            ..*self
+        }
     }
 }
 
@@ -229,7 +302,9 @@ impl Seen {
         picture: &mut dyn FnMut(usize) -> Option<Picture>,
     ) -> Result<Self, BaseOnPaintError> {
         let field = cameras.field(problem);
-        let solved: Vec<usize> = (0..problem.frames.len()).filter(|place| cameras.ptz[*place].is_some()).collect();
+        let solved: Vec<usize> = (0..problem.frames.len())
+            .filter(|place| cameras.ptz[*place].is_some())
+            .collect();
         let looked_at: Vec<usize> = subsample(solved, MOST_FRAMES).collect();
         let mut seen = Self {
             painted: problem.clicks.clone(),
@@ -244,7 +319,15 @@ impl Seen {
             let looked = read.par_iter().map(|(place, picture)| {
                 let ground = GroundPicture::new(picture, &masks[*place]);
                 let clicks = frame_on_field(&problem.clicks[*place], &field).observations;
-                let snapped = snap(&ground, &field, &cameras.base, cameras.ptz[*place]?, &clicks, &lenient()).ok()?;
+                let snapped = snap(
+                    &ground,
+                    &field,
+                    &cameras.base,
+                    cameras.ptz[*place]?,
+                    &clicks,
+                    &lenient(),
+                )
+                .ok()?;
                 let camera = PtzCamera::new(cameras.base, snapped.ptz);
                 Some((*place, snapped.ptz, paint_places(&ground, &field, &camera)))
             });
@@ -254,7 +337,10 @@ impl Seen {
             }
         }
         if seen.frames < FRAMES_FOR_PAINT || seen.lines.len() < FEWEST_LINES {
-            return Err(BaseOnPaintError::TooFewLines { frames: seen.frames, lines: seen.lines.len() });
+            return Err(BaseOnPaintError::TooFewLines {
+                frames: seen.frames,
+                lines: seen.lines.len(),
+            });
         }
         Ok(seen)
     }
@@ -271,7 +357,12 @@ impl Seen {
     }
 }
 
-/// A base that is not yet right bends lines: halves of a frame's paint may disagree more than where a frame is snapped for good.
+/// A base that is not yet right bends lines: halves of a frame's paint may disagree more than where
+/// a frame is snapped for good.
 fn lenient() -> SnapOptions {
-    SnapOptions { halves_px: 4.0, min_score: 0.5, ..SnapOptions::default() }
+    SnapOptions {
+        halves_px: 4.0,
+        min_score: 0.5,
+        ..SnapOptions::default()
+    }
 }

@@ -1,8 +1,11 @@
-//! The length of a field that was assumed, measured on the paint of frames that cameras were carried to.
+//! The length of a field that was assumed, measured on the paint of frames that cameras were
+//! carried to.
 //!
-//! A search without clicks that has seen one end of a field cannot know its length, and the frames carried on from there are right at
-//! that end only. As soon as one of them shows the field's middle, its paint tells: of all lengths that the rules allow, each with the
-//! base that lies as before at the seen end, the right one puts the middle's lines onto it. The frames keep pan, tilt and focal length.
+//! A search without clicks that has seen one end of a field cannot know its length, and the frames
+//! carried on from there are right at that end only. As soon as one of them shows the field's
+//! middle, its paint tells: of all lengths that the rules allow, each with the base that lies as
+//! before at the seen end, the right one puts the middle's lines onto it. The frames keep pan, tilt
+//! and focal length.
 
 use super::base_on_paint::PictureOf;
 use super::field_size::set_field_size;
@@ -14,11 +17,14 @@ use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::field::FieldError;
 use touchline_core::geometry::{Vec3, mean, subsample};
 use touchline_core::solve::base::FittedSize;
-use touchline_documents::document::{Camera, CameraId, Document, DocumentAt, FieldSize, FieldSpec, Frame};
+use touchline_documents::document::{
+    Camera, CameraId, Document, DocumentAt, FieldSize, FieldSpec, Frame,
+};
 use touchline_vision::paint::{GroundPicture, check_lines};
 use touchline_vision::relocalize::CERTAIN;
 
-/// The code of a warning that the lines of a field's middle may lie off, because nobody has measured its length.
+/// The code of a warning that the lines of a field's middle may lie off, because nobody has
+/// measured its length.
 pub(crate) const LENGTH_UNSEEN: &str = "length_unseen";
 
 /// So many frames that doubt the assumed length, and as many that do not, are looked at.
@@ -34,8 +40,9 @@ const DOUBTED: f64 = 0.5;
 const COARSE_M: f64 = 0.5;
 const FINE_M: f64 = 0.1;
 
-/// At the right length so much more of the paint is explained than at any other that is farther away, m, the assumed one included. On
-/// a pitch of 101.8 m searched at 105 m it was 1.5 times as much.
+/// At the right length so much more of the paint is explained than at any other that is farther
+/// away, m, the assumed one included. On a pitch of 101.8 m searched at 105 m it was 1.5 times as
+/// much.
 const PEAK: f64 = 1.2;
 const PEAK_M: f64 = 2.0;
 
@@ -68,12 +75,15 @@ struct Look<'a> {
     frame: &'a Frame,
 }
 
-/// Measures the length of the field of a document's cameras, where frames doubt it. None where none does, where it was fitted
-/// before, or where no length agrees with the paint.
+/// Measures the length of the field of a document's cameras, where frames doubt it. None where none
+/// does, where it was fitted before, or where no length agrees with the paint.
 ///
 /// # Errors
 /// The field is not valid. Frames that cannot be read are left out.
-pub fn length_on_lines(at: DocumentAt<'_>, picture: PictureOf<'_>) -> Result<Option<LengthOnLines>, FieldError> {
+pub fn length_on_lines(
+    at: DocumentAt<'_>,
+    picture: PictureOf<'_>,
+) -> Result<Option<LengthOnLines>, FieldError> {
     let mut best: Option<(LengthOnLines, &FieldSpec)> = None;
     for camera in &at.document.cameras {
         let spec = at.document.field_of_camera(&camera.id);
@@ -81,18 +91,26 @@ pub fn length_on_lines(at: DocumentAt<'_>, picture: PictureOf<'_>) -> Result<Opt
             continue;
         }
         let found = length_by_camera(at, camera, spec, picture)?;
-        if let Some(found) = found.filter(|found| best.as_ref().is_none_or(|(best, _)| best.frames < found.frames)) {
+        if let Some(found) = found.filter(|found| {
+            best.as_ref()
+                .is_none_or(|(best, _)| best.frames < found.frames)
+        }) {
             best = Some((found, spec));
         }
     }
-    let Some((mut found, spec)) = best else { return Ok(None) };
+    let Some((mut found, spec)) = best else {
+        return Ok(None);
+    };
     // The other cameras of the stadium stand at the same field.
     for camera in &at.document.cameras {
         let other = at.document.field_of_camera(&camera.id);
-        let is_same_length = other.template == spec.template && other.params.get(LENGTH) == spec.params.get(LENGTH);
+        let is_same_length =
+            other.template == spec.template && other.params.get(LENGTH) == spec.params.get(LENGTH);
         if is_same_length && found.shifts.iter().all(|(id, _)| *id != camera.id) {
             let unseen = unseen_length(at, camera)?;
-            found.shifts.extend(unseen.map(|unseen| (camera.id.clone(), unseen.base_shift(found.size.value_m))));
+            found.shifts.extend(
+                unseen.map(|unseen| (camera.id.clone(), unseen.base_shift(found.size.value_m))),
+            );
         }
     }
     Ok(Some(found))
@@ -106,79 +124,157 @@ fn length_by_camera(
     picture: PictureOf<'_>,
 ) -> Result<Option<LengthOnLines>, FieldError> {
     let document = at.document;
-    let doubted = frames_of(document, &camera.id, |frame, confidence| confidence < DOUBTED && is_off_paint(frame));
+    let doubted = frames_of(document, &camera.id, |frame, confidence| {
+        confidence < DOUBTED && is_off_paint(frame)
+    });
     if doubted.len() < FEWEST {
         return Ok(None);
     }
-    let Some(unseen) = unseen_length(at, camera)? else { return Ok(None) };
+    let Some(unseen) = unseen_length(at, camera)? else {
+        return Ok(None);
+    };
     let agreeing = frames_of(document, &camera.id, |_, confidence| confidence >= CERTAIN);
     let doubted = looks(at, &doubted, picture);
     let agreeing = looks(at, &agreeing, picture);
     let assumed_m = unseen.assumed_m();
     let (min_m, max_m) = unseen.limits_m();
-    let worth = |looks: &[Look<'_>], length_m: f64| mean(&worths(&unseen, looks, length_m)).unwrap_or(0.0);
-    let rated: Vec<(f64, f64)> =
-        steps(min_m, max_m, COARSE_M).into_iter().map(|length_m| (worth(&doubted, length_m), length_m)).collect();
-    let Some(&(best, best_m)) = rated.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(None) };
-    let elsewhere = rated.iter().filter(|(_, length_m)| (length_m - best_m).abs() > PEAK_M).map(|(worth, _)| *worth);
+    let worth =
+        |looks: &[Look<'_>], length_m: f64| mean(&worths(&unseen, looks, length_m)).unwrap_or(0.0);
+    let rated: Vec<(f64, f64)> = steps(min_m, max_m, COARSE_M)
+        .into_iter()
+        .map(|length_m| (worth(&doubted, length_m), length_m))
+        .collect();
+    let Some(&(best, best_m)) = rated.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else {
+        return Ok(None);
+    };
+    let elsewhere = rated
+        .iter()
+        .filter(|(_, length_m)| (length_m - best_m).abs() > PEAK_M)
+        .map(|(worth, _)| *worth);
     let is_peak = best >= PEAK * elsewhere.fold(worth(&doubted, assumed_m), f64::max);
     if !is_peak || worth(&agreeing, best_m) < worth(&agreeing, assumed_m) - NOISE {
         return Ok(None);
     }
-    let lengths = steps((best_m - PEAK_M).max(min_m), (best_m + PEAK_M).min(max_m), FINE_M);
-    let table: Vec<Vec<f64>> = lengths.iter().map(|length_m| worths(&unseen, &doubted, *length_m)).collect();
-    let value_m = lengths[index_of_largest(table.iter().map(|of_length| mean(of_length).unwrap_or(0.0)))];
-    let peaks: Vec<f64> = (0..doubted.len()).filter_map(|look| peak_of(&lengths, &table, look)).collect();
-    let spread_m =
-        mean(&peaks.iter().map(|peak_m| (peak_m - value_m).powi(2)).collect::<Vec<_>>()).unwrap_or(0.0).sqrt();
+    let lengths = steps(
+        (best_m - PEAK_M).max(min_m),
+        (best_m + PEAK_M).min(max_m),
+        FINE_M,
+    );
+    let table: Vec<Vec<f64>> = lengths
+        .iter()
+        .map(|length_m| worths(&unseen, &doubted, *length_m))
+        .collect();
+    let value_m =
+        lengths[index_of_largest(table.iter().map(|of_length| mean(of_length).unwrap_or(0.0)))];
+    let peaks: Vec<f64> = (0..doubted.len())
+        .filter_map(|look| peak_of(&lengths, &table, look))
+        .collect();
+    let spread_m = mean(
+        &peaks
+            .iter()
+            .map(|peak_m| (peak_m - value_m).powi(2))
+            .collect::<Vec<_>>(),
+    )
+    .unwrap_or(0.0)
+    .sqrt();
     let sigma_m = spread_m.max(FLOOR_M);
     let name = LENGTH.to_owned();
-    let size = FittedSize { name, assumed_m, value_m, sigma_m, position_sigma_m: Vec3::zeros(), is_open: false };
+    let size = FittedSize {
+        name,
+        assumed_m,
+        value_m,
+        sigma_m,
+        position_sigma_m: Vec3::zeros(),
+        is_open: false,
+    };
     let shifts = vec![(camera.id.clone(), unseen.base_shift(value_m))];
     let is_prescribed = *spec.size() != FieldSize::Assumed;
-    Ok(Some(LengthOnLines { size, shifts, frames: doubted.len(), is_prescribed }))
+    Ok(Some(LengthOnLines {
+        size,
+        shifts,
+        frames: doubted.len(),
+        is_prescribed,
+    }))
 }
 
-/// What the length of a camera's field leaves open in its pictures, by the frames without doubts; none where they show the length.
+/// What the length of a camera's field leaves open in its pictures, by the frames without doubts;
+/// none where they show the length.
 fn unseen_length(at: DocumentAt<'_>, camera: &Camera) -> Result<Option<UnseenLength>, FieldError> {
-    let Some(base) = camera.base() else { return Ok(None) };
+    let Some(base) = camera.base() else {
+        return Ok(None);
+    };
     let spec = at.document.field_of_camera(&camera.id);
     let field = at.model_of(spec)?;
     let open = OpenSize::new(spec.template(at.folder)?, &field);
-    let certain = frames_of(at.document, &camera.id, |_, confidence| confidence >= CERTAIN).into_iter();
-    let certain: Vec<_> = certain.filter_map(|frame| Some((frame.ptz.as_ref()?.ptz(), frame.image_size))).collect();
+    let certain = frames_of(at.document, &camera.id, |_, confidence| {
+        confidence >= CERTAIN
+    })
+    .into_iter();
+    let certain: Vec<_> = certain
+        .filter_map(|frame| Some((frame.ptz.as_ref()?.ptz(), frame.image_size)))
+        .collect();
     Ok(UnseenLength::new(open, &field, &base, &certain))
 }
 
 /// Whether a frame's paint lies off its lines, or may.
 fn is_off_paint(frame: &Frame) -> bool {
-    let warnings = frame.solution.iter().flat_map(|solution| &solution.warnings);
-    warnings.into_iter().any(|warning| warning.code == LINE_CHECK || warning.code == LENGTH_UNSEEN)
+    let warnings = frame
+        .solution
+        .iter()
+        .flat_map(|solution| &solution.warnings);
+    warnings
+        .into_iter()
+        .any(|warning| warning.code == LINE_CHECK || warning.code == LENGTH_UNSEEN)
 }
 
 /// The solved frames of a camera that are as certain as is asked.
-fn frames_of<'a>(document: &'a Document, camera: &CameraId, is_asked: impl Fn(&Frame, f64) -> bool) -> Vec<&'a Frame> {
-    let of_camera =
-        document.frames.iter().map(|frame| &**frame).filter(|frame| frame.camera == *camera && frame.ptz.is_some());
-    let confidence = |frame: &Frame| frame.solution.as_ref().and_then(|solution| solution.confidence);
-    of_camera.filter(|frame| is_asked(frame, confidence(frame).unwrap_or(1.0))).collect()
+fn frames_of<'a>(
+    document: &'a Document,
+    camera: &CameraId,
+    is_asked: impl Fn(&Frame, f64) -> bool,
+) -> Vec<&'a Frame> {
+    let of_camera = document
+        .frames
+        .iter()
+        .map(|frame| &**frame)
+        .filter(|frame| frame.camera == *camera && frame.ptz.is_some());
+    let confidence = |frame: &Frame| {
+        frame
+            .solution
+            .as_ref()
+            .and_then(|solution| solution.confidence)
+    };
+    of_camera
+        .filter(|frame| is_asked(frame, confidence(frame).unwrap_or(1.0)))
+        .collect()
 }
 
 /// The pictures of some of these frames, evenly spread.
 fn looks<'a>(at: DocumentAt<'_>, frames: &[&'a Frame], picture: PictureOf<'_>) -> Vec<Look<'a>> {
     let read = |frame: &&'a Frame| {
         let ground = GroundPicture::new(&picture(frame)?, &at.document.masks_of(frame));
-        Some(Look { ground, ptz: frame.ptz.as_ref()?.ptz(), frame })
+        Some(Look {
+            ground,
+            ptz: frame.ptz.as_ref()?.ptz(),
+            frame,
+        })
     };
     subsample(frames, FRAMES).filter_map(read).collect()
 }
 
-/// How much of the paint of each frame a length explains: how near the lines lie to paint, times the paint that lies at lines. Each
-/// alone has its best where the lines in question leave the picture.
+/// How much of the paint of each frame a length explains: how near the lines lie to paint, times
+/// the paint that lies at lines. Each alone has its best where the lines in question leave the
+/// picture.
 fn worths(unseen: &UnseenLength, looks: &[Look<'_>], length_m: f64) -> Vec<f64> {
-    let Some((field, base)) = unseen.at_length(length_m) else { return vec![0.0; looks.len()] };
+    let Some((field, base)) = unseen.at_length(length_m) else {
+        return vec![0.0; looks.len()];
+    };
     let worth = |look: &Look<'_>| {
-        let check = check_lines(&look.ground, &field, &PtzCamera::new(look.frame.base_from(&base), look.ptz));
+        let check = check_lines(
+            &look.ground,
+            &field,
+            &PtzCamera::new(look.frame.base_from(&base), look.ptz),
+        );
         check.agreement * (1.0 - check.unexplained.unwrap_or(0.0))
     };
     looks.par_iter().map(worth).collect()
@@ -187,22 +283,29 @@ fn worths(unseen: &UnseenLength, looks: &[Look<'_>], length_m: f64) -> Vec<f64> 
 /// The length at which most of a frame's paint is explained; none where all explain about as much.
 fn peak_of(lengths: &[f64], table: &[Vec<f64>], look: usize) -> Option<f64> {
     let worths = || table.iter().map(|of_length| of_length[look]);
-    let (least, most) = worths().fold((f64::INFINITY, 0.0), |(least, most), worth| (worth.min(least), worth.max(most)));
+    let (least, most) = worths().fold((f64::INFINITY, 0.0), |(least, most), worth| {
+        (worth.min(least), worth.max(most))
+    });
     (most - least >= TELLING).then(|| lengths[index_of_largest(worths())])
 }
 
 /// Evenly spaced values, both ends among them.
 fn steps(from: f64, to: f64, step: f64) -> Vec<f64> {
     let count = ((to - from) / step).round().max(1.0) as usize;
-    (0..=count).map(|index| from + (to - from) * index as f64 / count as f64).collect()
+    (0..=count)
+        .map(|index| from + (to - from) * index as f64 / count as f64)
+        .collect()
 }
 
 fn index_of_largest(values: impl Iterator<Item = f64>) -> usize {
-    values.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index)
+    values
+        .enumerate()
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .map_or(0, |(index, _)| index)
 }
 
-/// Takes a measured length: each camera's field becomes so long, and the camera moves with the end that it has seen. Frames keep
-/// their pan, tilt and focal length.
+/// Takes a measured length: each camera's field becomes so long, and the camera moves with the end
+/// that it has seen. Frames keep their pan, tilt and focal length.
 pub fn take_length(document: &mut Document, found: &LengthOnLines) {
     for (camera, shift) in &found.shifts {
         set_field_size(document, camera, std::slice::from_ref(&found.size));

@@ -1,4 +1,5 @@
-//! From a document to a solved document: frames, bases, the field's size, names, which camera, click noise, and what is wrong with it.
+//! From a document to a solved document: frames, bases, the field's size, names, which camera,
+//! click noise, and what is wrong with it.
 
 mod after_merge;
 mod autocalibrated_camera;
@@ -35,7 +36,9 @@ mod unseen_length;
 mod which_camera;
 
 pub use after_merge::{SolvedAfterMerge, solve_after_merge};
-pub use autocalibrated_camera::{AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence};
+pub use autocalibrated_camera::{
+    AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence,
+};
 pub use base_change::{CameraChange, camera_change};
 pub use base_estimation::{
     BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, camera_alone, describe_mirrored,
@@ -46,12 +49,14 @@ pub use better_camera::{BetterCamera, better_camera};
 pub use bulk::{AssignedFrames, BulkChange, BulkError, BulkSolve, BulkSolved, Joined, NewCamera};
 pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
 pub use check::{
-    Fault, PictureCheck, Problem, check_cameras, check_pictures, check_solutions, check_still_runs, check_values,
+    Fault, PictureCheck, Problem, check_cameras, check_pictures, check_solutions, check_still_runs,
+    check_values,
 };
 pub(crate) use clip::record_tracked_frame;
 pub use clip::{
-    ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipSpan, ClipStop, MovedReference, TrackClipError,
-    TrackClipOptions, TrackedClip, TrackedFrame, clip_of_frame, clips, is_anchor, record_tracked, track_clip,
+    ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipSpan, ClipStop, MovedReference,
+    TrackClipError, TrackClipOptions, TrackedClip, TrackedFrame, clip_of_frame, clips, is_anchor,
+    record_tracked, track_clip,
 };
 pub use disagreement::{Disagreement, Disagreements, disagreements};
 pub(crate) use field_size::set_size;
@@ -70,8 +75,9 @@ pub(crate) use own_covariance::{covariance_on_paint, own_covariance};
 pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
 pub(crate) use paint::paint_evidence;
 pub use paint::{
-    FindFrameError, LINE_CHECK, OnPaintError, SnapFrameError, camera_on_paint, check_frame, find_frame,
-    record_found_by_paint, record_line_check, record_on_paint, record_snapped, snap_clicks, snap_frame,
+    FindFrameError, LINE_CHECK, OnPaintError, SnapFrameError, camera_on_paint, check_frame,
+    find_frame, record_found_by_paint, record_line_check, record_on_paint, record_snapped,
+    snap_clicks, snap_frame,
 };
 pub use record_found::record_found;
 pub(crate) use replacement::may_replace;

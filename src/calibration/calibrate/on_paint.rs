@@ -12,8 +12,8 @@ pub struct PaintSeen {
     pub places: usize,
     /// Different lines among them.
     pub lines: usize,
-    /// The base before: errors where a frame's camera is refined on half of its paint and clicks and judged by the other half. If
-    /// clicks gave this base it has seen all of them.
+    /// The base before: errors where a frame's camera is refined on half of its paint and clicks
+    /// and judged by the other half. If clicks gave this base it has seen all of them.
     pub before: OnPaintErrors,
     /// The same for the new base, found without the frame.
     pub after: OnPaintErrors,
@@ -38,22 +38,31 @@ pub struct OnPaintErrors {
 }
 
 impl PaintSeen {
-    /// How far paint that took no part lies off the lines, and before, in a sentence after a space; empty where none was held out.
+    /// How far paint that took no part lies off the lines, and before, in a sentence after a space;
+    /// empty where none was held out.
     #[must_use]
     pub fn describe(&self) -> String {
-        let Some(after) = self.after.paint else { return String::new() };
-        let before =
-            self.before.paint.map_or_else(String::new, |before| format!(" ({:.2} px before)", before.median_px));
-        format!(" Painted lines that were not used are {:.2} px off{before}.", after.median_px)
+        let Some(after) = self.after.paint else {
+            return String::new();
+        };
+        let before = self.before.paint.map_or_else(String::new, |before| {
+            format!(" ({:.2} px before)", before.median_px)
+        });
+        format!(
+            " Painted lines that were not used are {:.2} px off{before}.",
+            after.median_px
+        )
     }
 }
 
 impl OnPaint {
-    /// Writes the pulled frames, those of them that lie at some places (ascending): but for frames whose clicks, camera or use
-    /// have changed since.
+    /// Writes the pulled frames, those of them that lie at some places (ascending): but for frames
+    /// whose clicks, camera or use have changed since.
     pub(super) fn write_frames(&self, document: &mut Document, places: &[usize]) {
         for pulled in &self.pulled {
-            let Some(index) = document.frames.position_of(&pulled.id) else { continue };
+            let Some(index) = document.frames.position_of(&pulled.id) else {
+                continue;
+            };
             let frame = &document.frames[index];
             let is_as_then = frame.clicks == pulled.clicks
                 && frame.camera == pulled.camera

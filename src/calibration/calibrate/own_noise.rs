@@ -1,29 +1,36 @@
-//! The annotator's own click noise, from blind re-clicks of gold frames, and what it makes of the clicks' sigmas.
+//! The annotator's own click noise, from blind re-clicks of gold frames, and what it makes of the
+//! clicks' sigmas.
 //!
-//! A field template states for each landmark l how far people's clicks lie from its nominal place, 1-σ `σ_l`. Two things make
-//! it: the clicking, anew with every click, and the place (paint is wide, grounds are not painted to the centimetre), the same
-//! in every frame. On 142 real frames of three matches the place made up 0.47, 0.55 and 0.51 of `σ_l²`, so half of `σ_l²` is
-//! attributed to clicking and half to the place. Repeats show only the clicking. With f the annotator's click noise as a
-//! multiple of the usual one, the solve uses
+//! A field template states for each landmark l how far people's clicks lie from its nominal place,
+//! 1-σ `σ_l`. Two things make it: the clicking, anew with every click, and the place (paint is
+//! wide, grounds are not painted to the centimetre), the same in every frame. On 142 real frames of
+//! three matches the place made up 0.47, 0.55 and 0.51 of `σ_l²`, so half of `σ_l²` is attributed
+//! to clicking and half to the place. Repeats show only the clicking. With f the annotator's click
+//! noise as a multiple of the usual one, the solve uses
 //!
 //! `σ_l'² = ½ σ_l² + ½ f_l² σ_l²`
 //!
-//! so that usual click noise changes nothing, and perfectly repeatable clicks still have the place's error.
+//! so that usual click noise changes nothing, and perfectly repeatable clicks still have the
+//! place's error.
 //!
-//! - f² = (ν₀ + ν s²) / (ν₀ + ν): s is the robust scale ([`ClickScatter`]) of all differences in units of the usual click noise
-//!   √½ `σ_l`, ν its degrees of freedom, ν₀ = 4 those of the prior: annotators differ by a factor of about 1.4. 1/f² is the
-//!   posterior mean under a χ² likelihood and its conjugate prior.
-//! - `f_l`² = (ν₁ f² + `ν_l` `s_l`²) / (ν₁ + `ν_l`) for a landmark with eight repeats or more, ν₁ = 10: one annotator's noise
-//!   on single landmarks departs from the template's ratios by a factor of about 1.25. f for all others and for lines.
+//! - f² = (ν₀ + ν s²) / (ν₀ + ν): s is the robust scale ([`ClickScatter`]) of all differences in
+//!   units of the usual click noise √½ `σ_l`, ν its degrees of freedom, ν₀ = 4 those of the prior:
+//!   annotators differ by a factor of about 1.4. 1/f² is the posterior mean under a χ² likelihood
+//!   and its conjugate prior.
+//! - `f_l`² = (ν₁ f² + `ν_l` `s_l`²) / (ν₁ + `ν_l`) for a landmark with eight repeats or more, ν₁ =
+//!   10: one annotator's noise on single landmarks departs from the template's ratios by a factor
+//!   of about 1.25. f for all others and for lines.
 
 use std::collections::BTreeMap;
 use touchline_core::field::{CLICKING_SHARE, FieldError, LandmarkId};
 use touchline_core::geometry::Vec2;
 use touchline_core::score::ClickScatter;
-use touchline_documents::document::{ClickNoise, Document, DocumentAt, Extra, Fields, Frame, Shared};
+use touchline_documents::document::{
+    ClickNoise, Document, DocumentAt, Extra, Fields, Frame, Shared,
+};
 
-/// The number of repeats needed before the noise can be used: the fewest for which the two ends of the 95 % interval differ
-/// by less than a factor of two.
+/// The number of repeats needed before the noise can be used: the fewest for which the two ends of
+/// the 95 % interval differ by less than a factor of two.
 pub const ENOUGH_REPEATS: usize = 12;
 
 /// The number of repeats from which a landmark has a factor of its own.
@@ -40,7 +47,8 @@ pub struct OwnNoise {
     pub frames: usize,
     /// Repeats that can be compared with an earlier click.
     pub repeats: usize,
-    /// 1-σ of a click in each direction, px at 1920 px width; none while the repeats are too few to tell.
+    /// 1-σ of a click in each direction, px at 1920 px width; none while the repeats are too few to
+    /// tell.
     pub noise: Option<ClickScatter>,
     /// The same to the right and downwards.
     pub noise_by_axis: [Option<ClickScatter>; 2],
@@ -82,35 +90,58 @@ impl OwnNoise {
     /// # Errors
     /// One of its fields is not valid.
     pub fn of(document: DocumentAt<'_>) -> Result<Self, FieldError> {
-        let repeated = |(index, frame): (usize, &Shared<Frame>)| (!frame.repeats.is_empty()).then_some(index);
-        let places: Vec<usize> = document.frames.iter().enumerate().filter_map(repeated).collect();
+        let repeated =
+            |(index, frame): (usize, &Shared<Frame>)| (!frame.repeats.is_empty()).then_some(index);
+        let places: Vec<usize> = document
+            .frames
+            .iter()
+            .enumerate()
+            .filter_map(repeated)
+            .collect();
         if places.is_empty() {
             Ok(Self::default())
         } else {
-            Ok(Self::of_frames(&document, &Fields::as_stated(document)?, places))
+            Ok(Self::of_frames(
+                &document,
+                &Fields::as_stated(document)?,
+                places,
+            ))
         }
     }
 
-    /// The same, where it is known which frames have repeats: by their places, ascending. The fields are as their templates state.
+    /// The same, where it is known which frames have repeats: by their places, ascending. The
+    /// fields are as their templates state.
     #[must_use]
-    pub fn of_frames(document: &Document, fields: &Fields, places: impl IntoIterator<Item = usize>) -> Self {
+    pub fn of_frames(
+        document: &Document,
+        fields: &Fields,
+        places: impl IntoIterator<Item = usize>,
+    ) -> Self {
         let mut found = Self::default();
         let (mut all, mut normalised) = (Vec::new(), Vec::new());
         let mut by_landmark: BTreeMap<LandmarkId, [Vec<Vec2>; 2]> = BTreeMap::new();
-        for (index, frame) in places.into_iter().filter_map(|index| Some((index, document.frames.get(index)?))) {
+        for (index, frame) in places
+            .into_iter()
+            .filter_map(|index| Some((index, document.frames.get(index)?)))
+        {
             found.frames += 1;
             let scale = frame.image_size.scale_from_1920();
             let field = fields.of_frame(document, frame);
             for repeated in frame.repeated_clicks() {
                 let first = repeated.clicks[0];
-                found.offsets.extend(repeated.clicks.iter().skip(1).map(|click| RepeatOffset {
-                    frame: index,
-                    click: repeated.labelled,
-                    landmark: repeated.landmark.clone(),
-                    offset_px: click.offset_from(first) / scale,
-                }));
-                let stated = field.landmark(repeated.landmark.as_str()).map(|landmark| landmark.click_sigma_px);
-                let [of_landmark, of_landmark_normalised] = by_landmark.entry(repeated.landmark.clone()).or_default();
+                found
+                    .offsets
+                    .extend(repeated.clicks.iter().skip(1).map(|click| RepeatOffset {
+                        frame: index,
+                        click: repeated.labelled,
+                        landmark: repeated.landmark.clone(),
+                        offset_px: click.offset_from(first) / scale,
+                    }));
+                let stated = field
+                    .landmark(repeated.landmark.as_str())
+                    .map(|landmark| landmark.click_sigma_px);
+                let [of_landmark, of_landmark_normalised] =
+                    by_landmark.entry(repeated.landmark.clone()).or_default();
                 for difference in repeated.differences().map(|difference| difference / scale) {
                     all.push(difference);
                     of_landmark.push(difference);
@@ -124,8 +155,11 @@ impl OwnNoise {
         }
         found.repeats = all.len();
         found.noise = ClickScatter::of(&all);
-        found.noise_by_axis = [0, 1].map(|axis| ClickScatter::along(all.iter().map(|difference| difference[axis])));
-        found.click_noise = found.noise.and_then(|noise| click_noise(&noise, &normalised, &by_landmark));
+        found.noise_by_axis =
+            [0, 1].map(|axis| ClickScatter::along(all.iter().map(|difference| difference[axis])));
+        found.click_noise = found
+            .noise
+            .and_then(|noise| click_noise(&noise, &normalised, &by_landmark));
         found.landmarks = by_landmark
             .into_iter()
             .filter(|(_, [differences, _])| !differences.is_empty())
@@ -158,7 +192,9 @@ fn click_noise(
         Some(shrunk_towards(factor, LANDMARK_PRIOR, &seen))
     };
     let own = by_landmark.iter();
-    let own = own.filter_map(|(id, [_, normalised])| Some((id.as_str().to_owned(), own_factor(normalised)?)));
+    let own = own.filter_map(|(id, [_, normalised])| {
+        Some((id.as_str().to_owned(), own_factor(normalised)?))
+    });
     Some(ClickNoise {
         in_use: true,
         factor,

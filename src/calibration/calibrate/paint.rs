@@ -12,8 +12,8 @@ use touchline_documents::document::{
 };
 use touchline_vision::media::Picture;
 use touchline_vision::paint::{
-    FindError, FindOptions, Found, GroundPicture, LineCheck, PointSnapOptions, SnapError, SnapOptions, Snapped,
-    SnappedPoint, check_lines, find_camera, snap, snap_point,
+    FindError, FindOptions, Found, GroundPicture, LineCheck, PointSnapOptions, SnapError,
+    SnapOptions, Snapped, SnappedPoint, check_lines, find_camera, snap, snap_point,
 };
 
 /// The code of a warning that the paint speaks against a camera.
@@ -49,15 +49,25 @@ pub enum SnapFrameError {
 
 /// What the paint of its picture says about a solved frame's camera; none without a camera.
 #[must_use]
-pub fn check_frame(document: &Document, frame: &Frame, field: &FieldModel, picture: &Picture) -> Option<LineCheck> {
+pub fn check_frame(
+    document: &Document,
+    frame: &Frame,
+    field: &FieldModel,
+    picture: &Picture,
+) -> Option<LineCheck> {
     let camera = document.pointed(frame)?;
-    Some(check_lines(&GroundPicture::new(picture, &document.masks_of(frame)), field, &camera))
+    Some(check_lines(
+        &GroundPicture::new(picture, &document.masks_of(frame)),
+        field,
+        &camera,
+    ))
 }
 
 /// A solved frame's camera pulled onto the paint of its picture, tied to its clicks.
 ///
 /// # Errors
-/// The frame is not solved, a click names something that the field lacks, or the paint does not decide.
+/// The frame is not solved, a click names something that the field lacks, or the paint does not
+/// decide.
 pub fn snap_frame(
     document: &Document,
     frame: &Frame,
@@ -78,13 +88,23 @@ fn snap_on_ground(
     options: &SnapOptions,
 ) -> Result<(CameraBase, Snapped), SnapFrameError> {
     let camera = document.pointed(frame).ok_or(SnapFrameError::Unsolved)?;
-    if options.own_k1 && document.camera_of(frame).is_some_and(|camera| camera.curve().is_some()) {
+    if options.own_k1
+        && document
+            .camera_of(frame)
+            .is_some_and(|camera| camera.curve().is_some())
+    {
         return Err(SnapFrameError::HasLens);
     }
     let clicks = observations(frame, field)?;
     let snapped = snap(ground, field, camera.base(), camera.ptz(), &clicks, options)?;
     let distortion = snapped.own_lens.unwrap_or(camera.base().distortion);
-    Ok((CameraBase { distortion, ..*camera.base() }, snapped))
+    Ok((
+        CameraBase {
+            distortion,
+            ..*camera.base()
+        },
+        snapped,
+    ))
 }
 
 /// Why no camera is found for a frame by its paint alone.
@@ -101,11 +121,12 @@ pub enum FindFrameError {
     Paint(#[from] FindError),
 }
 
-/// A camera for a frame that has none, by the paint of its picture and the clicks that it has; `progress`
-/// receives the share that is done, from 0 to 1.
+/// A camera for a frame that has none, by the paint of its picture and the clicks that it has;
+/// `progress` receives the share that is done, from 0 to 1.
 ///
 /// # Errors
-/// The frame's camera has no base, a click names something that the field lacks, the paint does not decide, or `progress` cancelled it.
+/// The frame's camera has no base, a click names something that the field lacks, the paint does not
+/// decide, or `progress` cancelled it.
 pub fn find_frame(
     document: &Document,
     frame: &Frame,
@@ -114,10 +135,16 @@ pub fn find_frame(
     options: &FindOptions,
     progress: &Progress<'_, f64>,
 ) -> Result<(CameraBase, Found), FindFrameError> {
-    let base = document.camera_of(frame).and_then(|camera| camera.base_for(frame)).ok_or(FindFrameError::NoBase)?;
+    let base = document
+        .camera_of(frame)
+        .and_then(|camera| camera.base_for(frame))
+        .ok_or(FindFrameError::NoBase)?;
     let clicks = observations(frame, field)?;
     let ground = GroundPicture::new(picture, &document.masks_of(frame));
-    Ok((base, find_camera(&ground, field, &base, &clicks, options, progress)?))
+    Ok((
+        base,
+        find_camera(&ground, field, &base, &clicks, options, progress)?,
+    ))
 }
 
 /// Why a frame's camera is not put onto the paint.
@@ -131,8 +158,8 @@ pub enum OnPaintError {
     Find(#[from] FindFrameError),
 }
 
-/// A frame's camera on the paint of its picture: the camera that it has is pulled onto it ([`snap_frame`]), or, `from_nothing`, one
-/// is searched for ([`find_frame`]).
+/// A frame's camera on the paint of its picture: the camera that it has is pulled onto it
+/// ([`snap_frame`]), or, `from_nothing`, one is searched for ([`find_frame`]).
 ///
 /// # Errors
 /// Those of the one or the other.
@@ -150,7 +177,9 @@ pub fn camera_on_paint(
     } else {
         let ground = GroundPicture::new(picture, &document.masks_of(frame));
         let (base, snapped) = snap_on_ground(document, frame, field, &ground, &options.snap)?;
-        let earlier = document.pointed(frame).map(|camera| check_lines(&ground, field, &camera));
+        let earlier = document
+            .pointed(frame)
+            .map(|camera| check_lines(&ground, field, &camera));
         if earlier.is_some_and(|earlier| !may_replace(&earlier, &snapped.check)) {
             return Err(SnapFrameError::Worse.into());
         }
@@ -159,7 +188,11 @@ pub fn camera_on_paint(
 }
 
 /// Writes into a frame what came of [`camera_on_paint`]: the camera, or why there is none.
-pub fn record_on_paint(frame: &mut Frame, found: &Result<(CameraBase, Snapped), OnPaintError>, from_nothing: bool) {
+pub fn record_on_paint(
+    frame: &mut Frame,
+    found: &Result<(CameraBase, Snapped), OnPaintError>,
+    from_nothing: bool,
+) {
     match found {
         Ok((base, found)) if from_nothing => record_found_by_paint(frame, base, found),
         Ok((base, snapped)) => record_snapped(frame, base, snapped),
@@ -176,8 +209,8 @@ pub fn record_found_by_paint(frame: &mut Frame, base: &CameraBase, found: &Snapp
     }
 }
 
-/// Those of some clicks of a frame, by their places in it, whose landmark is certainly painted near by, and where. `camera` need
-/// not be exact.
+/// Those of some clicks of a frame, by their places in it, whose landmark is certainly painted near
+/// by, and where. `camera` need not be exact.
 #[must_use]
 pub fn snap_clicks(
     document: &Document,
@@ -190,10 +223,15 @@ pub fn snap_clicks(
     let ground = GroundPicture::new(picture, &document.masks_of(frame));
     let snapped = |index: &usize| {
         let click = frame.clicks.get(*index)?;
-        let Some(Target::Landmark(id)) = &click.target else { return None };
+        let Some(Target::Landmark(id)) = &click.target else {
+            return None;
+        };
         let landmark = field.landmark(id.as_str())?;
         let options = PointSnapOptions::default();
-        Some((*index, snap_point(&ground, field, camera, landmark, click.image, &options)?))
+        Some((
+            *index,
+            snap_point(&ground, field, camera, landmark, click.image, &options)?,
+        ))
     };
     clicks.iter().filter_map(snapped).collect()
 }
@@ -213,7 +251,8 @@ pub(crate) fn paint_evidence(check: &LineCheck) -> PaintEvidence {
     }
 }
 
-/// Writes a snapped camera into its frame. What the clicks gave warnings of stays; the status stays.
+/// Writes a snapped camera into its frame. What the clicks gave warnings of stays; the status
+/// stays.
 pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
     let camera = PtzCamera::new(*base, snapped.ptz);
     frame.point(snapped.ptz, camera.lens());
@@ -223,7 +262,11 @@ pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
         covariance: Some(snapped.uncertainty.ptz_covariance_deg()),
         own_covariance: Some(snapped.uncertainty.own_covariance_deg()),
         rms_px: Some(snapped.rms_px),
-        worst_corner_sigma_px: Some(snapped.uncertainty.worst_corner_sigma_px(&camera, frame.image_size)),
+        worst_corner_sigma_px: Some(
+            snapped
+                .uncertainty
+                .worst_corner_sigma_px(&camera, frame.image_size),
+        ),
         source: Some(SolutionSource::Markings),
         confidence: Some(snapped.check.score),
         samples: Some(snapped.samples),
@@ -234,12 +277,20 @@ pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
 
 /// Writes into a frame why its camera was not pulled onto the paint; the camera stays.
 fn record_refusal(frame: &mut Frame, reason: &SnapFrameError) {
-    warn_once(frame, NOT_SNAPPED, format!("not snapped to the painted lines: {reason}"));
+    warn_once(
+        frame,
+        NOT_SNAPPED,
+        format!("not snapped to the painted lines: {reason}"),
+    );
 }
 
 /// Writes into a frame why no camera was found for it.
 fn record_not_found_by_paint(frame: &mut Frame, reason: &FindFrameError) {
-    warn_once(frame, NOT_FOUND, format!("not found by the painted lines: {reason}"));
+    warn_once(
+        frame,
+        NOT_FOUND,
+        format!("not found by the painted lines: {reason}"),
+    );
 }
 
 fn warn_once(frame: &mut Frame, code: &str, message: String) {
@@ -248,13 +299,18 @@ fn warn_once(frame: &mut Frame, code: &str, message: String) {
     solution.warnings.push(SolutionWarning::new(code, message));
 }
 
-/// Writes into a frame what the paint says about its camera, with a warning where the paint speaks against it.
+/// Writes into a frame what the paint says about its camera, with a warning where the paint speaks
+/// against it.
 pub fn record_line_check(frame: &mut Frame, check: &LineCheck) {
     let solution = frame.solution.get_or_insert_default();
     solution.line_check = Some(paint_evidence(check));
-    solution.warnings.retain(|warning| warning.code != LINE_CHECK);
+    solution
+        .warnings
+        .retain(|warning| warning.code != LINE_CHECK);
     if check.verdict() == LineVerdict::Contradicts {
-        solution.warnings.push(SolutionWarning::new(LINE_CHECK, against(check)));
+        solution
+            .warnings
+            .push(SolutionWarning::new(LINE_CHECK, against(check)));
     }
 }
 
@@ -268,5 +324,7 @@ fn against(check: &LineCheck) -> String {
 }
 
 fn drop_paint_warnings(solution: &mut Solution) {
-    solution.warnings.retain(|warning| ![NOT_SNAPPED, NOT_FOUND, LINE_CHECK].contains(&warning.code.as_str()));
+    solution
+        .warnings
+        .retain(|warning| ![NOT_SNAPPED, NOT_FOUND, LINE_CHECK].contains(&warning.code.as_str()));
 }

@@ -6,18 +6,29 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::solve::Uncertainty;
 use touchline_documents::document::{CameraId, Document, FrameStatus, Solution, SolutionSource};
 
-/// Writes a found camera into a document: base, size of the field, crown, and its frames as suggestions. References stay as they are.
+/// Writes a found camera into a document: base, size of the field, crown, and its frames as
+/// suggestions. References stay as they are.
 pub fn record_found(document: &mut Document, camera: &CameraId, found: &AutocalibratedCamera) {
-    let Some(of_document) = document.camera_mut(camera) else { return };
+    let Some(of_document) = document.camera_mut(camera) else {
+        return;
+    };
     of_document.set_base(&found.base);
     set_field_size(document, camera, &found.sizes);
-    let Some(of_document) = document.camera_mut(camera) else { return };
-    let field = if of_document.field.is_some() { of_document.field.as_mut() } else { Some(&mut document.field) };
+    let Some(of_document) = document.camera_mut(camera) else {
+        return;
+    };
+    let field = if of_document.field.is_some() {
+        of_document.field.as_mut()
+    } else {
+        Some(&mut document.field)
+    };
     if let Some(field) = field {
         field.set_crown_m(found.field.crown_m);
     }
     for of_found in &found.frames {
-        let Some(frame) = document.frames.get_mut(of_found.index) else { continue };
+        let Some(frame) = document.frames.get_mut(of_found.index) else {
+            continue;
+        };
         if frame.status == FrameStatus::Reference {
             continue;
         }
@@ -31,7 +42,8 @@ pub fn record_found(document: &mut Document, camera: &CameraId, found: &Autocali
             source: Some(SolutionSource::Markings),
             covariance: known.map(Uncertainty::ptz_covariance_deg),
             own_covariance: known.map(Uncertainty::own_covariance_deg),
-            worst_corner_sigma_px: known.map(|known| known.worst_corner_sigma_px(&camera, frame.image_size)),
+            worst_corner_sigma_px: known
+                .map(|known| known.worst_corner_sigma_px(&camera, frame.image_size)),
             ..Solution::default()
         });
         if let Some(snapped) = &of_found.snapped {

@@ -1,5 +1,5 @@
-//! A frame without clicks of its own whose camera has moved: what a person accepted are the lines on the picture, so these
-//! stay where they were as well as the new base allows.
+//! A frame without clicks of its own whose camera has moved: what a person accepted are the lines
+//! on the picture, so these stay where they were as well as the new base allows.
 
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, ImageSize};
@@ -17,14 +17,28 @@ const SIGMA_PX: f64 = 2.0;
 /// Lines that end up farther off than this are worth a word, px at 1920 px width.
 const TOLERATED_PX: f64 = 5.0;
 
-/// Turns a frame to where its lines were before its camera moved; `before` is the document until then. A frame that was
-/// not solved, or shows too little ground, stays as it is.
+/// Turns a frame to where its lines were before its camera moved; `before` is the document until
+/// then. A frame that was not solved, or shows too little ground, stays as it is.
 pub fn refit(document: &mut Document, index: usize, before: &Document) {
-    let Some(known) = before.frames.get(index).and_then(|frame| before.pointed(frame)) else { return };
-    let Some(frame) = document.frames.get(index) else { return };
-    let Some(base) = document.camera_of(frame).and_then(Camera::base) else { return };
-    let Some((ptz, off_px)) = refitted(&known, &base, frame.image_size) else { return };
-    let Some(frame) = document.frames.get_mut(index) else { return };
+    let Some(known) = before
+        .frames
+        .get(index)
+        .and_then(|frame| before.pointed(frame))
+    else {
+        return;
+    };
+    let Some(frame) = document.frames.get(index) else {
+        return;
+    };
+    let Some(base) = document.camera_of(frame).and_then(Camera::base) else {
+        return;
+    };
+    let Some((ptz, off_px)) = refitted(&known, &base, frame.image_size) else {
+        return;
+    };
+    let Some(frame) = document.frames.get_mut(index) else {
+        return;
+    };
     frame.point(ptz, base.distortion.radial_at(ptz.focal_px));
     tell(frame, off_px);
 }
@@ -32,7 +46,9 @@ pub fn refit(document: &mut Document, index: usize, before: &Document) {
 /// Says how far the lines moved all the same.
 fn tell(frame: &mut Frame, off_px: f64) {
     const CODE: &str = "base_moved";
-    let Some(solution) = &mut frame.solution else { return };
+    let Some(solution) = &mut frame.solution else {
+        return;
+    };
     solution.warnings.retain(|warning| warning.code != CODE);
     if off_px > TOLERATED_PX * frame.image_size.scale_from_1920() {
         let message = format!(
@@ -42,22 +58,35 @@ fn tell(frame: &mut Frame, off_px: f64) {
     }
 }
 
-/// The camera on a new base that keeps the ground where it was in the picture, and how far it is off at most, px.
+/// The camera on a new base that keeps the ground where it was in the picture, and how far it is
+/// off at most, px.
 fn refitted(before: &PtzCamera, base: &CameraBase, image_size: ImageSize) -> Option<(Ptz, f64)> {
     let observations: Vec<Observation> = grid(image_size)
         .filter_map(|image| Some((image, before.plane_from_image(image, 0.0)?)))
         .filter(|(_, ground)| ground.norm() <= REACH_M)
         .enumerate()
         .map(|(click, (image, ground))| {
-            Observation::of_point(ground, image, SIGMA_PX * image_size.scale_from_1920(), click)
+            Observation::of_point(
+                ground,
+                image,
+                SIGMA_PX * image_size.scale_from_1920(),
+                click,
+            )
         })
         .collect();
     if observations.len() < FEWEST {
         return None;
     }
-    let context = SolveContext { start: Some(before.ptz()), ..SolveContext::new(image_size) };
+    let context = SolveContext {
+        start: Some(before.ptz()),
+        ..SolveContext::new(image_size)
+    };
     let solved = solve_frame(base, &observations, &context).ok()?;
-    let off_px = solved.residuals.iter().filter_map(ClickResidual::distance_px).fold(0.0, f64::max);
+    let off_px = solved
+        .residuals
+        .iter()
+        .filter_map(ClickResidual::distance_px)
+        .fold(0.0, f64::max);
     Some((solved.ptz, off_px))
 }
 
@@ -82,7 +111,11 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     fn base(height_m: f64) -> CameraBase {
-        CameraBase::new(Vec3::new(0.0, -62.0, height_m), BaseAngles::default().base_from_world(), SIZE.centre())
+        CameraBase::new(
+            Vec3::new(0.0, -62.0, height_m),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        )
     }
 
     fn accepted() -> Document {
@@ -103,11 +136,32 @@ mod tests {
         let mut after = before.clone();
         after.cameras[0].set_base(&base(17.2));
         let ground = Vec3::new(5.0, 3.0, 0.0);
-        let at = |document: &Document| document.pointed(&document.frames[0]).unwrap().image_from_world(ground).unwrap();
-        assert!(at(&before).distance_px(at(&after)) > 5.0, "without a word the lines would have moved");
+        let at = |document: &Document| {
+            document
+                .pointed(&document.frames[0])
+                .unwrap()
+                .image_from_world(ground)
+                .unwrap()
+        };
+        assert!(
+            at(&before).distance_px(at(&after)) > 5.0,
+            "without a word the lines would have moved"
+        );
         refit(&mut after, 0, &before);
-        assert!(at(&before).distance_px(at(&after)) < 1.5, "{:?} {:?}", at(&before), at(&after));
-        assert!(after.frames[0].solution.as_ref().unwrap().warnings.is_empty());
+        assert!(
+            at(&before).distance_px(at(&after)) < 1.5,
+            "{:?} {:?}",
+            at(&before),
+            at(&after)
+        );
+        assert!(
+            after.frames[0]
+                .solution
+                .as_ref()
+                .unwrap()
+                .warnings
+                .is_empty()
+        );
     }
 
     #[test]
@@ -118,7 +172,12 @@ mod tests {
         refit(&mut after, 0, &before);
         let warnings = &after.frames[0].solution.as_ref().unwrap().warnings;
         assert_eq!(warnings[0].code, "base_moved");
-        assert!(warnings[0].message.starts_with("The base changed after this frame was accepted"), "{warnings:?}");
+        assert!(
+            warnings[0]
+                .message
+                .starts_with("The base changed after this frame was accepted"),
+            "{warnings:?}"
+        );
     }
 
     #[test]

@@ -7,19 +7,22 @@ use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::field::{FieldModel, Template};
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{
-    AdjustOptions, BaseModel, BaseOptions, BaseProgress, FittedSize, FrameClicks, SizeParam, SizeStart, fit_field_size,
+    AdjustOptions, BaseModel, BaseOptions, BaseProgress, FittedSize, FrameClicks, SizeParam,
+    SizeStart, fit_field_size,
 };
 use touchline_documents::document::DocumentAt;
 
 /// The parameters that are a field's size.
 const SIZE: [&str; 2] = ["length_m", "width_m"];
 
-/// 1-σ of a venue's size as a share of what the rules allow: 2.5 m of a soccer pitch's length, 3.75 m of its width.
+/// 1-σ of a venue's size as a share of what the rules allow: 2.5 m of a soccer pitch's length, 3.75
+/// m of its width.
 const SIGMA_SHARE: f64 = 1.0 / 12.0;
 
 impl BaseProblem {
-    /// Estimates the base together with the field's size: first the base on the field as assumed, then the size, then the base
-    /// again. `document` is the one that the clicks were gathered from.
+    /// Estimates the base together with the field's size: first the base on the field as assumed,
+    /// then the size, then the base again. `document` is the one that the clicks were gathered
+    /// from.
     ///
     /// # Errors
     /// The clicks give no base, or it was cancelled.
@@ -30,18 +33,26 @@ impl BaseProblem {
         progress: &Progress<'_, BaseProgress>,
     ) -> Result<EstimatedBase, BaseEstimationError> {
         let found = self.estimate(&document, options, progress)?;
-        let ptz: Vec<_> = found.estimate.frames.iter().map(|fit| fit.map(|fit| fit.ptz)).collect();
+        let ptz: Vec<_> = found
+            .estimate
+            .frames
+            .iter()
+            .map(|fit| fit.map(|fit| fit.ptz))
+            .collect();
         let model = &found.estimate.model;
-        let template = document.field_of_camera(&self.camera).template(document.folder)?;
+        let template = document
+            .field_of_camera(&self.camera)
+            .template(document.folder)?;
         let sizes = self.fit_size(template, &self.clicks, (&found.estimate.base, &ptz), model);
         let mut sized = document.document.clone();
         set_field_size(&mut sized, &self.camera, &sizes);
-        let found = Self::of(sized.at(document.folder), &self.camera)?.estimate(&sized, options, progress)?;
+        let found = Self::of(sized.at(document.folder), &self.camera)?
+            .estimate(&sized, options, progress)?;
         Ok(EstimatedBase { sizes, ..found })
     }
 
-    /// Length and width of the field, from what is seen in the frames, and a base and cameras that are near; empty where the
-    /// template leaves no choice, or what is seen leaves it open.
+    /// Length and width of the field, from what is seen in the frames, and a base and cameras that
+    /// are near; empty where the template leaves no choice, or what is seen leaves it open.
     pub(super) fn fit_size(
         &self,
         template: Template,
@@ -75,32 +86,52 @@ pub(crate) struct OpenSize {
 impl OpenSize {
     /// Of a field that was filled in from its template.
     pub fn new(template: Template, field: &FieldModel) -> Self {
-        let open = template.params.iter().filter(|param| SIZE.contains(&param.name.as_str()) && param.min < param.max);
+        let open = template
+            .params
+            .iter()
+            .filter(|param| SIZE.contains(&param.name.as_str()) && param.min < param.max);
         let params = open.map(|param| SizeParam {
             name: param.name.clone(),
-            assumed_m: field.params.get(&param.name).copied().unwrap_or(param.default),
+            assumed_m: field
+                .params
+                .get(&param.name)
+                .copied()
+                .unwrap_or(param.default),
             sigma_m: (param.max - param.min) * SIGMA_SHARE,
             min_m: param.min,
             max_m: param.max,
         });
         let params = params.collect();
-        Self { template, params_m: field.params.clone(), crown_m: field.crown_m, params }
+        Self {
+            template,
+            params_m: field.params.clone(),
+            crown_m: field.crown_m,
+            params,
+        }
     }
 
     /// The lengths of a field of this template, with those of `field` as what is assumed.
     pub fn params_of(&self, field: &FieldModel) -> Vec<SizeParam> {
         let of = |param: &SizeParam| {
-            let assumed_m = field.params.get(&param.name).copied().unwrap_or(param.assumed_m);
-            SizeParam { assumed_m, ..param.clone() }
+            let assumed_m = field
+                .params
+                .get(&param.name)
+                .copied()
+                .unwrap_or(param.assumed_m);
+            SizeParam {
+                assumed_m,
+                ..param.clone()
+            }
         };
         self.params.iter().map(of).collect()
     }
 
-    /// The field at values of the lengths, in their order, within what the rules allow; none where the template has none of
-    /// that size.
+    /// The field at values of the lengths, in their order, within what the rules allow; none where
+    /// the template has none of that size.
     pub fn sized(&self, values_m: &[f64]) -> Option<FieldModel> {
         let lengths = self.params.iter().zip(values_m);
-        let allowed = lengths.map(|(param, value)| (param.name.clone(), value.clamp(param.min_m, param.max_m)));
+        let allowed = lengths
+            .map(|(param, value)| (param.name.clone(), value.clamp(param.min_m, param.max_m)));
         let mut filled = self.params_m.clone();
         filled.extend(allowed);
         self.template.model(&filled, self.crown_m).ok()
@@ -120,7 +151,10 @@ pub fn describe_size(size: &FittedSize) -> String {
             "{what} {assumed_m} m is assumed: the frames do not show it (± {sigma_m:.1} m). What they show lies right; state the field's {what} if it is another"
         );
     }
-    let text = format!("{what} {:.2} ± {:.2} m ({} m assumed)", size.value_m, size.sigma_m, size.assumed_m);
+    let text = format!(
+        "{what} {:.2} ± {:.2} m ({} m assumed)",
+        size.value_m, size.sigma_m, size.assumed_m
+    );
     let along_m = size.position_sigma_m;
     if along_m.norm() <= WORTH_SAYING_M {
         return text;

@@ -23,12 +23,12 @@ pub enum SolveOutcome {
     Failed(CalibrationError),
 }
 
-/// Solves every frame with enough clicks, in parallel; statuses stay. `folder` is the document's; `progress` hears of each frame,
-/// from any thread. One outcome for each frame, whatever the number of threads; none at all where `progress` cancels this, which
-/// leaves the document as it was.
+/// Solves every frame with enough clicks, in parallel; statuses stay. `folder` is the document's;
+/// `progress` hears of each frame, from any thread. One outcome for each frame, whatever the number
+/// of threads; none at all where `progress` cancels this, which leaves the document as it was.
 ///
-/// A frame whose clicks fit two cameras alike is decided by its neighbours, those that are solved in the same run among
-/// them.
+/// A frame whose clicks fit two cameras alike is decided by its neighbours, those that are solved
+/// in the same run among them.
 ///
 /// # Errors
 /// The field of a frame is not valid.
@@ -38,8 +38,8 @@ pub fn solve_document(
     progress: &Progress<'_, ()>,
 ) -> Result<Vec<SolveOutcome>, FieldError> {
     let fields = Fields::of(document.at(folder))?;
-    let (enough, too_few): (Vec<usize>, Vec<usize>) =
-        (0..document.frames.len()).partition(|&index| equations(&document.frames[index]) >= UNKNOWNS);
+    let (enough, too_few): (Vec<usize>, Vec<usize>) = (0..document.frames.len())
+        .partition(|&index| equations(&document.frames[index]) >= UNKNOWNS);
     for _ in &too_few {
         if progress.report(()).is_break() {
             return Ok(Vec::new());
@@ -49,11 +49,17 @@ pub fn solve_document(
     let Some(solved) = solve_frames(document, &enough, fields, record_if_solved, progress) else {
         return Ok(Vec::new());
     };
-    let mut outcomes: Vec<SolveOutcome> = document.frames.iter().map(|_| SolveOutcome::TooFewClicks).collect();
+    let mut outcomes: Vec<SolveOutcome> = document
+        .frames
+        .iter()
+        .map(|_| SolveOutcome::TooFewClicks)
+        .collect();
     for (index, solved) in enough.into_iter().zip(solved) {
         outcomes[index] = match solved {
             Ok(()) => SolveOutcome::Solved,
-            Err(CalibrationError::Solve(SolveError::TooFewObservations { .. })) => SolveOutcome::TooFewClicks,
+            Err(CalibrationError::Solve(SolveError::TooFewObservations { .. })) => {
+                SolveOutcome::TooFewClicks
+            }
             Err(error) => SolveOutcome::Failed(error),
         };
     }
@@ -63,5 +69,7 @@ pub fn solve_document(
 /// How many equations the named clicks of a frame give; check clicks give none.
 fn equations(frame: &Frame) -> usize {
     let used = frame.clicks.iter().filter(|click| !click.check);
-    used.filter_map(|click| click.target.as_ref()).map(Target::equations).sum()
+    used.filter_map(|click| click.target.as_ref())
+        .map(Target::equations)
+        .sum()
 }

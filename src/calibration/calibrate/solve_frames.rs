@@ -25,12 +25,13 @@ pub(super) enum ShownFields<'a> {
 /// So many frames are solved before what they gave is written down.
 const AT_ONCE: usize = 4096;
 
-/// Solves frames, named by their places, in parallel; `settle` writes into each frame what its clicks gave. Says of each whether
-/// they gave a camera. The result does not depend on the number of threads. `progress` hears of each frame. None where it cancels
-/// this: no frame has changed then.
+/// Solves frames, named by their places, in parallel; `settle` writes into each frame what its
+/// clicks gave. Says of each whether they gave a camera. The result does not depend on the number
+/// of threads. `progress` hears of each frame. None where it cancels this: no frame has changed
+/// then.
 ///
-/// Every frame is solved beside the others as they were before. A frame whose clicks fit two cameras alike is solved once
-/// more beside the others as they are then.
+/// Every frame is solved beside the others as they were before. A frame whose clicks fit two
+/// cameras alike is solved once more beside the others as they are then.
 pub(super) fn solve_frames(
     document: &mut Document,
     places: &[usize],
@@ -46,7 +47,8 @@ pub(super) fn solve_frames(
     let solve = |document: &Document, lookup: &FrameLookup, index: usize| {
         solve_one(document, lookup, index, fields, &of_cameras).map(Box::new)
     };
-    // All are solved beside what was given, and some at a time, so that the solutions of a long video are not all held at once.
+    // All are solved beside what was given, and some at a time, so that the solutions of a long
+    // video are not all held at once.
     let given = document.clone();
     let solve_first = |&index: &usize| {
         let solved = solve(&given, &lookup, index);
@@ -54,13 +56,19 @@ pub(super) fn solve_frames(
     };
     let (mut settled, mut again) = (Vec::with_capacity(places.len()), Vec::new());
     for some in places.chunks(AT_ONCE) {
-        let Some(first) = some.par_iter().map(solve_first).collect::<Option<Vec<Solved>>>() else {
+        let Some(first) = some
+            .par_iter()
+            .map(solve_first)
+            .collect::<Option<Vec<Solved>>>()
+        else {
             *document = given;
             return None;
         };
         for (&index, solved) in some.iter().zip(first) {
             settle(&mut document.frames[index], solved.as_deref());
-            let is_undecided = solved.as_ref().is_ok_and(|solved| !solved.alternatives.is_empty());
+            let is_undecided = solved
+                .as_ref()
+                .is_ok_and(|solved| !solved.alternatives.is_empty());
             again.extend(is_undecided.then_some(index));
             settled.push(solved.map(drop));
         }
@@ -69,7 +77,10 @@ pub(super) fn solve_frames(
     if !again.is_empty() {
         lookup.update(document);
     }
-    let second: Vec<Solved> = again.par_iter().map(|&index| solve(document, &lookup, index)).collect();
+    let second: Vec<Solved> = again
+        .par_iter()
+        .map(|&index| solve(document, &lookup, index))
+        .collect();
     for (index, solved) in again.into_iter().zip(second) {
         if let Ok(solved) = solved {
             settle(&mut document.frames[index], Ok(&solved));
@@ -95,8 +106,9 @@ fn solve_one(
     Ok(solved)
 }
 
-/// Solves those of some frames again whose camera comes from their clicks, or would have if there had been a base: a camera or a
-/// field has changed. `folder` is the document's. Where `progress` cancels this, nothing is solved.
+/// Solves those of some frames again whose camera comes from their clicks, or would have if there
+/// had been a base: a camera or a field has changed. `folder` is the document's. Where `progress`
+/// cancels this, nothing is solved.
 ///
 /// # Errors
 /// A field of the document is not valid; nothing is solved then.
@@ -107,26 +119,39 @@ pub(super) fn solve_by_clicks(
     progress: &Progress<'_, ()>,
 ) -> Result<(), FieldError> {
     let fields = Fields::of(document.at(folder))?;
-    let places = places.iter().copied().filter(|&index| is_by_clicks(&document.frames[index]));
+    let places = places
+        .iter()
+        .copied()
+        .filter(|&index| is_by_clicks(&document.frames[index]));
     let places: Vec<usize> = places.collect();
-    solve_frames(document, &places, ShownFields::Document(&fields), record_outcome, progress);
+    solve_frames(
+        document,
+        &places,
+        ShownFields::Document(&fields),
+        record_outcome,
+        progress,
+    );
     Ok(())
 }
 
-/// Whether a frame has clicks and its camera comes from them, or would have if there had been a base.
+/// Whether a frame has clicks and its camera comes from them, or would have if there had been a
+/// base.
 #[must_use]
 pub fn is_by_clicks(frame: &Frame) -> bool {
     !frame.clicks.is_empty() && (frame.is_solved_by_clicks() || frame.ptz.is_none())
 }
 
-/// Writes what a frame's clicks gave into the frame. Where they give no camera an earlier proposal stays, but an earlier solve
-/// goes; a camera without a base changes nothing.
+/// Writes what a frame's clicks gave into the frame. Where they give no camera an earlier proposal
+/// stays, but an earlier solve goes; a camera without a base changes nothing.
 pub fn record_outcome(frame: &mut Frame, solved: Result<&FrameSolution, &CalibrationError>) {
     match solved {
         Ok(solved) => frame.record(solved),
         Err(CalibrationError::NoBase { .. } | CalibrationError::UnknownCamera { .. }) => {}
         Err(error) => {
-            let too_few = matches!(error, CalibrationError::Solve(SolveError::TooFewObservations { .. }));
+            let too_few = matches!(
+                error,
+                CalibrationError::Solve(SolveError::TooFewObservations { .. })
+            );
             if too_few && frame.restore_proposed() {
                 return;
             }
@@ -139,7 +164,10 @@ pub fn record_outcome(frame: &mut Frame, solved: Result<&FrameSolution, &Calibra
 }
 
 /// Writes a camera into the frame where its clicks gave one; else the frame stays as it was.
-pub(super) fn record_if_solved(frame: &mut Frame, solved: Result<&FrameSolution, &CalibrationError>) {
+pub(super) fn record_if_solved(
+    frame: &mut Frame,
+    solved: Result<&FrameSolution, &CalibrationError>,
+) {
     if let Ok(solved) = solved {
         frame.record(solved);
     }
@@ -157,7 +185,10 @@ mod tests {
 
     /// So many frames, each with four exact points.
     fn clicked(frames: usize) -> (Document, FieldModel) {
-        let (size, field) = (ImageSize::new(1280, 720), builtin("soccer").unwrap().default_model().unwrap());
+        let (size, field) = (
+            ImageSize::new(1280, 720),
+            builtin("soccer").unwrap().default_model().unwrap(),
+        );
         let upright = BaseAngles::default().base_from_world();
         let base = CameraBase::new(Vec3::new(0.0, -66.0, 18.0), upright, size.centre());
         let pointed = PtzCamera::new(base, Ptz::from_degrees(-30.0, -12.0, 1500.0));
@@ -166,8 +197,11 @@ mod tests {
         camera.set_base(&base);
         document.cameras.push(camera.into());
         let seen = field.landmarks.iter().filter_map(|landmark| {
-            let image = pointed.image_from_world(field.landmark_in_world(landmark)).ok()?;
-            size.contains(image).then(|| Click::landmark(landmark.id.clone(), image))
+            let image = pointed
+                .image_from_world(field.landmark_in_world(landmark))
+                .ok()?;
+            size.contains(image)
+                .then(|| Click::landmark(landmark.id.clone(), image))
         });
         let clicks: Vec<Click> = seen.take(4).collect();
         for index in 0..frames {
@@ -187,13 +221,42 @@ mod tests {
             AT_ONCE.. => ControlFlow::Break(()),
             _ => ControlFlow::Continue(()),
         });
-        let result = solve_frames(&mut document, &places, ShownFields::Camera(&field), record_if_solved, &ended);
+        let result = solve_frames(
+            &mut document,
+            &places,
+            ShownFields::Camera(&field),
+            record_if_solved,
+            &ended,
+        );
         assert_eq!(result, None);
-        assert_eq!(document, given, "what was written before it was ended is taken back");
+        assert_eq!(
+            document, given,
+            "what was written before it was ended is taken back"
+        );
         let goes_on = Progress::default();
-        let results = solve_frames(&mut document, &places, ShownFields::Camera(&field), record_if_solved, &goes_on);
-        assert_eq!(results.unwrap().iter().filter(|result| result.is_ok()).count(), AT_ONCE + 20);
-        let focal_px = document.frames.iter().map(|frame| frame.ptz.as_ref().unwrap().ptz().focal_px);
-        assert!(focal_px.into_iter().all(|focal_px| (focal_px - 1500.0).abs() < 1e-3));
+        let results = solve_frames(
+            &mut document,
+            &places,
+            ShownFields::Camera(&field),
+            record_if_solved,
+            &goes_on,
+        );
+        assert_eq!(
+            results
+                .unwrap()
+                .iter()
+                .filter(|result| result.is_ok())
+                .count(),
+            AT_ONCE + 20
+        );
+        let focal_px = document
+            .frames
+            .iter()
+            .map(|frame| frame.ptz.as_ref().unwrap().ptz().focal_px);
+        assert!(
+            focal_px
+                .into_iter()
+                .all(|focal_px| (focal_px - 1500.0).abs() < 1e-3)
+        );
     }
 }

@@ -3,13 +3,18 @@
 use super::Disagreements;
 use touchline_documents::document::Document;
 
-/// The frames of each run in which the camera stands exactly still, three or more of a shot, by their places.
+/// The frames of each run in which the camera stands exactly still, three or more of a shot, by
+/// their places.
 pub(super) fn still_runs(document: &Document) -> Vec<Vec<usize>> {
     let known = Disagreements::of(document);
     let mut runs = Vec::new();
     for shot in known.shots() {
         let places: Vec<usize> = shot.iter().copied().collect();
-        let is_still = |&at: &usize| known.of_frame(places[at]).is_some_and(|found| found.is_still());
+        let is_still = |&at: &usize| {
+            known
+                .of_frame(places[at])
+                .is_some_and(|found| found.is_still())
+        };
         let inside: Vec<usize> = (0..places.len()).filter(is_still).collect();
         // Each of these has the camera of the frames on both sides of it.
         for run in inside.chunk_by(|one, next| one + 1 == *next) {
@@ -40,12 +45,25 @@ mod tests {
             SIZE.centre(),
         ));
         document.cameras.push(camera.into());
-        let still =
-            [(1, 2.0), (1, 2.0), (1, 2.001), (1, 3.0), (1, 3.0), (2, 3.0), (2, 3.0), (2, 3.0), (2, 3.0), (2, 4.0)];
+        let still = [
+            (1, 2.0),
+            (1, 2.0),
+            (1, 2.001),
+            (1, 3.0),
+            (1, 3.0),
+            (2, 3.0),
+            (2, 3.0),
+            (2, 3.0),
+            (2, 3.0),
+            (2, 4.0),
+        ];
         for (clip, pan_deg) in still {
             let mut frame = Frame::from_image("x.jpg", "main".into(), SIZE);
             frame.clip = Some(Clip::Number(clip));
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -10.0, 1400.0), None));
+            frame.ptz = Some(FramePtz::new(
+                Ptz::from_degrees(pan_deg, -10.0, 1400.0),
+                None,
+            ));
             frame.status = FrameStatus::Suggested;
             document.frames.push(frame.into());
         }

@@ -84,7 +84,11 @@ pub fn agreement_tables(agreement: &Agreement, write: fn(&Table) -> String) -> S
         );
     }
     let _ = writeln!(text, "{}", agreement.describe_noise());
-    for frame in agreement.frames.iter().filter(|frame| !frame.names.is_empty()) {
+    for frame in agreement
+        .frames
+        .iter()
+        .filter(|frame| !frame.names.is_empty())
+    {
         let _ = writeln!(text, "{}: {}.", frame.name, describe_names(frame));
     }
     text.push('\n');
@@ -99,7 +103,12 @@ fn describe_names(frame: &FrameAgreement) -> String {
         .names
         .iter()
         .take(SHOWN)
-        .map(|dispute| format!("{} of the first is {} of the second", dispute.names[0], dispute.names[1]))
+        .map(|dispute| {
+            format!(
+                "{} of the first is {} of the second",
+                dispute.names[0], dispute.names[1]
+            )
+        })
         .collect();
     let more = match frame.names.len().saturating_sub(SHOWN) {
         0 => String::new(),
@@ -123,9 +132,16 @@ pub fn agreement_json(agreement: &Agreement) -> Value {
         frame.names.iter().map(dispute).collect()
     };
     let lone = |first: bool| -> Vec<&str> {
-        agreement.lone.iter().filter(|lone| lone.by_first == first).map(|lone| lone.name.as_str()).collect()
+        agreement
+            .lone
+            .iter()
+            .filter(|lone| lone.by_first == first)
+            .map(|lone| lone.name.as_str())
+            .collect()
     };
-    let [right, down] = agreement.noise_by_axis.map(|noise| noise.as_ref().map(described));
+    let [right, down] = agreement
+        .noise_by_axis
+        .map(|noise| noise.as_ref().map(described));
     json!({
         "width_px": 1920,
         "frames": agreement_by_frame(agreement).to_json(),

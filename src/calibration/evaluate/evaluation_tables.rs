@@ -17,23 +17,27 @@ const DRAWN: [Measure; 6] = [
     Measure::Clicks,
 ];
 
-/// The report of an evaluation: its tables, the distributions of its errors, and `IoU` over the field of view.
+/// The report of an evaluation: its tables, the distributions of its errors, and `IoU` over the
+/// field of view.
 #[must_use]
 pub fn evaluation_report(evaluation: &Evaluation, groups: &[FrameGroup]) -> Report {
     let mut report = Report::new("evaluation", "Evaluation");
     report.text(&evaluation_tables(groups, Table::to_markdown));
-    let scored = || evaluation.frames.iter().filter_map(|frame| frame.scores.as_ref().ok());
+    let scored = || {
+        evaluation
+            .frames
+            .iter()
+            .filter_map(|frame| frame.scores.as_ref().ok())
+    };
     for measure in DRAWN {
-        let values: Vec<f64> = scored().filter_map(|scores: &FrameScores| scores.get(measure)).collect();
+        let values: Vec<f64> = scored()
+            .filter_map(|scores: &FrameScores| scores.get(measure))
+            .collect();
         // A log axis has no place for what is exactly right.
         if values.iter().any(|value| value.is_finite() && *value > 0.0) {
             let share = Axis::linear("share of frames").within(0.0, 1.0);
-            let figure = Figure::new("", Axis::log(measure.label()), share).with(Series::cumulative(
-                "",
-                1,
-                &values,
-                evaluation.frames.len(),
-            ));
+            let figure = Figure::new("", Axis::log(measure.label()), share)
+                .with(Series::cumulative("", 1, &values, evaluation.frames.len()));
             let caption = format!("Share of all frames within a {}.", measure.label());
             report.figure(measure.key(), &caption, figure);
         }
@@ -41,15 +45,32 @@ pub fn evaluation_report(evaluation: &Evaluation, groups: &[FrameGroup]) -> Repo
     let points: Vec<[f64; 2]> = evaluation
         .frames
         .iter()
-        .filter_map(|frame| Some([frame.view?.degrees(), frame.scores.as_ref().ok()?.get(Measure::IouPart)?]))
+        .filter_map(|frame| {
+            Some([
+                frame.view?.degrees(),
+                frame.scores.as_ref().ok()?.get(Measure::IouPart)?,
+            ])
+        })
         .collect();
     if !points.is_empty() {
-        let unscored = evaluation.frames.iter().filter(|frame| frame.scores.is_err());
-        let failed: Vec<[f64; 2]> = unscored.filter_map(|frame| Some([frame.view?.degrees(), 0.0])).collect();
-        let figure =
-            Figure::new("", Axis::linear("horizontal field of view (°)"), Axis::linear("IoU_part").within(0.0, 1.05))
-                .with(Series::new("scored", 1, points).lined(Line::None))
-                .with(Series::new("without a camera", 2, failed).lined(Line::None).marked(Mark::Cross));
+        let unscored = evaluation
+            .frames
+            .iter()
+            .filter(|frame| frame.scores.is_err());
+        let failed: Vec<[f64; 2]> = unscored
+            .filter_map(|frame| Some([frame.view?.degrees(), 0.0]))
+            .collect();
+        let figure = Figure::new(
+            "",
+            Axis::linear("horizontal field of view (°)"),
+            Axis::linear("IoU_part").within(0.0, 1.05),
+        )
+        .with(Series::new("scored", 1, points).lined(Line::None))
+        .with(
+            Series::new("without a camera", 2, failed)
+                .lined(Line::None)
+                .marked(Mark::Cross),
+        );
         report.figure("iou-view", "IoU_part over the field of view.", figure);
     }
     report
@@ -58,16 +79,32 @@ pub fn evaluation_report(evaluation: &Evaluation, groups: &[FrameGroup]) -> Repo
 /// Every measure of every frame, a row each; why there is none where there is none.
 #[must_use]
 pub fn frame_scores(evaluation: &Evaluation) -> Table {
-    let mut table = Table::new(&[("frame", "Frame"), ("clip", "Clip"), ("camera", "Camera"), ("view_deg", "View (°)")]);
-    table.columns.extend(Measure::ALL.map(|measure| Column::new(measure.key(), measure.label())));
-    table.columns.push(Column::new("unscored", "Why there is no score"));
+    let mut table = Table::new(&[
+        ("frame", "Frame"),
+        ("clip", "Clip"),
+        ("camera", "Camera"),
+        ("view_deg", "View (°)"),
+    ]);
+    table
+        .columns
+        .extend(Measure::ALL.map(|measure| Column::new(measure.key(), measure.label())));
+    table
+        .columns
+        .push(Column::new("unscored", "Why there is no score"));
     for frame in &evaluation.frames {
         let clip = frame.clip.as_ref().map(ToString::to_string);
         let view = frame.view.map(Angle::degrees);
-        let mut row: Vec<Cell> =
-            vec![frame.name.as_str().into(), clip.into(), frame.camera.as_str().into(), view.into()];
+        let mut row: Vec<Cell> = vec![
+            frame.name.as_str().into(),
+            clip.into(),
+            frame.camera.as_str().into(),
+            view.into(),
+        ];
         let scores = frame.scores.as_ref();
-        row.extend(Measure::ALL.map(|measure| Cell::from(scores.ok().and_then(|scores| scores.get(measure)))));
+        row.extend(
+            Measure::ALL
+                .map(|measure| Cell::from(scores.ok().and_then(|scores| scores.get(measure)))),
+        );
         row.push(scores.err().map(ToString::to_string).into());
         table.push(row);
     }
@@ -78,7 +115,9 @@ pub fn frame_scores(evaluation: &Evaluation) -> Table {
 #[must_use]
 pub fn evaluation_tables(groups: &[FrameGroup], write: fn(&Table) -> String) -> String {
     let mut text = String::new();
-    let Some(all) = groups.first() else { return text };
+    let Some(all) = groups.first() else {
+        return text;
+    };
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
@@ -122,7 +161,11 @@ fn summary_table(group: &FrameGroup) -> Table {
     ]);
     let mut add = |name: &str, summary: &Summary, more_is_better: bool| {
         let [low, high] = summary.mean_interval.map(|end| Cell::from(end).to_string());
-        let (tenth, worst) = if more_is_better { (summary.p10, summary.min) } else { (summary.p90, summary.max) };
+        let (tenth, worst) = if more_is_better {
+            (summary.p10, summary.min)
+        } else {
+            (summary.p90, summary.max)
+        };
         table.push(vec![
             name.into(),
             summary.count.into(),
@@ -159,19 +202,37 @@ fn group_table(groups: &[FrameGroup]) -> Table {
         Measure::HeldOutClicks,
         Measure::Jaccard5,
     ];
-    let mut table =
-        Table::new(&[("kind", "by"), ("name", "medians of"), ("frames", "frames"), ("scored", "with a camera")]);
-    let shown = SHOWN.into_iter().filter(|measure| groups.iter().any(|group| group.measure(*measure).is_some()));
+    let mut table = Table::new(&[
+        ("kind", "by"),
+        ("name", "medians of"),
+        ("frames", "frames"),
+        ("scored", "with a camera"),
+    ]);
+    let shown = SHOWN
+        .into_iter()
+        .filter(|measure| groups.iter().any(|group| group.measure(*measure).is_some()));
     let shown: Vec<Measure> = shown.collect();
-    table.columns.extend(shown.iter().map(|measure| Column::new(measure.key(), measure.label())));
+    table.columns.extend(
+        shown
+            .iter()
+            .map(|measure| Column::new(measure.key(), measure.label())),
+    );
     for group in groups {
         let kind = match group.kind {
             GroupKind::All => "",
             kind => kind.key(),
         };
-        let mut row: Vec<Cell> =
-            vec![kind.into(), group.name.as_str().into(), group.frames.into(), group.scored.into()];
-        row.extend(shown.iter().map(|measure| Cell::from(group.measure(*measure).map(|summary| summary.median))));
+        let mut row: Vec<Cell> = vec![
+            kind.into(),
+            group.name.as_str().into(),
+            group.frames.into(),
+            group.scored.into(),
+        ];
+        row.extend(
+            shown
+                .iter()
+                .map(|measure| Cell::from(group.measure(*measure).map(|summary| summary.median))),
+        );
         table.push(row);
     }
     table

@@ -6,21 +6,32 @@ use touchline_documents::document::{DocumentAt, Frame, resolved};
 
 /// For each frame of `wanted` the frame of `offered` that shows the same picture, if there is one.
 ///
-/// A frame is known by where its image or video lies, else by the image's SHA-256, else by its path as the document writes it
-/// (a project that was moved), else by its file's name alone. The first that finds a single partner decides; a
-/// partner is given once. Frames that state different SHA-256 never meet: names repeat from match to match.
+/// A frame is known by where its image or video lies, else by the image's SHA-256, else by its path
+/// as the document writes it (a project that was moved), else by its file's name alone. The first
+/// that finds a single partner decides; a partner is given once. Frames that state different
+/// SHA-256 never meet: names repeat from match to match.
 pub(super) fn matched(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Option<usize>> {
     let mut partners = vec![None; wanted.frames.len()];
     let mut given = vec![false; offered.frames.len()];
     for identity in [by_place, by_digest, by_path, by_name] {
         let mut open: BTreeMap<String, Vec<usize>> = BTreeMap::new();
-        for (index, frame) in offered.frames.iter().enumerate().filter(|(index, _)| !given[*index]) {
+        for (index, frame) in offered
+            .frames
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| !given[*index])
+        {
             if let Some(key) = identity(frame, offered.folder) {
                 open.entry(key).or_default().push(index);
             }
         }
         let mut asked: BTreeMap<String, Vec<usize>> = BTreeMap::new();
-        for (index, frame) in wanted.frames.iter().enumerate().filter(|(index, _)| partners[*index].is_none()) {
+        for (index, frame) in wanted
+            .frames
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| partners[*index].is_none())
+        {
             if let Some(key) = identity(frame, wanted.folder) {
                 asked.entry(key).or_default().push(index);
             }
@@ -39,15 +50,20 @@ pub(super) fn matched(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Op
 
 /// Whether the stated SHA-256 of two frames, if any, allow that they show the same picture.
 fn may_be_same_picture(a: &Frame, b: &Frame) -> bool {
-    a.sha256.as_ref().zip(b.sha256.as_ref()).is_none_or(|(a, b)| a.eq_ignore_ascii_case(b))
+    a.sha256
+        .as_ref()
+        .zip(b.sha256.as_ref())
+        .is_none_or(|(a, b)| a.eq_ignore_ascii_case(b))
 }
 
 fn by_place(frame: &Frame, folder: &Path) -> Option<String> {
     match (&frame.image, &frame.video) {
         (Some(image), _) => Some(resolved(&folder.join(image)).to_string_lossy().into_owned()),
-        (None, Some(video)) => {
-            Some(format!("{}#{}", resolved(&folder.join(&video.path)).to_string_lossy(), video.frame_index))
-        }
+        (None, Some(video)) => Some(format!(
+            "{}#{}",
+            resolved(&folder.join(&video.path)).to_string_lossy(),
+            video.frame_index
+        )),
         (None, None) => None,
     }
 }
@@ -61,7 +77,11 @@ fn by_path(frame: &Frame, _: &Path) -> Option<String> {
 }
 
 fn by_name(frame: &Frame, _: &Path) -> Option<String> {
-    let name = |path: &str| Path::new(path).file_name().map(|name| name.to_string_lossy().into_owned());
+    let name = |path: &str| {
+        Path::new(path)
+            .file_name()
+            .map(|name| name.to_string_lossy().into_owned())
+    };
     match (&frame.image, &frame.video) {
         (Some(image), _) => name(image),
         (None, Some(video)) => Some(format!("{}#{}", name(&video.path)?, video.frame_index)),
@@ -78,7 +98,11 @@ mod tests {
     fn document(images: &[&str]) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
         let size = ImageSize::new(64, 48);
-        document.frames.extend(images.iter().map(|image| Frame::from_image(image, "main".into(), size).into()));
+        document.frames.extend(
+            images
+                .iter()
+                .map(|image| Frame::from_image(image, "main".into(), size).into()),
+        );
         document
     }
 
@@ -103,10 +127,19 @@ mod tests {
         assert_eq!(matched(one.at(a), other.at(b)), [Some(0)]);
         // By path as written: a copy of the project.
         let one = document(&["images/1.jpg", "more/1.jpg"]);
-        assert_eq!(matched(one.at(a), document(&["more/1.jpg", "images/1.jpg"]).at(b)), [Some(1), Some(0)]);
+        assert_eq!(
+            matched(one.at(a), document(&["more/1.jpg", "images/1.jpg"]).at(b)),
+            [Some(1), Some(0)]
+        );
         // By name, where it stands for one file only.
         assert_eq!(matched(one.at(a), document(&["1.jpg"]).at(b)), [None, None]);
-        assert_eq!(matched(document(&["images/7.jpg"]).at(a), document(&["7.jpg"]).at(b)), [Some(0)]);
+        assert_eq!(
+            matched(
+                document(&["images/7.jpg"]).at(a),
+                document(&["7.jpg"]).at(b)
+            ),
+            [Some(0)]
+        );
     }
 
     #[test]
@@ -114,11 +147,18 @@ mod tests {
         let mut one = Document::new(FieldSpec::new("soccer"));
         for frame_index in [4, 5] {
             let video = VideoFrame::new("match.mp4", frame_index, None);
-            one.frames.push(Frame::from_video(video, "main".into(), ImageSize::new(64, 48)).into());
+            one.frames
+                .push(Frame::from_video(video, "main".into(), ImageSize::new(64, 48)).into());
         }
         let mut other = one.clone();
         other.frames.remove(0);
-        assert_eq!(matched(one.at(Path::new("/no/a")), other.at(Path::new("/no/a"))), [None, Some(0)]);
-        assert_eq!(matched(one.at(Path::new("/no/a")), other.at(Path::new("/no/b"))), [None, Some(0)]);
+        assert_eq!(
+            matched(one.at(Path::new("/no/a")), other.at(Path::new("/no/a"))),
+            [None, Some(0)]
+        );
+        assert_eq!(
+            matched(one.at(Path::new("/no/a")), other.at(Path::new("/no/b"))),
+            [None, Some(0)]
+        );
     }
 }

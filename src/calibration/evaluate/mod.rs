@@ -1,4 +1,5 @@
-//! Two documents of the same frames against each other: an estimate against the truth, and two annotators.
+//! Two documents of the same frames against each other: an estimate against the truth, and two
+//! annotators.
 
 mod agreement;
 mod agreement_tables;
@@ -7,10 +8,14 @@ mod evaluation_tables;
 mod matching;
 
 pub use agreement::{
-    Agreement, CameraAgreement, ClickPair, FrameAgreement, LandmarkAgreement, LoneFrame, NameDispute, agreement,
+    Agreement, CameraAgreement, ClickPair, FrameAgreement, LandmarkAgreement, LoneFrame,
+    NameDispute, agreement,
 };
-pub use agreement_tables::{agreement_by_frame, agreement_by_landmark, agreement_json, agreement_tables};
+pub use agreement_tables::{
+    agreement_by_frame, agreement_by_landmark, agreement_json, agreement_tables,
+};
 pub use evaluation::{
-    Evaluation, EvaluationError, FrameGroup, FrameResult, FrameScores, GroupKind, Measure, Unscored, evaluate,
+    Evaluation, EvaluationError, FrameGroup, FrameResult, FrameScores, GroupKind, Measure,
+    Unscored, evaluate,
 };
 pub use evaluation_tables::{evaluation_report, evaluation_tables, frame_scores};

@@ -1,5 +1,5 @@
-//! Frames labelled by a forest: it learns from references, it proposes cameras for other frames, the painted lines judge them, and
-//! the document records them.
+//! Frames labelled by a forest: it learns from references, it proposes cameras for other frames,
+//! the painted lines judge them, and the document records them.
 //!
 //! | step | function |
 //! |---|---|
@@ -7,12 +7,13 @@
 //! | propose, judge | [`propose_on_lines`] |
 //! | propose, judge, record | [`label_frames`] |
 //!
-//! The trainer of the window calls the first two: it keeps forests and answers over many edits, and shows suggestions beside the
-//! document. The command line calls the last one, on a document that it writes to a file.
+//! The trainer of the window calls the first two: it keeps forests and answers over many edits, and
+//! shows suggestions beside the document. The command line calls the last one, on a document that
+//! it writes to a file.
 
 use crate::proposals::{
-    FeatureStore, FramePictures, LearnError, LearnOptions, LineEvidence, NoProposal, Proposal, Studied,
-    TrainingSampleError, learn, propose, study,
+    FeatureStore, FramePictures, LearnError, LearnOptions, LineEvidence, NoProposal, Proposal,
+    Studied, TrainingSampleError, learn, propose, study,
 };
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -82,24 +83,36 @@ pub fn learn_forest(
     let num_done = AtomicUsize::new(0);
     let counted = progress.part(|()| {
         let done = num_done.fetch_add(1, Ordering::Relaxed) + 1;
-        LearningProgress::Features { done, of: training_frames.len() }
+        LearningProgress::Features {
+            done,
+            of: training_frames.len(),
+        }
     });
     let studied = study(pictures, reader, training_frames, &counted);
-    let Some(studied) = studied else { return Ok(None) };
-    match learn(pictures.document, &studied, options, &progress.part(LearningProgress::Training)) {
+    let Some(studied) = studied else {
+        return Ok(None);
+    };
+    match learn(
+        pictures.document,
+        &studied,
+        options,
+        &progress.part(LearningProgress::Training),
+    ) {
         Ok(model) => Ok(Some(LearntForest { model, studied })),
         Err(LearnError::Stopped(Stopped::Asked)) => Ok(None),
         Err(error) => Err(explain_failure(error, pictures.document, studied)),
     }
 }
 
-/// Why nothing could be learnt: the first reference that gave no sample says more than that there is none.
+/// Why nothing could be learnt: the first reference that gave no sample says more than that there
+/// is none.
 fn explain_failure(error: LearnError, document: &Document, studied: Studied) -> LearnForestError {
     let is_without_samples = matches!(error, LearnError::Stopped(Stopped::NoSamples { .. }));
     match studied.failed.into_iter().next() {
-        Some((index, first)) if is_without_samples => {
-            LearnForestError::NoneUsable { frame: document.frames[index].name(), first }
-        }
+        Some((index, first)) if is_without_samples => LearnForestError::NoneUsable {
+            frame: document.frames[index].name(),
+            first,
+        },
         _ => error.into(),
     }
 }
@@ -115,8 +128,9 @@ pub struct ForestRequest<'a> {
     pub options: RelocalizeOptions,
 }
 
-/// What the forest proposes for some frames, all judged together by the painted lines if there is evidence of them. Proposals are in
-/// the order of `frames`, and fewer if `progress` cancelled it. A panic becomes the answer of its frame.
+/// What the forest proposes for some frames, all judged together by the painted lines if there is
+/// evidence of them. Proposals are in the order of `frames`, and fewer if `progress` cancelled it.
+/// A panic becomes the answer of its frame.
 pub fn propose_on_lines(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
@@ -128,7 +142,12 @@ pub fn propose_on_lines(
     let mut proposals = propose_in_batches(pictures, reader, frames, forest, progress);
     if let Some(evidence) = evidence {
         let at = pictures.document.at(pictures.folder);
-        evidence.judge(at, reader, &mut proposals, forest.options.pose.min_confidence);
+        evidence.judge(
+            at,
+            reader,
+            &mut proposals,
+            forest.options.pose.min_confidence,
+        );
     }
     proposals
 }
@@ -149,8 +168,15 @@ fn propose_in_batches(
             break;
         }
         let of_batch = pictures.each(reader, batch, |index, _, features| {
-            let ask =
-                || propose(pictures.document, index, features, (forest.model, forest.generation), &forest.options);
+            let ask = || {
+                propose(
+                    pictures.document,
+                    index,
+                    features,
+                    (forest.model, forest.generation),
+                    &forest.options,
+                )
+            };
             let proposal = catch_unwind(AssertUnwindSafe(ask)).unwrap_or_else(|panic| {
                 let message = panic_message(panic.as_ref());
                 let reason = NoProposal::Panicked { message };
@@ -174,9 +200,10 @@ pub struct PictureFiles<'a> {
     pub store: &'a FeatureStore,
 }
 
-/// Asks a forest for frames of a document and records its answers there, as suggestions. With `snap`, answers are pulled onto the
-/// painted lines where these decide. Returns the proposals, for their reasons; fewer than `frames` if `progress` cancelled it. One that is not
-/// recorded, because the frame keeps a better camera, is [`NoProposal::NoBetter`].
+/// Asks a forest for frames of a document and records its answers there, as suggestions. With
+/// `snap`, answers are pulled onto the painted lines where these decide. Returns the proposals, for
+/// their reasons; fewer than `frames` if `progress` cancelled it. One that is not recorded, because
+/// the frame keeps a better camera, is [`NoProposal::NoBetter`].
 ///
 /// # Errors
 /// A field of the document is not valid.
@@ -191,10 +218,18 @@ pub fn label_frames(
 ) -> Result<Vec<Proposal>, FieldError> {
     let PictureFiles { folder, store } = files;
     let evidence = LineEvidence::of(document.at(folder), reader, snap)?;
-    let pictures = FramePictures { document, folder, options: forest.model.features, store };
-    let mut proposals = propose_on_lines(&pictures, reader, frames, forest, Some(&evidence), progress);
+    let pictures = FramePictures {
+        document,
+        folder,
+        options: forest.model.features,
+        store,
+    };
+    let mut proposals =
+        propose_on_lines(&pictures, reader, frames, forest, Some(&evidence), progress);
     for proposal in &mut proposals {
-        let Some(frame) = document.frames.by_id_mut(&proposal.frame) else { continue };
+        let Some(frame) = document.frames.by_id_mut(&proposal.frame) else {
+            continue;
+        };
         if proposal.may_replace_camera_of(frame) {
             proposal.record(frame);
         } else if proposal.outcome.is_ok() {

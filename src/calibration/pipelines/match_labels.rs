@@ -1,9 +1,11 @@
 //! A match labelled without a click: from the pictures of its frames to a camera for each of them.
 //!
 //! 1. The camera is found from some frames, spread over all of them ([`find_camera`]).
-//! 2. Frames that overlap with none of its frames are another camera's, which is found in the same way, and so on.
-//! 3. The frames that were not looked at follow: those of a video are tracked from the others, and the base is refined on the paint of
-//!    all of them; images are asked of a forest that learns from those that lie on their paint.
+//! 2. Frames that overlap with none of its frames are another camera's, which is found in the same
+//!    way, and so on.
+//! 3. The frames that were not looked at follow: those of a video are tracked from the others, and
+//!    the base is refined on the paint of all of them; images are asked of a forest that learns
+//!    from those that lie on their paint.
 
 use super::forest_labels::{
     ForestRequest, LearnForestError, LearningProgress, PictureFiles, label_frames, learn_forest,
@@ -11,8 +13,8 @@ use super::forest_labels::{
 use super::other_cameras::split_off;
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
 use crate::autocalibrate::{
-    Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, DecidingLandmark, PictureOfFrame,
-    camera_from_few_clicks, camera_without_clicks,
+    Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress,
+    DecidingLandmark, PictureOfFrame, camera_from_few_clicks, camera_without_clicks,
 };
 use crate::calibrate::{AutocalibratedCamera, clips, record_found};
 use crate::proposals::{FeatureStore, FramePictures, LearnOptions, PictureError, read_picture};
@@ -37,7 +39,10 @@ pub struct MatchOptions {
 
 impl Default for MatchOptions {
     fn default() -> Self {
-        Self { sampled_frames: 40, label_the_rest: true }
+        Self {
+            sampled_frames: 40,
+            label_the_rest: true,
+        }
     }
 }
 
@@ -59,7 +64,8 @@ pub enum MatchEvent {
         camera: CameraId,
         /// The camera.
         found: Arc<AutocalibratedCamera>,
-        /// Of another camera than the first: how many of the frames looked at overlap with none of those before.
+        /// Of another camera than the first: how many of the frames looked at overlap with none of
+        /// those before.
         separate_frames: Option<usize>,
     },
     /// Another camera than the first was not found; its frames stay without.
@@ -137,8 +143,9 @@ pub enum LabelMatchError {
     Learn(#[from] LearnForestError),
 }
 
-/// Finds a camera from the pictures of its frames. Two clicks or more on landmarks of the ground say where it stands, and save the
-/// search; without them, or where they lead nowhere, it is found by the paint alone.
+/// Finds a camera from the pictures of its frames. Two clicks or more on landmarks of the ground
+/// say where it stands, and save the search; without them, or where they lead nowhere, it is found
+/// by the paint alone.
 ///
 /// # Errors
 /// The field is not valid, features cannot be found, or `progress` cancelled it.
@@ -157,11 +164,13 @@ pub fn find_camera(
     }
 }
 
-/// Labels the frames of a document in which nothing is known: finds `camera`, whose frames they all are, and the other cameras among
-/// them, and writes the cameras of all frames as suggestions. `folder` is where the document's paths start.
+/// Labels the frames of a document in which nothing is known: finds `camera`, whose frames they all
+/// are, and the other cameras among them, and writes the cameras of all frames as suggestions.
+/// `folder` is where the document's paths start.
 ///
 /// # Errors
-/// The field is not valid, features cannot be found, no forest can be trained, or `progress` cancelled the search.
+/// The field is not valid, features cannot be found, no forest can be trained, or `progress`
+/// cancelled the search.
 pub fn label_match(
     document: &mut Document,
     folder: &Path,
@@ -170,23 +179,42 @@ pub fn label_match(
     options: &MatchOptions,
     progress: &Progress<'_, MatchEvent>,
 ) -> Result<MatchLabels, LabelMatchError> {
-    let mut labelling = Labelling { document, folder, reader, options, progress };
+    let mut labelling = Labelling {
+        document,
+        folder,
+        reader,
+        options,
+        progress,
+    };
     let first = match labelling.search(camera)? {
         Ok(found) => found,
         Err(why) => return Ok(MatchLabels::NoCamera(why)),
     };
     record_found(labelling.document, camera, &first);
     // A search that is over is not cancelled any more; what follows is.
-    let _ =
-        progress.report(MatchEvent::Found { camera: camera.clone(), found: Arc::clone(&first), separate_frames: None });
+    let _ = progress.report(MatchEvent::Found {
+        camera: camera.clone(),
+        found: Arc::clone(&first),
+        separate_frames: None,
+    });
     let cameras = labelling.find_other_cameras(camera.clone(), first)?;
-    let without = |document: &Document| document.frames.iter().filter(|frame| frame.ptz.is_none()).count();
+    let without = |document: &Document| {
+        document
+            .frames
+            .iter()
+            .filter(|frame| frame.ptz.is_none())
+            .count()
+    };
     let open = without(labelling.document);
     if options.label_the_rest && open > 0 {
         labelling.label_the_rest(&cameras)?;
     }
     let unanswered = without(labelling.document);
-    Ok(MatchLabels::Labelled(LabelledMatch { cameras, answered: open - unanswered, unanswered }))
+    Ok(MatchLabels::Labelled(LabelledMatch {
+        cameras,
+        answered: open - unanswered,
+        unanswered,
+    }))
 }
 
 /// A match while it is labelled.
@@ -212,22 +240,41 @@ impl Labelling<'_> {
                 Ok(picture) => Some(picture),
                 Err(error) => {
                     if unreadable.insert(index) {
-                        let _ = self.progress.report(MatchEvent::Unreadable { frame: frame.name(), error });
+                        let _ = self.progress.report(MatchEvent::Unreadable {
+                            frame: frame.name(),
+                            error,
+                        });
                     }
                     None
                 }
             }
         };
         let progress = self.progress.part(MatchEvent::Searching);
-        Ok(match find_camera(at, camera, self.options.sampled_frames, &mut picture, &progress)? {
-            AutocalibrationAnswer::Found(found) => Ok(Arc::from(found)),
-            AutocalibrationAnswer::Two { best, other, deciding } => Err(NoCamera::Two { best, other, deciding }),
-            AutocalibrationAnswer::Abstained(why) => Err(NoCamera::Abstained(why)),
-        })
+        Ok(
+            match find_camera(
+                at,
+                camera,
+                self.options.sampled_frames,
+                &mut picture,
+                &progress,
+            )? {
+                AutocalibrationAnswer::Found(found) => Ok(Arc::from(found)),
+                AutocalibrationAnswer::Two {
+                    best,
+                    other,
+                    deciding,
+                } => Err(NoCamera::Two {
+                    best,
+                    other,
+                    deciding,
+                }),
+                AutocalibrationAnswer::Abstained(why) => Err(NoCamera::Abstained(why)),
+            },
+        )
     }
 
-    /// The camera that was found, and those of the frames that overlap with none of its frames: each becomes a camera of its own, with
-    /// a search of its own.
+    /// The camera that was found, and those of the frames that overlap with none of its frames:
+    /// each becomes a camera of its own, with a search of its own.
     fn find_other_cameras(
         &mut self,
         camera: CameraId,
@@ -236,7 +283,9 @@ impl Labelling<'_> {
         let (mut found, mut of) = (vec![first], camera);
         while let Some(last) = found.last() {
             let sampled: Vec<usize> = last.frames.iter().map(|frame| frame.index).collect();
-            let Some(other) = split_off(self.document, &of, &sampled, &last.others) else { break };
+            let Some(other) = split_off(self.document, &of, &sampled, &last.others) else {
+                break;
+            };
             let separate_frames = last.others.len();
             match self.search(&other)? {
                 Ok(camera) => {
@@ -251,7 +300,12 @@ impl Labelling<'_> {
                 }
                 Err(why) => {
                     let document = Box::new(self.document.clone());
-                    let event = MatchEvent::OtherNotFound { document, camera: other, why, separate_frames };
+                    let event = MatchEvent::OtherNotFound {
+                        document,
+                        camera: other,
+                        why,
+                        separate_frames,
+                    };
                     let _ = self.progress.report(event);
                     break;
                 }
@@ -261,39 +315,89 @@ impl Labelling<'_> {
     }
 
     /// Labels the frames that have no camera yet, from those of the cameras found.
-    fn label_the_rest(&mut self, found: &[Arc<AutocalibratedCamera>]) -> Result<(), LabelMatchError> {
-        if self.document.frames.iter().all(|frame| frame.video.is_none()) {
+    fn label_the_rest(
+        &mut self,
+        found: &[Arc<AutocalibratedCamera>],
+    ) -> Result<(), LabelMatchError> {
+        if self
+            .document
+            .frames
+            .iter()
+            .all(|frame| frame.video.is_none())
+        {
             return self.label_by_forest(found);
         }
-        let options = TrackingOptions { refine_base: true, ..TrackingOptions::default() };
+        let options = TrackingOptions {
+            refine_base: true,
+            ..TrackingOptions::default()
+        };
         let clips = clips(self.document.at(self.folder), None);
         let progress = self.progress.part(MatchEvent::Tracking);
-        track_clips(self.document, self.folder, &clips, self.reader, &options, &mut Vec::new(), &progress)?;
+        track_clips(
+            self.document,
+            self.folder,
+            &clips,
+            self.reader,
+            &options,
+            &mut Vec::new(),
+            &progress,
+        )?;
         Ok(())
     }
 
-    /// Asks a forest. It learns from the frames that lie on their own paint, as if a person had accepted them; the document keeps them
-    /// as suggestions.
-    fn label_by_forest(&mut self, found: &[Arc<AutocalibratedCamera>]) -> Result<(), LabelMatchError> {
+    /// Asks a forest. It learns from the frames that lie on their own paint, as if a person had
+    /// accepted them; the document keeps them as suggestions.
+    fn label_by_forest(
+        &mut self,
+        found: &[Arc<AutocalibratedCamera>],
+    ) -> Result<(), LabelMatchError> {
         let frames = found.iter().flat_map(|found| &found.frames);
-        let mut on_paint: Vec<usize> =
-            frames.filter(|frame| frame.snapped.is_some()).map(|frame| frame.index).collect();
+        let mut on_paint: Vec<usize> = frames
+            .filter(|frame| frame.snapped.is_some())
+            .map(|frame| frame.index)
+            .collect();
         on_paint.sort_unstable();
         let mut accepted = self.document.clone();
         for &index in &on_paint {
             accepted.frames[index].status = FrameStatus::Reference;
         }
         let (options, store) = (LearnOptions::default(), FeatureStore::in_memory());
-        let pictures =
-            FramePictures { document: &accepted, folder: self.folder, options: options.features, store: &store };
+        let pictures = FramePictures {
+            document: &accepted,
+            folder: self.folder,
+            options: options.features,
+            store: &store,
+        };
         let progress = self.progress.part(MatchEvent::Learning);
-        let Some(learnt) = learn_forest(&pictures, self.reader, &on_paint, &options, &progress)? else { return Ok(()) };
-        let asked: Vec<usize> =
-            (0..self.document.frames.len()).filter(|&index| self.document.frames[index].ptz.is_none()).collect();
-        let forest = ForestRequest { model: &learnt.model, generation: 0, options: RelocalizeOptions::default() };
-        let files = PictureFiles { folder: self.folder, store: &store };
-        let progress = self.progress.part(|done| MatchEvent::Asking { done, of: asked.len() });
-        label_frames(self.document, files, self.reader, &asked, &forest, true, &progress)?;
+        let Some(learnt) = learn_forest(&pictures, self.reader, &on_paint, &options, &progress)?
+        else {
+            return Ok(());
+        };
+        let asked: Vec<usize> = (0..self.document.frames.len())
+            .filter(|&index| self.document.frames[index].ptz.is_none())
+            .collect();
+        let forest = ForestRequest {
+            model: &learnt.model,
+            generation: 0,
+            options: RelocalizeOptions::default(),
+        };
+        let files = PictureFiles {
+            folder: self.folder,
+            store: &store,
+        };
+        let progress = self.progress.part(|done| MatchEvent::Asking {
+            done,
+            of: asked.len(),
+        });
+        label_frames(
+            self.document,
+            files,
+            self.reader,
+            &asked,
+            &forest,
+            true,
+            &progress,
+        )?;
         Ok(())
     }
 }

@@ -1,4 +1,5 @@
-//! Whole jobs that the window and the command line share. Each takes a document and reports on its way; none prints.
+//! Whole jobs that the window and the command line share. Each takes a document and reports on its
+//! way; none prints.
 //!
 //! | job | function |
 //! |---|---|
@@ -13,10 +14,13 @@ mod other_cameras;
 mod track_clips;
 
 pub use forest_labels::{
-    ForestRequest, LearnForestError, LearningProgress, LearntForest, PictureFiles, label_frames, learn_forest,
-    propose_on_lines,
+    ForestRequest, LearnForestError, LearningProgress, LearntForest, PictureFiles, label_frames,
+    learn_forest, propose_on_lines,
 };
 pub use match_labels::{
-    LabelMatchError, LabelledMatch, MatchEvent, MatchLabels, MatchOptions, NoCamera, find_camera, label_match,
+    LabelMatchError, LabelledMatch, MatchEvent, MatchLabels, MatchOptions, NoCamera, find_camera,
+    label_match,
 };
-pub use track_clips::{TrackedFrames, TrackingEvent, TrackingOptions, give_first_base, track_clips};
+pub use track_clips::{
+    TrackedFrames, TrackingEvent, TrackingOptions, give_first_base, track_clips,
+};

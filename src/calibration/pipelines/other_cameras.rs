@@ -1,4 +1,5 @@
-//! The other cameras of a video or folder: frames that hang together with none of a camera's frames are another camera's.
+//! The other cameras of a video or folder: frames that hang together with none of a camera's frames
+//! are another camera's.
 
 use std::collections::BTreeMap;
 use touchline_documents::document::{Camera, CameraId, Document};
@@ -6,8 +7,9 @@ use touchline_documents::document::{Camera, CameraId, Document};
 /// Fewer frames are not looked at for a camera of their own.
 const FEWEST: usize = 6;
 
-/// Gives the frames `others` of a camera, and those between two of them, to a new camera of which nothing is known; none where
-/// they are too few. `looked_at` are the frames of the camera that was found.
+/// Gives the frames `others` of a camera, and those between two of them, to a new camera of which
+/// nothing is known; none where they are too few. `looked_at` are the frames of the camera that was
+/// found.
 pub(super) fn split_off(
     document: &mut Document,
     camera: &CameraId,
@@ -30,13 +32,20 @@ pub(super) fn split_off(
     (other.masks, other.ranged_masks) = (known.masks.clone(), known.ranged_masks.clone());
     document.cameras.push(other.into());
     // Whose each frame that was looked at is; those between two of the same are theirs.
-    let mut is_other: BTreeMap<usize, bool> = looked_at.iter().map(|index| (*index, false)).collect();
+    let mut is_other: BTreeMap<usize, bool> =
+        looked_at.iter().map(|index| (*index, false)).collect();
     is_other.extend(others.iter().map(|index| (*index, true)));
     for index in 0..document.frames.len() {
-        let before = is_other.range(..=index).next_back().map(|(_, other)| *other);
+        let before = is_other
+            .range(..=index)
+            .next_back()
+            .map(|(_, other)| *other);
         let after = is_other.range(index..).next().map(|(_, other)| *other);
         let frame = &mut document.frames[index];
-        if frame.camera == *camera && before.or(after) == Some(true) && after.or(before) == Some(true) {
+        if frame.camera == *camera
+            && before.or(after) == Some(true)
+            && after.or(before) == Some(true)
+        {
             frame.camera = id.clone();
         }
     }
@@ -62,18 +71,32 @@ mod tests {
     fn frames_between_two_of_another_camera_are_its_own() {
         let size = ImageSize::new(64, 36);
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(Camera::new("main".into(), size).into());
+        document
+            .cameras
+            .push(Camera::new("main".into(), size).into());
         for index in 0..24 {
-            document.frames.push(Frame::from_image(&format!("{index}.png"), "main".into(), size).into());
+            document
+                .frames
+                .push(Frame::from_image(&format!("{index}.png"), "main".into(), size).into());
         }
         // Every second frame is looked at: 0 to 10 are one camera's, 12 to 22 another's.
         let looked_at: Vec<usize> = (0..12).step_by(2).collect();
         let others: Vec<usize> = (12..24).step_by(2).collect();
-        assert_eq!(split_off(&mut document, &"main".into(), &looked_at, &others[1..]), None, "too few");
+        assert_eq!(
+            split_off(&mut document, &"main".into(), &looked_at, &others[1..]),
+            None,
+            "too few"
+        );
         let id = split_off(&mut document, &"main".into(), &looked_at, &others).unwrap();
         assert_eq!(id.as_str(), "main_2");
-        let of_other: Vec<usize> = (0..24).filter(|index| document.frames[*index].camera == id).collect();
-        assert_eq!(of_other, (12..24).collect::<Vec<_>>(), "frame 11 may be either's");
+        let of_other: Vec<usize> = (0..24)
+            .filter(|index| document.frames[*index].camera == id)
+            .collect();
+        assert_eq!(
+            of_other,
+            (12..24).collect::<Vec<_>>(),
+            "frame 11 may be either's"
+        );
         let third = split_off(&mut document, &id, &others[..0], &others).unwrap();
         assert_eq!(third.as_str(), "main_3");
     }

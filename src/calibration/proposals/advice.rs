@@ -1,8 +1,9 @@
-//! Where a person labels next: the one place that every panel, the status row and the command line ask.
+//! Where a person labels next: the one place that every panel, the status row and the command line
+//! ask.
 //!
-//! Every label helps the frames whose views overlap with its own, and most where few references look: of several at one place
-//! each tells less than the one before. Where nothing tells where the frames of a shot look, a label in the shot with most such
-//! frames helps.
+//! Every label helps the frames whose views overlap with its own, and most where few references
+//! look: of several at one place each tells less than the one before. Where nothing tells where the
+//! frames of a shot look, a label in the shot with most such frames helps.
 
 use super::Coverage;
 use super::label_needs::LabelNeeds;
@@ -18,9 +19,11 @@ const BLIND_OVERLAP: f64 = 0.5;
 pub struct LabelAdvice {
     /// Frames without an answer.
     pub unanswered: usize,
-    /// Suggestions that the forest is not sure of: see [`CERTAIN`](touchline_vision::relocalize::CERTAIN).
+    /// Suggestions that the forest is not sure of: see
+    /// [`CERTAIN`](touchline_vision::relocalize::CERTAIN).
     pub uncertain: usize,
-    /// The frame to label next; none where every frame has its answer, or none of the others has a picture.
+    /// The frame to label next; none where every frame has its answer, or none of the others has a
+    /// picture.
     pub next: Option<LabelNext>,
 }
 
@@ -29,18 +32,19 @@ pub struct LabelAdvice {
 pub struct LabelNext {
     /// Its place in the document.
     pub frame: usize,
-    /// Where it looks, by its own uncertain answer or the frames around it, degrees; none where these do not tell.
+    /// Where it looks, by its own uncertain answer or the frames around it, degrees; none where
+    /// these do not tell.
     pub pan_deg: Option<f64>,
-    /// How many of those without a sure answer look there: they share half of its view or more, or its shot where nothing
-    /// tells where they look.
+    /// How many of those without a sure answer look there: they share half of its view or more, or
+    /// its shot where nothing tells where they look.
     pub shared_by: usize,
-    /// The middle of the widest part of the field that no reference of its camera sees, degrees of pan; none where all is
-    /// seen or nothing is known of it.
+    /// The middle of the widest part of the field that no reference of its camera sees, degrees of
+    /// pan; none where all is seen or nothing is known of it.
     pub missing_pan_deg: Option<f64>,
 }
 
-/// Looks through a document for frames that the forest cannot answer. `coverage` has where the references of its cameras look;
-/// of a camera that it lacks nothing is known.
+/// Looks through a document for frames that the forest cannot answer. `coverage` has where the
+/// references of its cameras look; of a camera that it lacks nothing is known.
 #[must_use]
 pub fn label_advice(document: &Document, coverage: &[Coverage]) -> LabelAdvice {
     LabelAdvice::of(&LabelNeeds::of(document), coverage)
@@ -49,9 +53,13 @@ pub fn label_advice(document: &Document, coverage: &[Coverage]) -> LabelAdvice {
 impl LabelAdvice {
     /// What a person does about frames that need a label.
     pub fn of(needs: &LabelNeeds, coverage: &[Coverage]) -> Self {
-        let of_camera = |camera: &CameraId| coverage.iter().find(|coverage| coverage.camera == *camera);
-        let places = needs.needing().filter_map(|(camera, needing)| best_place(needing, of_camera(camera)));
-        // Of places as good as each other that of the first camera by name: nothing depends on the order of the frames.
+        let of_camera =
+            |camera: &CameraId| coverage.iter().find(|coverage| coverage.camera == *camera);
+        let places = needs
+            .needing()
+            .filter_map(|(camera, needing)| best_place(needing, of_camera(camera)));
+        // Of places as good as each other that of the first camera by name: nothing depends on the
+        // order of the frames.
         let place = places.rev().max_by(|a, b| a.0.total_cmp(&b.0));
         let blind = needs.unknown();
         let blind_gain = blind.map_or(0.0, |blind| BLIND_OVERLAP * blind.len() as f64);
@@ -59,19 +67,28 @@ impl LabelAdvice {
             (Some((gain, next)), _) if gain >= blind_gain => Some(next),
             (_, blind) => blind.and_then(|blind| {
                 let (&frame, shared_by) = (blind.iter().nth(blind.len() / 2)?, blind.len());
-                Some(LabelNext { frame, pan_deg: None, shared_by, missing_pan_deg: None })
+                Some(LabelNext {
+                    frame,
+                    pan_deg: None,
+                    shared_by,
+                    missing_pan_deg: None,
+                })
             }),
         };
         if let Some(next) = &mut next {
             let coverage = needs.camera_of(next.frame).and_then(of_camera);
             next.missing_pan_deg = coverage.and_then(|coverage| coverage.missing_pan_deg);
         }
-        Self { unanswered: needs.unanswered, uncertain: needs.uncertain, next }
+        Self {
+            unanswered: needs.unanswered,
+            uncertain: needs.uncertain,
+            next,
+        }
     }
 }
 
-/// Where a label helps most of the frames of a camera, and how much: one for each frame that it answers alone. None where all
-/// of them look past the field.
+/// Where a label helps most of the frames of a camera, and how much: one for each frame that it
+/// answers alone. None where all of them look past the field.
 fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f64, LabelNext)> {
     let (mut whole, mut half_view_deg) = (0.0, 0.0);
     let mut weights: Vec<(i64, f64)> = Vec::new();
@@ -79,7 +96,9 @@ fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f
         let half_view = direction.half_view();
         let view = || AngleRange::around(Look::towards(to), half_view);
         let novelty = coverage.map_or(Some(1.0), |coverage| coverage.novelty(view()));
-        let Some(weight) = novelty.map(|novelty| novelty * direction.need()) else { continue };
+        let Some(weight) = novelty.map(|novelty| novelty * direction.need()) else {
+            continue;
+        };
         weights.push((to, weight));
         (whole, half_view_deg) = (whole + weight, half_view_deg + weight * half_view.degrees());
     }
@@ -87,7 +106,10 @@ fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f
     let gain = |at: i64| -> f64 {
         let apart = |other: i64| Look::towards(other).turn_from(Look::towards(at)).abs();
         let overlap = |other: i64| 1.0 - apart(other).degrees() / view_deg;
-        weights.iter().map(|&(other, weight)| weight * overlap(other).max(0.0)).sum()
+        weights
+            .iter()
+            .map(|&(other, weight)| weight * overlap(other).max(0.0))
+            .sum()
     };
     // Of equals the one with the least pan.
     let gains = weights.iter().map(|&(at, _)| (gain(at), at));
@@ -118,20 +140,29 @@ mod tests {
     /// A pan and how sure it is.
     type Answer = Option<(f64, f64)>;
 
-    /// Frames of shots: solved at a pan with a probability, or asked for in vain. Views are 20° wide.
+    /// Frames of shots: solved at a pan with a probability, or asked for in vain. Views are 20°
+    /// wide.
     fn document(frames: &[(i64, Answer)]) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
         for &(clip, answer) in frames {
             let mut frame = Frame::from_image("x.jpg", "main".into(), ImageSize::new(1280, 720));
             frame.clip = Some(Clip::Number(clip));
-            let mut solution = Solution { source: Some(SolutionSource::Forest), ..Solution::default() };
+            let mut solution = Solution {
+                source: Some(SolutionSource::Forest),
+                ..Solution::default()
+            };
             match answer {
                 Some((pan_deg, confidence)) => {
-                    frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 3630.0), None));
+                    frame.ptz = Some(FramePtz::new(
+                        Ptz::from_degrees(pan_deg, -9.0, 3630.0),
+                        None,
+                    ));
                     frame.status = FrameStatus::Suggested;
                     solution.confidence = Some(confidence);
                 }
-                None => solution.warnings.push(SolutionWarning::new("coverage", "3 of 30.".to_owned())),
+                None => solution
+                    .warnings
+                    .push(SolutionWarning::new("coverage", "3 of 30.".to_owned())),
             }
             frame.solution = Some(solution);
             document.frames.push(frame.into());
@@ -146,7 +177,12 @@ mod tests {
             pan: AngleRange::around(Angle::ZERO, Angle::from_degrees(50.0)),
             tilt_deg: -20.0..=0.0,
             columns: 10,
-            cells: references.map(|references| CoverageCell { references, field: true }).to_vec(),
+            cells: references
+                .map(|references| CoverageCell {
+                    references,
+                    field: true,
+                })
+                .to_vec(),
             missing_pan_deg: Some(45.0),
         }
     }
@@ -169,7 +205,10 @@ mod tests {
         let found = label_advice(&document(&frames), &[]);
         assert_eq!((found.unanswered, found.uncertain), (3, 0));
         let next = found.next.unwrap();
-        assert_eq!((next.frame, next.shared_by, next.missing_pan_deg), (4, 2, None));
+        assert_eq!(
+            (next.frame, next.shared_by, next.missing_pan_deg),
+            (4, 2, None)
+        );
         assert!((next.pan_deg.unwrap() - 39.0).abs() < 1e-9, "{next:?}");
     }
 
@@ -185,21 +224,39 @@ mod tests {
             (2, Some((30.0, SURELY))),
         ]);
         let document = document(&frames);
-        assert_eq!(next(&document, &[]).pan_deg.map(f64::round), Some(-30.0), "nothing is known of references");
+        assert_eq!(
+            next(&document, &[]).pan_deg.map(f64::round),
+            Some(-30.0),
+            "nothing is known of references"
+        );
         let found = next(&document, &[seen([5, 5, 5, 5, 5, 1, 0, 0, 0, 0])]);
-        assert_eq!((found.frame, found.pan_deg.map(f64::round), found.shared_by), (8, Some(30.0), 2));
+        assert_eq!(
+            (found.frame, found.pan_deg.map(f64::round), found.shared_by),
+            (8, Some(30.0), 2)
+        );
         assert_eq!(found.missing_pan_deg, Some(45.0));
     }
 
     #[test]
     fn uncertain_answers_count_by_their_doubt() {
-        let frames = [(1, Some((0.0, 0.6))), (1, Some((1.0, 0.7))), (1, Some((2.0, SURELY))), (2, Some((40.0, 0.5)))];
+        let frames = [
+            (1, Some((0.0, 0.6))),
+            (1, Some((1.0, 0.7))),
+            (1, Some((2.0, SURELY))),
+            (2, Some((40.0, 0.5))),
+        ];
         let found = label_advice(&document(&frames), &[]);
         assert_eq!((found.unanswered, found.uncertain), (0, 3));
         let next = found.next.unwrap();
-        assert_eq!((next.frame, next.pan_deg, next.shared_by), (0, Some(0.0), 2));
+        assert_eq!(
+            (next.frame, next.pan_deg, next.shared_by),
+            (0, Some(0.0), 2)
+        );
         let all_sure = [(1, Some((0.0, SURELY))), (1, Some((3.0, CERTAIN)))];
-        assert_eq!(label_advice(&document(&all_sure), &[]), LabelAdvice::default());
+        assert_eq!(
+            label_advice(&document(&all_sure), &[]),
+            LabelAdvice::default()
+        );
     }
 
     #[test]
@@ -208,18 +265,32 @@ mod tests {
         frames.extend([(1, None); 9]);
         let blind = next(&document(&frames), &[seen([1; 10])]);
         assert_eq!((blind.frame, blind.pan_deg, blind.shared_by), (6, None, 7));
-        assert_eq!(blind.missing_pan_deg, Some(45.0), "somewhere else than the references, perhaps here");
+        assert_eq!(
+            blind.missing_pan_deg,
+            Some(45.0),
+            "somewhere else than the references, perhaps here"
+        );
         assert_eq!(next(&document(&frames[..3]), &[]).pan_deg, Some(5.0));
     }
 
     #[test]
     fn what_nobody_can_label_is_not_named() {
         let mut document = document(&[(1, Some((0.0, SURELY))), (2, None), (2, None), (2, None)]);
-        assert_eq!(next(&document, &[]).frame, 2, "the middle of a shot without any answer");
+        assert_eq!(
+            next(&document, &[]).frame,
+            2,
+            "the middle of a shot without any answer"
+        );
         for frame in document.frames.iter_mut().skip(1) {
             frame.solution.as_mut().unwrap().warnings[0].code = "picture".to_owned();
         }
-        assert_eq!(label_advice(&document, &[]), LabelAdvice { unanswered: 3, ..LabelAdvice::default() });
+        assert_eq!(
+            label_advice(&document, &[]),
+            LabelAdvice {
+                unanswered: 3,
+                ..LabelAdvice::default()
+            }
+        );
         document.frames[1].status = FrameStatus::Rejected;
         document.frames[2].status = FrameStatus::Draft;
         document.frames[3].solution = None;
@@ -228,7 +299,14 @@ mod tests {
 
     #[test]
     fn pan_has_no_seam_between_neighbours() {
-        let found = next(&document(&[(1, Some((178.0, SURELY))), (1, None), (1, Some((-176.0, SURELY)))]), &[]);
+        let found = next(
+            &document(&[
+                (1, Some((178.0, SURELY))),
+                (1, None),
+                (1, Some((-176.0, SURELY))),
+            ]),
+            &[],
+        );
         assert!((found.pan_deg.unwrap() + 179.0).abs() < 1e-9, "{found:?}");
     }
 }

@@ -5,7 +5,8 @@ use touchline_core::camera::CameraBase;
 use touchline_documents::document::{Camera, Document};
 use touchline_vision::relocalize::ForestModel;
 
-/// How far numbers of a base may differ, m and px: digits that were rounded when a document was written.
+/// How far numbers of a base may differ, m and px: digits that were rounded when a document was
+/// written.
 const SAME_BASE: f64 = 1e-6;
 
 /// Why a forest does not serve a document.
@@ -32,16 +33,24 @@ pub enum BaseMismatch {
 ///
 /// # Errors
 /// A camera has another base: the forest is useless then.
-pub fn adopt_bases(document: &mut Document, of_forest: &Document, model: &ForestModel) -> Result<(), BaseMismatch> {
+pub fn adopt_bases(
+    document: &mut Document,
+    of_forest: &Document,
+    model: &ForestModel,
+) -> Result<(), BaseMismatch> {
     for forest in &model.cameras {
         let name = || forest.camera.clone();
         let id = forest.camera.as_str().into();
         let known = of_forest.camera(&id).and_then(Camera::base);
         let known = known.ok_or_else(|| BaseMismatch::Unknown { camera: name() })?;
-        let Some(camera) = document.camera_mut(&id) else { continue };
+        let Some(camera) = document.camera_mut(&id) else {
+            continue;
+        };
         match camera.base() {
             None => camera.set_base(&known),
-            Some(base) if differs(&base, &known) => return Err(BaseMismatch::Differs { camera: name() }),
+            Some(base) if differs(&base, &known) => {
+                return Err(BaseMismatch::Differs { camera: name() });
+            }
             Some(_) => {}
         }
     }
@@ -53,5 +62,7 @@ fn differs(one: &CameraBase, other: &CameraBase) -> bool {
     (one.position_m - other.position_m).amax() > SAME_BASE
         || (one.base_from_world - other.base_from_world).amax() > SAME_BASE
         || one.principal_point.distance_px(other.principal_point) > SAME_BASE
-        || [1000.0, 5000.0].iter().any(|&focal_px| (lens(one, focal_px) - lens(other, focal_px)).abs() > SAME_BASE)
+        || [1000.0, 5000.0]
+            .iter()
+            .any(|&focal_px| (lens(one, focal_px) - lens(other, focal_px)).abs() > SAME_BASE)
 }

@@ -1,5 +1,6 @@
-//! Graphics that are burnt into the pictures of references: score bugs, watermarks, black boxes. They stand still on the screen
-//! whatever the camera does, and would have the forest learn them as parts of the stadium.
+//! Graphics that are burnt into the pictures of references: score bugs, watermarks, black boxes.
+//! They stand still on the screen whatever the camera does, and would have the forest learn them as
+//! parts of the stadium.
 
 use super::TrainingSample;
 use std::collections::BTreeSet;
@@ -8,8 +9,9 @@ use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{CameraId, Document, Extra, MaskSource, RangedMask};
 use touchline_vision::features::{Features, burnt_in};
 
-/// What two references show at one place of the screen is elsewhere by their labels if it moved by more than this, px at 1920 px
-/// width: people's clicks leave a camera that did not move a few px to wander.
+/// What two references show at one place of the screen is elsewhere by their labels if it moved by
+/// more than this, px at 1920 px width: people's clicks leave a camera that did not move a few px
+/// to wander.
 const MOVED_PX: f64 = 20.0;
 
 /// A graphic that was found, as a mask of its camera.
@@ -37,7 +39,13 @@ impl FoundMask {
     #[must_use]
     pub fn describe(&self, document: &Document) -> String {
         let area = &self.mask.pixel_box;
-        let name = |index: usize| document.frames.get(index).map(|frame| frame.name()).unwrap_or_default();
+        let name = |index: usize| {
+            document
+                .frames
+                .get(index)
+                .map(|frame| frame.name())
+                .unwrap_or_default()
+        };
         format!(
             "camera {}: {:.0} × {:.0} px at {:.0}, {:.0} look burnt in from {} to {} ({} features stand still) and are left out \
              of the training",
@@ -53,18 +61,33 @@ impl FoundMask {
     }
 }
 
-/// Finds what is burnt into the pictures of training samples, camera by camera, and removes it from them.
-pub(super) fn leave_out_burnt_in(document: &Document, training_samples: &mut [TrainingSample]) -> Vec<FoundMask> {
+/// Finds what is burnt into the pictures of training samples, camera by camera, and removes it from
+/// them.
+pub(super) fn leave_out_burnt_in(
+    document: &Document,
+    training_samples: &mut [TrainingSample],
+) -> Vec<FoundMask> {
     let mut found = Vec::new();
     for camera in &document.cameras {
-        let of_camera: Vec<usize> =
-            (0..training_samples.len()).filter(|&at| training_samples[at].camera == camera.id).collect();
-        let cameras: Vec<Option<PtzCamera>> =
-            of_camera.iter().map(|&at| camera.pointed(&document.frames[training_samples[at].frame])).collect();
-        let pictures: Vec<&Features> = of_camera.iter().map(|&at| &*training_samples[at].features).collect();
+        let of_camera: Vec<usize> = (0..training_samples.len())
+            .filter(|&at| training_samples[at].camera == camera.id)
+            .collect();
+        let cameras: Vec<Option<PtzCamera>> = of_camera
+            .iter()
+            .map(|&at| camera.pointed(&document.frames[training_samples[at].frame]))
+            .collect();
+        let pictures: Vec<&Features> = of_camera
+            .iter()
+            .map(|&at| &*training_samples[at].features)
+            .collect();
         let scale = camera.image_size.scale_from_1920();
-        let burnt = burnt_in(&pictures, &|one, other, point| moved(&cameras, [one, other], point, scale));
-        let frames: Vec<usize> = of_camera.iter().map(|&at| training_samples[at].frame).collect();
+        let burnt = burnt_in(&pictures, &|one, other, point| {
+            moved(&cameras, [one, other], point, scale)
+        });
+        let frames: Vec<usize> = of_camera
+            .iter()
+            .map(|&at| training_samples[at].frame)
+            .collect();
         for graphic in &burnt.graphics {
             let ends = [graphic.first, graphic.last];
             let number = |picture: usize, is_end: bool| {
@@ -79,11 +102,18 @@ pub(super) fn leave_out_burnt_in(document: &Document, training_samples: &mut [Tr
                 extra: Extra::new(),
             };
             let frames = ends.map(|picture| frames[picture]);
-            found.push(FoundMask { camera: camera.id.clone(), mask, frames, features: graphic.features });
+            found.push(FoundMask {
+                camera: camera.id.clone(),
+                mask,
+                frames,
+                features: graphic.features,
+            });
         }
         for (&at, burnt) in of_camera.iter().zip(&burnt.features) {
             let burnt: BTreeSet<u32> = burnt.iter().map(|&feature| feature as u32).collect();
-            training_samples[at].rays.retain(|(feature, _)| !burnt.contains(feature));
+            training_samples[at]
+                .rays
+                .retain(|(feature, _)| !burnt.contains(feature));
         }
     }
     found
@@ -91,16 +121,27 @@ pub(super) fn leave_out_burnt_in(document: &Document, training_samples: &mut [Tr
 
 /// Whether what one reference shows at a point lies elsewhere in another, as their labels say.
 fn moved(cameras: &[Option<PtzCamera>], pair: [usize; 2], point: ImagePoint, scale: f64) -> bool {
-    let [Some(one), Some(other)] = pair.map(|at| cameras[at].as_ref()) else { return false };
+    let [Some(one), Some(other)] = pair.map(|at| cameras[at].as_ref()) else {
+        return false;
+    };
     moved_by_labels(one, other, point, scale)
 }
 
-/// Whether what one labelled picture shows at a point lies elsewhere in another; `scale` is the picture's width in units of
-/// 1920 px.
-pub(super) fn moved_by_labels(one: &PtzCamera, other: &PtzCamera, point: ImagePoint, scale: f64) -> bool {
-    let Ok(ray) = one.ray_from_image(point) else { return false };
+/// Whether what one labelled picture shows at a point lies elsewhere in another; `scale` is the
+/// picture's width in units of 1920 px.
+pub(super) fn moved_by_labels(
+    one: &PtzCamera,
+    other: &PtzCamera,
+    point: ImagePoint,
+    scale: f64,
+) -> bool {
+    let Ok(ray) = one.ray_from_image(point) else {
+        return false;
+    };
     // What the other does not see at all has moved out of its picture.
-    !other.image_from_ray(ray).is_ok_and(|image| image.distance_px(point) <= MOVED_PX * scale)
+    !other
+        .image_from_ray(ray)
+        .is_ok_and(|image| image.distance_px(point) <= MOVED_PX * scale)
 }
 
 /// A document whose cameras have the masks that were found.

@@ -29,7 +29,8 @@ pub struct Coverage {
     pub columns: usize,
     /// Its cells, row by row from the top.
     pub cells: Vec<CoverageCell>,
-    /// The middle of the widest part of the field that no reference sees, degrees of pan; none where all is seen.
+    /// The middle of the widest part of the field that no reference sees, degrees of pan; none
+    /// where all is seen.
     pub missing_pan_deg: Option<f64>,
 }
 
@@ -43,30 +44,47 @@ pub struct CoverageCell {
 }
 
 impl Coverage {
-    /// Where the `training_frames` look, for each camera that has any, in the document's order. Cameras
-    /// without a base or a valid field are left out.
+    /// Where the `training_frames` look, for each camera that has any, in the document's order.
+    /// Cameras without a base or a valid field are left out.
     #[must_use]
     pub fn of_cameras(document: DocumentAt<'_>, training_frames: &[usize]) -> Vec<Self> {
         let is_used = |camera: &Camera| {
-            let mut used = training_frames.iter().filter_map(|&index| document.frames.get(index));
+            let mut used = training_frames
+                .iter()
+                .filter_map(|&index| document.frames.get(index));
             used.any(|frame| frame.camera == camera.id)
         };
         let of_camera = |camera: &Camera| {
-            let field = camera.field.as_ref().unwrap_or(&document.field).model(document.folder).ok()?;
+            let field = camera
+                .field
+                .as_ref()
+                .unwrap_or(&document.field)
+                .model(document.folder)
+                .ok()?;
             Self::of(&document, &field, &camera.id, training_frames)
         };
         let cameras = document.cameras.iter().map(|camera| &**camera);
-        cameras.filter(|camera| is_used(camera)).filter_map(of_camera).collect()
+        cameras
+            .filter(|camera| is_used(camera))
+            .filter_map(of_camera)
+            .collect()
     }
 
     /// Where the `training_frames` of a camera look. None where the camera has no base.
     #[must_use]
-    pub fn of(document: &Document, field: &FieldModel, camera: &CameraId, training_frames: &[usize]) -> Option<Self> {
+    pub fn of(
+        document: &Document,
+        field: &FieldModel,
+        camera: &CameraId,
+        training_frames: &[usize],
+    ) -> Option<Self> {
         let base = document.camera(camera)?.base()?;
         let outline = outline(field, &base);
-        let pan = AngleRange::smallest(outline.iter().map(|ray| ray.pan))?.extended(Angle::from_degrees(MARGIN_DEG));
+        let pan = AngleRange::smallest(outline.iter().map(|ray| ray.pan))?
+            .extended(Angle::from_degrees(MARGIN_DEG));
         let tilts = || outline.iter().map(|ray| ray.tilt.degrees());
-        let tilt_deg = tilts().min_by(f64::total_cmp)? - MARGIN_DEG..=tilts().max_by(f64::total_cmp)? + MARGIN_DEG;
+        let tilt_deg = tilts().min_by(f64::total_cmp)? - MARGIN_DEG
+            ..=tilts().max_by(f64::total_cmp)? + MARGIN_DEG;
         let seeing: Vec<Sight> = training_frames
             .iter()
             .filter_map(|&index| document.frames.get(index).map(|frame| &**frame))
@@ -80,20 +98,32 @@ impl Coverage {
             .flat_map(|row| (0..COLUMNS).map(move |column| (row, column)))
             .map(|(row, column)| {
                 let tilt_deg = lower_deg + middle_of(ROWS - 1 - row, ROWS) * height_deg;
-                let ray = PanTilt { pan: pan.at(middle_of(column, COLUMNS)), tilt: Angle::from_degrees(tilt_deg) };
+                let ray = PanTilt {
+                    pan: pan.at(middle_of(column, COLUMNS)),
+                    tilt: Angle::from_degrees(tilt_deg),
+                };
                 let direction = ray.direction();
                 let seen = seeing.iter().filter(|sight| sight.shows(ray, &direction));
-                CoverageCell { references: seen.count() as u32, field: shows_field(field, &base, ray) }
+                CoverageCell {
+                    references: seen.count() as u32,
+                    field: shows_field(field, &base, ray),
+                }
             })
             .collect();
-        let mut coverage =
-            Self { camera: camera.clone(), pan, tilt_deg, columns: COLUMNS, cells, missing_pan_deg: None };
+        let mut coverage = Self {
+            camera: camera.clone(),
+            pan,
+            tilt_deg,
+            columns: COLUMNS,
+            cells,
+            missing_pan_deg: None,
+        };
         coverage.missing_pan_deg = coverage.widest_gap_deg();
         Some(coverage)
     }
 
-    /// How much a reference tells that sees this much of the field, from 0 to 1: all where none has seen it, and the nth at a
-    /// place an nth of it. None where the field does not lie there.
+    /// How much a reference tells that sees this much of the field, from 0 to 1: all where none has
+    /// seen it, and the nth at a place an nth of it. None where the field does not lie there.
     #[must_use]
     pub fn novelty(&self, view: AngleRange) -> Option<f64> {
         /// What a view shows less of a column than this is rounding.
@@ -117,7 +147,13 @@ impl Coverage {
 
     fn widest_gap_deg(&self) -> Option<f64> {
         let is_gap = |column: &usize| {
-            let mut cells = self.cells.iter().skip(*column).step_by(self.columns).filter(|cell| cell.field).peekable();
+            let mut cells = self
+                .cells
+                .iter()
+                .skip(*column)
+                .step_by(self.columns)
+                .filter(|cell| cell.field)
+                .peekable();
             cells.peek().is_some() && cells.all(|cell| cell.references == 0)
         };
         let gaps: Vec<usize> = (0..self.columns).filter(is_gap).collect();
@@ -134,7 +170,8 @@ struct Sight {
     image_size: ImageSize,
     /// Where the middle of its picture looks.
     middle: Vec3,
-    /// The cosine of the angle from there to the farthest corner: most rays are outside of it, and quickly told.
+    /// The cosine of the angle from there to the farthest corner: most rays are outside of it, and
+    /// quickly told.
     reach: f64,
 }
 
@@ -144,15 +181,26 @@ impl Sight {
         let image_size = frame.image_size;
         let middle = camera.ray_from_image(image_size.centre()).ok()?.direction();
         let corners = image_size.corners().into_iter();
-        let cosines =
-            corners.map(|corner| camera.ray_from_image(corner).map_or(-1.0, |ray| ray.direction().dot(&middle)));
+        let cosines = corners.map(|corner| {
+            camera
+                .ray_from_image(corner)
+                .map_or(-1.0, |ray| ray.direction().dot(&middle))
+        });
         let reach = cosines.fold(1.0, f64::min);
-        Some(Self { camera, image_size, middle, reach })
+        Some(Self {
+            camera,
+            image_size,
+            middle,
+            reach,
+        })
     }
 
     fn shows(&self, ray: PanTilt, direction: &Vec3) -> bool {
         direction.dot(&self.middle) >= self.reach
-            && self.camera.image_from_ray(ray).is_ok_and(|image| self.image_size.contains(image))
+            && self
+                .camera
+                .image_from_ray(ray)
+                .is_ok_and(|image| self.image_size.contains(image))
     }
 }
 
@@ -163,8 +211,17 @@ fn outline(field: &FieldModel, base: &CameraBase) -> Vec<PanTilt> {
     let (x_m, y_m) = (field.length_m / 2.0, field.width_m / 2.0);
     let along = (-STEPS..=STEPS).map(|step| f64::from(step) / f64::from(STEPS));
     along
-        .flat_map(|t| [(t * x_m, -y_m), (t * x_m, y_m), (-x_m, t * y_m), (x_m, t * y_m)])
-        .map(|(x, y)| PanTilt::from_direction(base.base_from_world_point(Vec3::new(x, y, field.ground_z(y)))))
+        .flat_map(|t| {
+            [
+                (t * x_m, -y_m),
+                (t * x_m, y_m),
+                (-x_m, t * y_m),
+                (x_m, t * y_m),
+            ]
+        })
+        .map(|(x, y)| {
+            PanTilt::from_direction(base.base_from_world_point(Vec3::new(x, y, field.ground_z(y))))
+        })
         .collect()
 }
 
@@ -172,7 +229,9 @@ fn shows_field(field: &FieldModel, base: &CameraBase, ray: PanTilt) -> bool {
     let direction = base.base_from_world.transpose() * ray.direction();
     let distance = -base.position_m.z / direction.z;
     let at = base.position_m + direction * distance;
-    distance > 0.0 && at.x.abs() <= field.length_m / 2.0 + BESIDE_M && at.y.abs() <= field.width_m / 2.0 + BESIDE_M
+    distance > 0.0
+        && at.x.abs() <= field.length_m / 2.0 + BESIDE_M
+        && at.y.abs() <= field.width_m / 2.0 + BESIDE_M
 }
 
 #[cfg(test)]
@@ -187,14 +246,24 @@ mod tests {
 
     /// Frames that look at some pans.
     fn document(pans_deg: &[f64]) -> Document {
-        let down = BaseAngles { pitch: Angle::from_degrees(-2.0), ..BaseAngles::default() };
+        let down = BaseAngles {
+            pitch: Angle::from_degrees(-2.0),
+            ..BaseAngles::default()
+        };
         let mut document = Document::new(FieldSpec::new("soccer"));
         let mut main = Camera::new("main".into(), SIZE);
-        main.set_base(&CameraBase::new(Vec3::new(0.0, -66.0, 18.0), down.base_from_world(), SIZE.centre()));
+        main.set_base(&CameraBase::new(
+            Vec3::new(0.0, -66.0, 18.0),
+            down.base_from_world(),
+            SIZE.centre(),
+        ));
         document.cameras.push(main.into());
         for pan_deg in pans_deg {
             let mut frame = Frame::from_image("a.jpg", "main".into(), SIZE);
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(*pan_deg, -10.0, 1800.0), None));
+            frame.ptz = Some(FramePtz::new(
+                Ptz::from_degrees(*pan_deg, -10.0, 1800.0),
+                None,
+            ));
             document.frames.push(frame.into());
         }
         document
@@ -209,13 +278,27 @@ mod tests {
     fn what_many_references_see_is_hardly_new() {
         let document = document(&[-40.0, -40.0, -40.0]);
         let found = coverage(&document, &[0, 1, 2]);
-        let novelty = |from, upto| found.novelty(AngleRange::new(Angle::from_degrees(from), Angle::from_degrees(upto)));
+        let novelty = |from, upto| {
+            found.novelty(AngleRange::new(
+                Angle::from_degrees(from),
+                Angle::from_degrees(upto),
+            ))
+        };
         assert_eq!(novelty(20.0, 40.0), Some(1.0));
         let (known, partly) = (novelty(-41.0, -39.0).unwrap(), novelty(-40.0, 0.0).unwrap());
-        assert!((0.25..0.6).contains(&known) && known < partly && partly < 1.0, "{known} {partly}");
-        assert_eq!((novelty(90.0, 100.0), novelty(-170.0, -120.0)), (None, None));
+        assert!(
+            (0.25..0.6).contains(&known) && known < partly && partly < 1.0,
+            "{known} {partly}"
+        );
+        assert_eq!(
+            (novelty(90.0, 100.0), novelty(-170.0, -120.0)),
+            (None, None)
+        );
         let folder = std::path::Path::new("");
-        assert_eq!(Coverage::of_cameras(document.at(folder), &[0, 1, 2]), [found]);
+        assert_eq!(
+            Coverage::of_cameras(document.at(folder), &[0, 1, 2]),
+            [found]
+        );
         assert_eq!(Coverage::of_cameras(document.at(folder), &[]), []);
     }
 
@@ -229,9 +312,20 @@ mod tests {
         let missing = found.missing_pan_deg.unwrap();
         assert!((30.0..60.0).contains(&missing), "{missing}");
         let middle = coverage(&document, &[]).missing_pan_deg.unwrap();
-        assert!(middle.abs() < 3.0, "nothing is seen: begin in the middle, {middle}");
+        assert!(
+            middle.abs() < 3.0,
+            "nothing is seen: begin in the middle, {middle}"
+        );
         let seen: u32 = found.cells.iter().map(|cell| cell.references).sum();
-        assert!(seen > 0 && coverage(&document, &[]).cells.iter().all(|cell| cell.references == 0));
-        assert!(found.cells.iter().any(|cell| cell.field) && found.cells.iter().any(|cell| !cell.field));
+        assert!(
+            seen > 0
+                && coverage(&document, &[])
+                    .cells
+                    .iter()
+                    .all(|cell| cell.references == 0)
+        );
+        assert!(
+            found.cells.iter().any(|cell| cell.field) && found.cells.iter().any(|cell| !cell.field)
+        );
     }
 }

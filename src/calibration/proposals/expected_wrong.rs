@@ -15,7 +15,8 @@ pub struct ExpectedWrong {
 }
 
 impl ExpectedWrong {
-    /// Among answers of these confidences, each right or wrong by itself: the Poisson binomial distribution, exactly.
+    /// Among answers of these confidences, each right or wrong by itself: the Poisson binomial
+    /// distribution, exactly.
     #[must_use]
     pub fn among(confidences: impl IntoIterator<Item = f64>) -> Self {
         // How probable each number of wrong answers is among those so far.
@@ -29,8 +30,13 @@ impl ExpectedWrong {
                 let one_less = if count > 0 { of_count[count - 1] } else { 0.0 };
                 of_count[count] = of_count[count] * (1.0 - wrong) + one_less * wrong;
             }
-            // What is beyond all doubt too many is not carried on: else time would grow with the square.
-            while of_count.last().is_some_and(|probability| *probability < 1e-15) && of_count.len() > 1 {
+            // What is beyond all doubt too many is not carried on: else time would grow with the
+            // square.
+            while of_count
+                .last()
+                .is_some_and(|probability| *probability < 1e-15)
+                && of_count.len() > 1
+            {
                 of_count.pop();
             }
         }
@@ -42,8 +48,16 @@ impl ExpectedWrong {
                 sum
             })
             .collect();
-        let first_above = |share: f64| upto.iter().position(|upto| *upto > share).unwrap_or(upto.len() - 1);
-        Self { mean, least: first_above(TAIL), most: first_above(1.0 - TAIL) }
+        let first_above = |share: f64| {
+            upto.iter()
+                .position(|upto| *upto > share)
+                .unwrap_or(upto.len() - 1)
+        };
+        Self {
+            mean,
+            least: first_above(TAIL),
+            most: first_above(1.0 - TAIL),
+        }
     }
 }
 
@@ -65,6 +79,9 @@ mod tests {
     #[test]
     fn of_many_it_is_about_a_poisson_distribution() {
         let many = ExpectedWrong::among(std::iter::repeat_n(0.999, 10_000));
-        assert!((many.mean - 10.0).abs() < 1e-9 && (many.least, many.most) == (4, 17), "{many:?}");
+        assert!(
+            (many.mean - 10.0).abs() < 1e-9 && (many.least, many.most) == (4, 17),
+            "{many:?}"
+        );
     }
 }

@@ -47,8 +47,9 @@ enum Found {
 }
 
 impl FramePictures<'_> {
-    /// Hands the features of some frames to `work`, in parallel, a batch at a time; what it makes of them, in the frames'
-    /// order. Images are read in parallel, videos one frame after the other by `reader`. `work` may end it: none then.
+    /// Hands the features of some frames to `work`, in parallel, a batch at a time; what it makes
+    /// of them, in the frames' order. Images are read in parallel, videos one frame after the other
+    /// by `reader`. `work` may end it: none then.
     pub fn each<T: Send>(
         &self,
         reader: &mut dyn ReadFrames,
@@ -61,7 +62,11 @@ impl FramePictures<'_> {
             let mut begun = Vec::with_capacity(batch.len());
             for &index in batch {
                 let frame = &*self.document.frames[index];
-                let found = if frame.image.is_some() { Found::Image } else { self.of_video(reader, frame) };
+                let found = if frame.image.is_some() {
+                    Found::Image
+                } else {
+                    self.of_video(reader, frame)
+                };
                 begun.push((index, frame, found));
             }
             let worked = begun.into_par_iter().map(|(index, frame, found)| {
@@ -79,8 +84,8 @@ impl FramePictures<'_> {
         Some(made)
     }
 
-    /// Hands the pictures of some frames to `work`, each read once, in parallel, a batch at a time; what it makes of them, in the
-    /// frames' order. `work` may end it: none then.
+    /// Hands the pictures of some frames to `work`, each read once, in parallel, a batch at a time;
+    /// what it makes of them, in the frames' order. `work` may end it: none then.
     pub(super) fn each_picture<T: Send>(
         &self,
         reader: &mut dyn ReadFrames,
@@ -92,11 +97,15 @@ impl FramePictures<'_> {
             let mut begun = Vec::with_capacity(batch.len());
             for &index in batch {
                 let frame = &*self.document.frames[index];
-                let of_video = frame.image.is_none().then(|| read_picture(reader, frame, self.folder));
+                let of_video = frame
+                    .image
+                    .is_none()
+                    .then(|| read_picture(reader, frame, self.folder));
                 begun.push((index, frame, of_video));
             }
             let worked = begun.into_par_iter().map(|(index, frame, of_video)| {
-                let picture = of_video.unwrap_or_else(|| read_picture(&mut FrameReader::new(), frame, self.folder));
+                let picture = of_video
+                    .unwrap_or_else(|| read_picture(&mut FrameReader::new(), frame, self.folder));
                 work(index, frame, picture).continue_value()
             });
             made.extend(worked.collect::<Option<Vec<T>>>()?);
@@ -105,10 +114,16 @@ impl FramePictures<'_> {
     }
 
     /// The features of a picture that was read, if they were not found before.
-    pub(super) fn features_in(&self, frame: &Frame, picture: &Picture) -> Result<Arc<Features>, PictureError> {
+    pub(super) fn features_in(
+        &self,
+        frame: &Frame,
+        picture: &Picture,
+    ) -> Result<Arc<Features>, PictureError> {
         let identity = match frame.image_path(self.folder) {
             Some(path) => Some(sha256_of_file(&path)?),
-            None => frame.picture_source(self.folder).and_then(|source| source.video_identity()),
+            None => frame
+                .picture_source(self.folder)
+                .and_then(|source| source.video_identity()),
         };
         let key = identity.map(|identity| self.key(frame, &identity));
         if let Some(features) = key.as_ref().and_then(|key| self.store.get(key)) {
@@ -128,7 +143,10 @@ impl FramePictures<'_> {
     fn of_image(&self, frame: &Frame) -> Result<FrameFeatures, PictureError> {
         let path = frame.image_path(self.folder).ok_or(PictureError::None)?;
         let sha256 = sha256_of_file(&path)?;
-        let changed = frame.sha256.as_ref().is_some_and(|stated| !stated.eq_ignore_ascii_case(&sha256));
+        let changed = frame
+            .sha256
+            .as_ref()
+            .is_some_and(|stated| !stated.eq_ignore_ascii_case(&sha256));
         let key = self.key(frame, &sha256);
         if let Some(before) = self.before(frame, &key, &path.to_string_lossy(), changed)? {
             return Ok(before);
@@ -139,9 +157,13 @@ impl FramePictures<'_> {
     }
 
     fn of_video(&self, reader: &mut dyn ReadFrames, frame: &Frame) -> Found {
-        let key = frame.picture_source(self.folder).and_then(|source| source.video_identity());
+        let key = frame
+            .picture_source(self.folder)
+            .and_then(|source| source.video_identity());
         let key = key.map(|identity| self.key(frame, &identity));
-        let before = key.as_ref().map(|key| self.before(frame, key, &frame.name(), false));
+        let before = key
+            .as_ref()
+            .map(|key| self.before(frame, key, &frame.name(), false));
         match before {
             Some(Ok(Some(before))) => Found::Before(before),
             Some(Err(error)) => Found::Video(Err(error), None),
@@ -158,9 +180,15 @@ impl FramePictures<'_> {
         changed: bool,
     ) -> Result<Option<FrameFeatures>, PictureError> {
         let start = Instant::now();
-        let Some(features) = self.store.get(key) else { return Ok(None) };
+        let Some(features) = self.store.get(key) else {
+            return Ok(None);
+        };
         check_size(frame, picture, features.image_size)?;
-        Ok(Some(FrameFeatures { features, time: start.elapsed(), changed }))
+        Ok(Some(FrameFeatures {
+            features,
+            time: start.elapsed(),
+            changed,
+        }))
     }
 
     fn look(
@@ -177,7 +205,11 @@ impl FramePictures<'_> {
             Some(key) => self.store.put(key, features),
             None => Arc::new(features),
         };
-        Ok(FrameFeatures { features, time, changed })
+        Ok(FrameFeatures {
+            features,
+            time,
+            changed,
+        })
     }
 
     fn key(&self, frame: &Frame, picture: &str) -> FeatureKey {

@@ -1,5 +1,5 @@
-//! Graphics burnt into the pictures of a document, labelled or not: found from a few pictures of each camera, by edges that
-//! stand throughout and by features that stand for a while.
+//! Graphics burnt into the pictures of a document, labelled or not: found from a few pictures of
+//! each camera, by edges that stand throughout and by features that stand for a while.
 
 use super::burnt_in::{FoundMask, moved_by_labels};
 use super::spread::spread;
@@ -14,8 +14,8 @@ use touchline_vision::features::{
 };
 use touchline_vision::media::ReadFrames;
 
-/// The edges of as many pictures of a camera are looked at: enough for a banner that is shown for an eighth of them, and few
-/// enough to be done within the first minute.
+/// The edges of as many pictures of a camera are looked at: enough for a banner that is shown for
+/// an eighth of them, and few enough to be done within the first minute.
 const LOOKED_AT: usize = 64;
 
 /// Features are looked for in every so many of these.
@@ -30,9 +30,10 @@ struct Seen {
     features: Option<Arc<Features>>,
 }
 
-/// Finds the graphics that are burnt into the pictures of every camera, outside the masks that it has. Two pictures between
-/// which the camera moved suffice; where cameras are known they say whether it did. Pictures that cannot be read are passed over.
-/// Each picture is a step. None if `progress` cancelled it.
+/// Finds the graphics that are burnt into the pictures of every camera, outside the masks that it
+/// has. Two pictures between which the camera moved suffice; where cameras are known they say
+/// whether it did. Pictures that cannot be read are passed over. Each picture is a step. None if
+/// `progress` cancelled it.
 pub fn find_burnt_in(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
@@ -41,24 +42,38 @@ pub fn find_burnt_in(
     let mut found = Vec::new();
     for camera in &pictures.document.cameras {
         let frames = &pictures.document.frames;
-        let of_camera: Vec<usize> = (0..frames.len()).filter(|&index| frames[index].camera == camera.id).collect();
+        let of_camera: Vec<usize> = (0..frames.len())
+            .filter(|&index| frames[index].camera == camera.id)
+            .collect();
         let looked_at = spread(of_camera.clone(), LOOKED_AT);
         let with_features = spread(looked_at.clone(), LOOKED_AT / FEATURES_EVERY);
         let seen = pictures.each_picture(reader, &looked_at, |index, frame, picture| {
             progress.report(())?;
-            let Ok(picture) = picture else { return ControlFlow::Continue(None) };
+            let Ok(picture) = picture else {
+                return ControlFlow::Continue(None);
+            };
             let wanted = with_features.binary_search(&index).is_ok();
-            let features = wanted.then(|| pictures.features_in(frame, &picture).ok()).flatten();
-            ControlFlow::Continue(Some(Seen { frame: index, reduced: ReducedPicture::new(&picture), features }))
+            let features = wanted
+                .then(|| pictures.features_in(frame, &picture).ok())
+                .flatten();
+            ControlFlow::Continue(Some(Seen {
+                frame: index,
+                reduced: ReducedPicture::new(&picture),
+                features,
+            }))
         })?;
         let seen: Vec<Seen> = seen.into_iter().flatten().collect();
         let by_edges = by_edges(pictures, camera, reader, (&of_camera, &seen), progress)?;
-        let looked_at: Vec<(usize, Arc<Features>)> =
-            seen.into_iter().filter_map(|seen| Some((seen.frame, seen.features?))).collect();
+        let looked_at: Vec<(usize, Arc<Features>)> = seen
+            .into_iter()
+            .filter_map(|seen| Some((seen.frame, seen.features?)))
+            .collect();
         let by_features = of_pictures(pictures, camera, &looked_at);
         let is_new = |graphic: &FoundMask| {
             let centre = graphic.mask.pixel_box.centre();
-            !by_edges.iter().any(|known| known.mask.pixel_box.contains(centre))
+            !by_edges
+                .iter()
+                .any(|known| known.mask.pixel_box.contains(centre))
         };
         let by_features: Vec<FoundMask> = by_features.into_iter().filter(is_new).collect();
         found.extend(by_edges.into_iter().chain(by_features));
@@ -66,7 +81,8 @@ pub fn find_burnt_in(
     Some(found)
 }
 
-/// The graphics that stand throughout or for a while, by their edges; none if `progress` cancelled it.
+/// The graphics that stand throughout or for a while, by their edges; none if `progress` cancelled
+/// it.
 fn by_edges(
     pictures: &FramePictures<'_>,
     camera: &Camera,
@@ -76,19 +92,42 @@ fn by_edges(
 ) -> Option<Vec<FoundMask>> {
     let document = pictures.document;
     let reduced: Vec<ReducedPicture> = seen.iter().map(|seen| seen.reduced.clone()).collect();
-    let number = |frame: usize| document.frames[frame].video.as_ref().map(|video| video.frame_index);
+    let number = |frame: usize| {
+        document.frames[frame]
+            .video
+            .as_ref()
+            .map(|video| video.frame_index)
+    };
     let mut found = Vec::new();
     for graphic in standing_graphics(&reduced) {
         let [first, last] = [graphic.first, graphic.last].map(|place| seen[place].frame);
         let masked = document.masks_of(&document.frames[first]);
-        if masked.iter().any(|mask| mask.contains(graphic.pixel_box.centre())) {
+        if masked
+            .iter()
+            .any(|mask| mask.contains(graphic.pixel_box.centre()))
+        {
             continue;
         }
         let mut bound = |shown: usize, other: Option<&Seen>| -> Option<Option<u64>> {
-            let Some(other) = other.filter(|_| number(shown).is_some()) else { return Some(None) };
-            Some(number(last_without(pictures, reader, &graphic, of_camera, [shown, other.frame], progress)?))
+            let Some(other) = other.filter(|_| number(shown).is_some()) else {
+                return Some(None);
+            };
+            Some(number(last_without(
+                pictures,
+                reader,
+                &graphic,
+                of_camera,
+                [shown, other.frame],
+                progress,
+            )?))
         };
-        let before = bound(first, graphic.first.checked_sub(1).and_then(|place| seen.get(place)))?;
+        let before = bound(
+            first,
+            graphic
+                .first
+                .checked_sub(1)
+                .and_then(|place| seen.get(place)),
+        )?;
         let after = bound(last, seen.get(graphic.last + 1))?;
         found.push(FoundMask {
             camera: camera.id.clone(),
@@ -106,8 +145,9 @@ fn by_edges(
     Some(found)
 }
 
-/// Of the camera's frames between one that shows a graphic and one that does not, the one without it that is nearest to those with
-/// it; none if `progress` cancelled it. A frame that cannot be read counts as one that shows it.
+/// Of the camera's frames between one that shows a graphic and one that does not, the one without
+/// it that is nearest to those with it; none if `progress` cancelled it. A frame that cannot be
+/// read counts as one that shows it.
 fn last_without(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
@@ -123,7 +163,11 @@ fn last_without(
             return None;
         }
         let middle = usize::midpoint(shown, without);
-        let picture = read_picture(reader, &pictures.document.frames[of_camera[middle]], pictures.folder);
+        let picture = read_picture(
+            reader,
+            &pictures.document.frames[of_camera[middle]],
+            pictures.folder,
+        );
         if picture.is_ok_and(|picture| !graphic.is_shown_in(&ReducedPicture::new(&picture))) {
             without = middle;
         } else {
@@ -133,22 +177,43 @@ fn last_without(
     Some(of_camera[without])
 }
 
-fn of_pictures(pictures: &FramePictures<'_>, camera: &Camera, looked_at: &[(usize, Arc<Features>)]) -> Vec<FoundMask> {
+fn of_pictures(
+    pictures: &FramePictures<'_>,
+    camera: &Camera,
+    looked_at: &[(usize, Arc<Features>)],
+) -> Vec<FoundMask> {
     let frames = &pictures.document.frames;
-    let cameras: Vec<Option<PtzCamera>> = looked_at.iter().map(|(index, _)| camera.pointed(&frames[*index])).collect();
+    let cameras: Vec<Option<PtzCamera>> = looked_at
+        .iter()
+        .map(|(index, _)| camera.pointed(&frames[*index]))
+        .collect();
     let features: Vec<&Features> = looked_at.iter().map(|(_, features)| &**features).collect();
     let scale = camera.image_size.scale_from_1920();
     let found = burnt_in(&features, &|one, other, point| {
         let pair = [one, other].map(|at| cameras[at].as_ref());
         // Without cameras the pictures alone say that they moved.
-        let [Some(one), Some(other)] = pair else { return true };
+        let [Some(one), Some(other)] = pair else {
+            return true;
+        };
         moved_by_labels(one, other, point, scale)
     });
     let mask = |graphic: &BurntInGraphic| {
-        let number = |picture: usize| frames[looked_at[picture].0].video.as_ref().map(|video| video.frame_index);
-        // The graphic may have come right after the picture before its first, and gone right before the one after its last.
-        let from = graphic.first.checked_sub(1).and_then(number).map(|before| before + 1);
-        let to = Some(graphic.last + 1).filter(|after| *after < looked_at.len()).and_then(number);
+        let number = |picture: usize| {
+            frames[looked_at[picture].0]
+                .video
+                .as_ref()
+                .map(|video| video.frame_index)
+        };
+        // The graphic may have come right after the picture before its first, and gone right before
+        // the one after its last.
+        let from = graphic
+            .first
+            .checked_sub(1)
+            .and_then(number)
+            .map(|before| before + 1);
+        let to = Some(graphic.last + 1)
+            .filter(|after| *after < looked_at.len())
+            .and_then(number);
         FoundMask {
             camera: camera.id.clone(),
             mask: RangedMask {

@@ -1,4 +1,5 @@
-//! Key frames of videos: the forest is asked for these, and cameras are carried from them to the frames between.
+//! Key frames of videos: the forest is asked for these, and cameras are carried from them to the
+//! frames between.
 
 use crate::calibrate::{ClipFrame, ClipFrames, clips};
 use touchline_documents::document::DocumentAt;
@@ -7,7 +8,8 @@ use touchline_vision::media::FrameRef;
 /// Pictures of a video from one key frame to the next, at most.
 const EVERY: usize = 25;
 
-/// Where a document has fewer of a video's pictures than every so manieth, carrying costs more than asking the forest.
+/// Where a document has fewer of a video's pictures than every so manieth, carrying costs more than
+/// asking the forest.
 const SPARSE: usize = 8;
 
 /// Key frames of a window, at most: so many are carried between at a time.
@@ -25,23 +27,42 @@ pub struct KeyWindow {
 }
 
 impl KeyWindow {
-    /// The windows of a document; a frame that belongs to none is one for which the forest is asked.
+    /// The windows of a document; a frame that belongs to none is one for which the forest is
+    /// asked.
     #[must_use]
     pub fn of(at: DocumentAt<'_>) -> Vec<Self> {
-        let is_of_video =
-            |clip: &ClipFrames| matches!(clip.frames.first(), Some(ClipFrame { source: FrameRef::Video { .. }, .. }));
-        clips(at, None).into_iter().filter(is_of_video).flat_map(|clip| Self::of_clip(&clip)).collect()
+        let is_of_video = |clip: &ClipFrames| {
+            matches!(
+                clip.frames.first(),
+                Some(ClipFrame {
+                    source: FrameRef::Video { .. },
+                    ..
+                })
+            )
+        };
+        clips(at, None)
+            .into_iter()
+            .filter(is_of_video)
+            .flat_map(|clip| Self::of_clip(&clip))
+            .collect()
     }
 
     fn of_clip(clip: &ClipFrames) -> Vec<Self> {
-        // Places in the clip at which the document has a frame, cut where it leaves out too many pictures.
-        let held: Vec<usize> = (0..clip.frames.len()).filter(|at| clip.frames[*at].place.is_some()).collect();
-        held.chunk_by(|one, next| next - one < SPARSE).flat_map(|run| Self::of_run(clip, run)).collect()
+        // Places in the clip at which the document has a frame, cut where it leaves out too many
+        // pictures.
+        let held: Vec<usize> = (0..clip.frames.len())
+            .filter(|at| clip.frames[*at].place.is_some())
+            .collect();
+        held.chunk_by(|one, next| next - one < SPARSE)
+            .flat_map(|run| Self::of_run(clip, run))
+            .collect()
     }
 
     /// The windows of frames that follow each other closely.
     fn of_run(clip: &ClipFrames, run: &[usize]) -> Vec<Self> {
-        let (Some(&first), Some(&last)) = (run.first(), run.last()) else { return Vec::new() };
+        let (Some(&first), Some(&last)) = (run.first(), run.last()) else {
+            return Vec::new();
+        };
         let mut keys = vec![first];
         for (at, next) in run.iter().zip(&run[1..]) {
             if keys.last().is_some_and(|key| next - key > EVERY) {
@@ -53,14 +74,24 @@ impl KeyWindow {
         let place = |at: &usize| clip.frames[*at].place;
         let window = |keys: &[usize]| {
             let (from, to) = (*keys.first()?, *keys.last()?);
-            let is_between = |at: &&usize| (from..=to).contains(at) && keys.binary_search(at).is_err();
+            let is_between =
+                |at: &&usize| (from..=to).contains(at) && keys.binary_search(at).is_err();
             let between: Vec<usize> = run.iter().filter(is_between).filter_map(place).collect();
             let frames = clip.frames[from..=to].to_vec();
-            let clip = ClipFrames { camera: clip.camera.clone(), frames };
-            (!between.is_empty()).then(|| Self { clip, keys: keys.iter().filter_map(place).collect(), between })
+            let clip = ClipFrames {
+                camera: clip.camera.clone(),
+                frames,
+            };
+            (!between.is_empty()).then(|| Self {
+                clip,
+                keys: keys.iter().filter_map(place).collect(),
+                between,
+            })
         };
         let starts = (0..keys.len().saturating_sub(1)).step_by(OF_WINDOW - 1);
-        starts.filter_map(|start| window(&keys[start..(start + OF_WINDOW).min(keys.len())])).collect()
+        starts
+            .filter_map(|start| window(&keys[start..(start + OF_WINDOW).min(keys.len())]))
+            .collect()
     }
 }
 
@@ -87,14 +118,24 @@ mod tests {
         let windows = windows(0..600);
         assert_eq!(windows.len(), 3);
         assert_eq!(windows[0].keys, (0..=250).step_by(25).collect::<Vec<_>>());
-        assert_eq!(windows[1].keys.first(), Some(&250), "the next window goes on where this one ends");
+        assert_eq!(
+            windows[1].keys.first(),
+            Some(&250),
+            "the next window goes on where this one ends"
+        );
         assert_eq!(windows[2].keys, [500, 525, 550, 575, 599]);
-        let mut all: Vec<usize> =
-            windows.iter().flat_map(|window| [&window.keys[..], &window.between].concat()).collect();
+        let mut all: Vec<usize> = windows
+            .iter()
+            .flat_map(|window| [&window.keys[..], &window.between].concat())
+            .collect();
         all.sort_unstable();
         all.dedup();
         assert_eq!(all, (0..600).collect::<Vec<_>>());
-        assert!(windows.iter().all(|window| window.clip.frames.len() == window.keys.len() + window.between.len()));
+        assert!(
+            windows
+                .iter()
+                .all(|window| window.clip.frames.len() == window.keys.len() + window.between.len())
+        );
     }
 
     #[test]
@@ -103,7 +144,11 @@ mod tests {
         assert_eq!(every_fifth.len(), 1, "two frames have nothing between");
         assert_eq!(every_fifth[0].keys, [0, 5, 10, 11]);
         assert_eq!(every_fifth[0].clip.frames.len(), 56);
-        assert_eq!(windows((0..600).step_by(10)), [], "carrying over nine pictures costs more than asking");
+        assert_eq!(
+            windows((0..600).step_by(10)),
+            [],
+            "carrying over nine pictures costs more than asking"
+        );
         assert_eq!(windows([]), []);
         assert_eq!(windows([4, 5]), []);
     }
@@ -112,7 +157,11 @@ mod tests {
     fn images_are_no_video() {
         let mut document = Document::new(FieldSpec::new("soccer"));
         for number in 0..50 {
-            let frame = Frame::from_image(&format!("{number}.jpg"), "main".into(), ImageSize::new(64, 36));
+            let frame = Frame::from_image(
+                &format!("{number}.jpg"),
+                "main".into(),
+                ImageSize::new(64, 36),
+            );
             document.frames.push(frame.into());
         }
         assert_eq!(KeyWindow::of(document.at(Path::new("/f"))), []);

@@ -1,14 +1,17 @@
 //! Which frames need a label, and where they look: brought up to date from the frames that changed.
 //!
-//! A frame needs a label if the forest was asked for it in vain, or is not sure of its answer. Where a frame without an answer
-//! looks, its solved neighbours in the shot tell.
+//! A frame needs a label if the forest was asked for it in vain, or is not sure of its answer.
+//! Where a frame without an answer looks, its solved neighbours in the shot tell.
 
 use super::needing_frames::{Look, Needing, NeedingFrames};
 use std::collections::{BTreeMap, BTreeSet};
-use touchline_documents::document::{CameraId, Clip, Document, Frame, FrameChanges, FrameStatus, Frames};
+use touchline_documents::document::{
+    CameraId, Clip, Document, Frame, FrameChanges, FrameStatus, Frames,
+};
 use touchline_vision::relocalize::CERTAIN;
 
-/// A frame with a solved neighbour on one side only looks as that one does if it is no farther away.
+/// A frame with a solved neighbour on one side only looks as that one does if it is no farther
+/// away.
 const BESIDE: usize = 2;
 
 /// The frames of a document that need a label.
@@ -79,10 +82,15 @@ impl LabelNeeds {
         self.needing.iter()
     }
 
-    /// Of the shot with most of them, the frames of which nothing tells where they look. Of equals the shot where they begin first.
+    /// Of the shot with most of them, the frames of which nothing tells where they look. Of equals
+    /// the shot where they begin first.
     pub(super) fn unknown(&self) -> Option<&BTreeSet<usize>> {
         let first = |shot: &&BTreeSet<usize>| std::cmp::Reverse(shot.first().copied());
-        let unknown = self.shots.values().map(|shot| &shot.unknown).filter(|unknown| !unknown.is_empty());
+        let unknown = self
+            .shots
+            .values()
+            .map(|shot| &shot.unknown)
+            .filter(|unknown| !unknown.is_empty());
         unknown.max_by_key(|shot| (shot.len(), first(shot)))
     }
 
@@ -92,7 +100,11 @@ impl LabelNeeds {
     }
 
     fn anew(frames: &Frames, edition: u64) -> Self {
-        let mut needs = Self { frames: frames.clone(), edition, ..Self::default() };
+        let mut needs = Self {
+            frames: frames.clone(),
+            edition,
+            ..Self::default()
+        };
         for (index, frame) in frames.iter().enumerate() {
             needs.add(index, frame);
         }
@@ -108,7 +120,8 @@ impl LabelNeeds {
         self.edition += u64::from(frame.is_unanswered() || is_uncertain(frame));
         let shot = self.shots.entry(shot_of(frame)).or_default();
         shot.looks.extend(Look::of(frame).map(|look| (index, look)));
-        shot.unanswered.extend(can_be_labelled(frame).then_some(index));
+        shot.unanswered
+            .extend(can_be_labelled(frame).then_some(index));
     }
 
     fn remove(&mut self, index: usize, frame: &Frame) {
@@ -127,16 +140,28 @@ impl LabelNeeds {
 
     /// The frames without an answer that look as a frame of their shot tells.
     fn told_by(&self, frame: &Frame, index: usize) -> Vec<usize> {
-        let Some(shot) = self.shots.get(&shot_of(frame)) else { return Vec::new() };
-        let from = shot.looks.range(..index).next_back().map_or(0, |(before, _)| *before);
-        let to = shot.looks.range(index + 1..).next().map_or(usize::MAX, |(after, _)| *after);
+        let Some(shot) = self.shots.get(&shot_of(frame)) else {
+            return Vec::new();
+        };
+        let from = shot
+            .looks
+            .range(..index)
+            .next_back()
+            .map_or(0, |(before, _)| *before);
+        let to = shot
+            .looks
+            .range(index + 1..)
+            .next()
+            .map_or(usize::MAX, |(after, _)| *after);
         shot.unanswered.range(from..to).copied().collect()
     }
 
     /// Finds out anew whether a frame needs a label, and where it looks.
     fn settle(&mut self, index: usize) {
         let frame = &*self.frames[index];
-        let Some(shot) = self.shots.get_mut(&shot_of(frame)) else { return };
+        let Some(shot) = self.shots.get_mut(&shot_of(frame)) else {
+            return;
+        };
         let is_unanswered = shot.unanswered.contains(&index);
         let found = if is_unanswered {
             shot.between(index).map(|look| (look, 1.0))
@@ -144,15 +169,28 @@ impl LabelNeeds {
             doubt(frame).and_then(|doubt| Some((Look::of(frame)?, doubt)))
         };
         let is_unknown = is_unanswered && found.is_none();
-        let mut is_news = if is_unknown { shot.unknown.insert(index) } else { shot.unknown.remove(&index) };
-        let needing = found.map(|(look, need)| Needing { frame: index, look, need });
-        is_news |= self.needing.entry(frame.camera.clone()).or_default().put(index, needing);
+        let mut is_news = if is_unknown {
+            shot.unknown.insert(index)
+        } else {
+            shot.unknown.remove(&index)
+        };
+        let needing = found.map(|(look, need)| Needing {
+            frame: index,
+            look,
+            need,
+        });
+        is_news |= self
+            .needing
+            .entry(frame.camera.clone())
+            .or_default()
+            .put(index, needing);
         self.edition += u64::from(is_news);
     }
 }
 
 impl Shot {
-    /// How a frame probably looks: on the way between its solved neighbours, or as the only one beside it does.
+    /// How a frame probably looks: on the way between its solved neighbours, or as the only one
+    /// beside it does.
     fn between(&self, index: usize) -> Option<Look> {
         let before = self.looks.range(..index).next_back();
         let after = self.looks.range(index + 1..).next();
@@ -178,7 +216,10 @@ fn shot_of(frame: &Frame) -> ShotKey {
 
 /// Whether it has no answer and its picture can be read.
 fn can_be_labelled(frame: &Frame) -> bool {
-    let mut warnings = frame.solution.iter().flat_map(|solution| &solution.warnings);
+    let mut warnings = frame
+        .solution
+        .iter()
+        .flat_map(|solution| &solution.warnings);
     frame.is_unanswered() && warnings.all(|warning| warning.code != "picture")
 }
 
@@ -190,7 +231,11 @@ pub fn is_uncertain(frame: &Frame) -> bool {
 
 /// The probability that its suggestion is wrong; none where that is sure, or nobody says.
 fn doubt(frame: &Frame) -> Option<f64> {
-    let confidence = frame.solution.as_ref().filter(|_| frame.status == FrameStatus::Suggested)?.confidence?;
+    let confidence = frame
+        .solution
+        .as_ref()
+        .filter(|_| frame.status == FrameStatus::Suggested)?
+        .confidence?;
     (confidence < CERTAIN).then_some(1.0 - confidence.max(0.0))
 }
 
@@ -206,7 +251,11 @@ mod tests {
     fn document() -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
         for index in 0..24 {
-            let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), ImageSize::new(1280, 720));
+            let mut frame = Frame::from_image(
+                &format!("{index}.jpg"),
+                "main".into(),
+                ImageSize::new(1280, 720),
+            );
             frame.clip = Some(Clip::Number(index / 12));
             match index % 12 {
                 4 => solve(&mut frame, index as f64),
@@ -219,22 +268,36 @@ mod tests {
 
     fn solve(frame: &mut Frame, pan_deg: f64) {
         frame.status = FrameStatus::Reference;
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 3630.0), None));
+        frame.ptz = Some(FramePtz::new(
+            Ptz::from_degrees(pan_deg, -9.0, 3630.0),
+            None,
+        ));
         frame.solution = None;
     }
 
     fn ask_in_vain(frame: &mut Frame) {
         (frame.status, frame.ptz) = (FrameStatus::New, None);
-        frame.solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
+        frame.solution = Some(Solution {
+            source: Some(SolutionSource::Forest),
+            ..Solution::default()
+        });
     }
 
     /// Everything that it says, without the edition.
     type Said = ([usize; 2], Vec<(i64, Direction)>, Option<BTreeSet<usize>>);
 
     fn said(needs: &LabelNeeds) -> Said {
-        let directions = needs.needing().flat_map(|(_, needing)| needing.directions());
-        let directions = directions.map(|(to, direction)| (to, direction.clone())).collect();
-        ([needs.unanswered, needs.uncertain], directions, needs.unknown().cloned())
+        let directions = needs
+            .needing()
+            .flat_map(|(_, needing)| needing.directions());
+        let directions = directions
+            .map(|(to, direction)| (to, direction.clone()))
+            .collect();
+        (
+            [needs.unanswered, needs.uncertain],
+            directions,
+            needs.unknown().cloned(),
+        )
     }
 
     #[test]
@@ -252,7 +315,10 @@ mod tests {
             |document| {
                 solve(&mut document.frames[6], 3.0);
                 document.frames[6].status = FrameStatus::Suggested;
-                document.frames[6].solution = Some(Solution { confidence: Some(0.4), ..Solution::default() });
+                document.frames[6].solution = Some(Solution {
+                    confidence: Some(0.4),
+                    ..Solution::default()
+                });
             },
             |document| {
                 document.frames.remove(1);
@@ -262,8 +328,15 @@ mod tests {
             let before = (said(&needs), needs.edition());
             change(&mut document);
             needs.update(&document);
-            assert_eq!(said(&needs), said(&LabelNeeds::of(&document)), "change {number}");
-            assert!(said(&needs) == before.0 || needs.edition() > before.1, "change {number} is told");
+            assert_eq!(
+                said(&needs),
+                said(&LabelNeeds::of(&document)),
+                "change {number}"
+            );
+            assert!(
+                said(&needs) == before.0 || needs.edition() > before.1,
+                "change {number} is told"
+            );
         }
     }
 

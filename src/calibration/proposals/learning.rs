@@ -10,12 +10,14 @@ use thiserror::Error;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{CameraId, Document, Extra, Fields, Frame, Frames, WriteError, document_to_string};
+use touchline_documents::document::{
+    CameraId, Document, Extra, Fields, Frame, Frames, WriteError, document_to_string,
+};
 use touchline_vision::features::FeatureOptions;
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{
-    CameraForest, ForestModel, Label, Reference, Samples, SeenRange, Stopped, TrainOptions, TrainProgress, aligned,
-    train,
+    CameraForest, ForestModel, Label, Reference, Samples, SeenRange, Stopped, TrainOptions,
+    TrainProgress, aligned, train,
 };
 
 /// Why a reference gives no training sample.
@@ -77,7 +79,8 @@ pub struct Studied {
     pub burnt_in: Vec<FoundMask>,
 }
 
-/// Finds the features of references and the rays they show, in parallel. Each reference is a step. None if `progress` cancelled it.
+/// Finds the features of references and the rays they show, in parallel. Each reference is a step.
+/// None if `progress` cancelled it.
 pub fn study(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
@@ -88,7 +91,9 @@ pub fn study(
     // A field that is not valid leaves labels as well known as four clicks tell.
     let fields = Fields::of(document.at(pictures.folder)).ok();
     let training_samples = pictures.each(reader, training_frames, |index, frame, found| {
-        let field = fields.as_ref().map(|fields| &**fields.of_frame(document, frame));
+        let field = fields
+            .as_ref()
+            .map(|fields| &**fields.of_frame(document, frame));
         let sample = found
             .map_err(TrainingSampleError::from)
             .and_then(|found| training_sample(document, field, (index, frame), &found));
@@ -113,22 +118,32 @@ fn training_sample(
     found: &FrameFeatures,
 ) -> Result<TrainingSample, TrainingSampleError> {
     let name = || frame.camera.as_str().to_owned();
-    let camera = document.camera_of(frame).ok_or_else(|| TrainingSampleError::UnknownCamera { camera: name() })?;
-    camera.base().ok_or_else(|| TrainingSampleError::NoBase { camera: name() })?;
+    let camera = document
+        .camera_of(frame)
+        .ok_or_else(|| TrainingSampleError::UnknownCamera { camera: name() })?;
+    camera
+        .base()
+        .ok_or_else(|| TrainingSampleError::NoBase { camera: name() })?;
     let pointed = camera.pointed(frame).ok_or(TrainingSampleError::Unsolved)?;
     if found.changed {
         return Err(TrainingSampleError::Changed);
     }
     let features = Arc::clone(&found.features);
     let label = label_of(frame, field, &pointed);
-    Ok(TrainingSample::new((index, frame), &pointed, label, features))
+    Ok(TrainingSample::new(
+        (index, frame),
+        &pointed,
+        label,
+        features,
+    ))
 }
 
-/// The forests trained on references, one for each camera that has any, in the document's order, camera after
-/// camera.
+/// The forests trained on references, one for each camera that has any, in the document's order,
+/// camera after camera.
 ///
 /// # Errors
-/// There is nothing to learn from, `progress` cancelled it, or the document's cameras cannot be written down.
+/// There is nothing to learn from, `progress` cancelled it, or the document's cameras cannot be
+/// written down.
 pub fn learn(
     document: &Document,
     studied: &Studied,
@@ -138,19 +153,35 @@ pub fn learn(
     let training_samples = &studied.training_samples;
     let mut cameras = Vec::new();
     for camera in &document.cameras {
-        let of_camera = training_samples.iter().filter(|sample| sample.camera == camera.id);
-        let pointed = |sample: &TrainingSample| document.pointed(document.frames.get(sample.frame)?);
+        let of_camera = training_samples
+            .iter()
+            .filter(|sample| sample.camera == camera.id);
+        let pointed =
+            |sample: &TrainingSample| document.pointed(document.frames.get(sample.frame)?);
         let of_camera = of_camera.filter_map(|sample| Some((sample, pointed(sample)?)));
-        cameras.extend(learn_camera(&camera.id, of_camera, &options.train, progress)?);
+        cameras.extend(learn_camera(
+            &camera.id,
+            of_camera,
+            &options.train,
+            progress,
+        )?);
     }
     if cameras.is_empty() {
-        return Err(Stopped::NoSamples { frames: training_samples.len() }.into());
+        return Err(Stopped::NoSamples {
+            frames: training_samples.len(),
+        }
+        .into());
     }
     let document = with_found_masks(without_frames(document), &studied.burnt_in);
-    Ok(ForestModel { document: document_to_string(&document)?, features: options.features, cameras })
+    Ok(ForestModel {
+        document: document_to_string(&document)?,
+        features: options.features,
+        cameras,
+    })
 }
 
-/// The forest of one camera, its references' labels made to fit each other; none where it has no training sample.
+/// The forest of one camera, its references' labels made to fit each other; none where it has no
+/// training sample.
 ///
 /// # Errors
 /// `progress` cancelled it, or there are too many samples.
@@ -160,34 +191,56 @@ fn learn_camera<'a>(
     options: &TrainOptions,
     progress: &Progress<'_, TrainProgress>,
 ) -> Result<Option<CameraForest>, Stopped> {
-    let (training_samples, cameras): (Vec<&TrainingSample>, Vec<PtzCamera>) =
-        training_samples.filter(|(sample, _)| !sample.rays.is_empty()).unzip();
+    let (training_samples, cameras): (Vec<&TrainingSample>, Vec<PtzCamera>) = training_samples
+        .filter(|(sample, _)| !sample.rays.is_empty())
+        .unzip();
     let references: Vec<Reference> = training_samples
         .iter()
         .zip(&cameras)
-        .map(|(sample, camera)| Reference { features: &sample.features, camera: *camera })
+        .map(|(sample, camera)| Reference {
+            features: &sample.features,
+            camera: *camera,
+        })
         .collect();
     let labels: Vec<Label> = training_samples.iter().map(|sample| sample.label).collect();
     let (mut samples, mut seen, mut known) = (Samples::new(), Vec::new(), Vec::new());
-    for ((sample, camera), (ptz, covariance)) in
-        training_samples.iter().zip(&cameras).zip(aligned(&references, &labels))
+    for ((sample, camera), (ptz, covariance)) in training_samples
+        .iter()
+        .zip(&cameras)
+        .zip(aligned(&references, &labels))
     {
         sample.add_as_taken_by(&PtzCamera::new(*camera.base(), ptz), &mut samples);
         seen.push(ptz);
         known.push(covariance);
     }
-    let Some(seen) = SeenRange::of(&seen) else { return Ok(None) };
+    let Some(seen) = SeenRange::of(&seen) else {
+        return Ok(None);
+    };
     let seen = seen.with_labels(known);
     let forest = train(&samples, options, progress)?;
-    Ok(Some(CameraForest { camera: camera.as_str().to_owned(), seen, forest }))
+    Ok(Some(CameraForest {
+        camera: camera.as_str().to_owned(),
+        seen,
+        forest,
+    }))
 }
 
-/// The document's field and cameras. A template of the user's own is kept by its file name: a forest holds no
-/// paths.
+/// The document's field and cameras. A template of the user's own is kept by its file name: a
+/// forest holds no paths.
 fn without_frames(document: &Document) -> Document {
-    let mut kept = Document { frames: Frames::new(), extra: Extra::new(), ..document.clone() };
-    let of_cameras = kept.cameras.iter_mut().filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
-    for field in of_cameras.filter_map(|camera| camera.field.as_mut()).chain([&mut kept.field]) {
+    let mut kept = Document {
+        frames: Frames::new(),
+        extra: Extra::new(),
+        ..document.clone()
+    };
+    let of_cameras = kept
+        .cameras
+        .iter_mut()
+        .filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
+    for field in of_cameras
+        .filter_map(|camera| camera.field.as_mut())
+        .chain([&mut kept.field])
+    {
         if field.is_file()
             && let Some(name) = Path::new(&field.template).file_name()
         {

@@ -1,4 +1,5 @@
-//! From a document's references to proposed cameras: the training set, the forest, what it answers, and where to label next.
+//! From a document's references to proposed cameras: the training set, the forest, what it answers,
+//! and where to label next.
 //!
 //! | what | where |
 //! |---|---|

@@ -36,13 +36,15 @@ pub(super) struct NeedingFrames {
 pub(super) struct Direction {
     /// By their places in the document.
     frames: BTreeMap<usize, Needing>,
-    /// The sum of their needs. Whole numbers, in parts of [`PARTS`]: what frames came and went does not show in it.
+    /// The sum of their needs. Whole numbers, in parts of [`PARTS`]: what frames came and went does
+    /// not show in it.
     need: u64,
     /// The sum of half their views, degrees, each as often as its need.
     half_view_deg: u64,
 }
 
-/// Sums are counted in parts of this size: exact to 10⁻⁹, without overflow for a hundred million frames.
+/// Sums are counted in parts of this size: exact to 10⁻⁹, without overflow for a hundred million
+/// frames.
 const PARTS: f64 = (1 << 30) as f64;
 
 impl NeedingFrames {
@@ -77,12 +79,20 @@ impl NeedingFrames {
 
     /// The directions in which some look, ascending.
     pub(super) fn directions(&self) -> impl Iterator<Item = (i64, &Direction)> {
-        self.directions.iter().map(|(&to, direction)| (to, direction))
+        self.directions
+            .iter()
+            .map(|(&to, direction)| (to, direction))
     }
 
-    /// Of those that look one way and need a label most, the one in the middle of the document's order.
+    /// Of those that look one way and need a label most, the one in the middle of the document's
+    /// order.
     pub(super) fn neediest(&self, to: i64) -> Option<&Needing> {
-        let here = || self.directions.get(&to).into_iter().flat_map(|direction| direction.frames.values());
+        let here = || {
+            self.directions
+                .get(&to)
+                .into_iter()
+                .flat_map(|direction| direction.frames.values())
+        };
         let most = here().map(|needing| needing.need).max_by(f64::total_cmp)?;
         let neediest: Vec<&Needing> = here().filter(|needing| needing.need == most).collect();
         neediest.get(neediest.len() / 2).copied()
@@ -95,7 +105,11 @@ impl NeedingFrames {
         let count = |(&to, direction): (&i64, &Direction)| match apart(Look::towards(to)) {
             all if all + half <= reach => direction.frames.len(),
             none if none - half > reach => 0,
-            _ => direction.frames.values().filter(|needing| apart(needing.look.pan) <= reach).count(),
+            _ => direction
+                .frames
+                .values()
+                .filter(|needing| apart(needing.look.pan) <= reach)
+                .count(),
         };
         self.directions.iter().map(count).sum()
     }
@@ -126,9 +140,16 @@ impl Needing {
 impl Look {
     /// How a solved frame looks.
     pub fn of(frame: &Frame) -> Option<Self> {
-        let ptz = frame.ptz.as_ref().filter(|_| frame.status != FrameStatus::Rejected)?;
-        let half_view = Angle::from_radians((f64::from(frame.image_size.width) / 2.0).atan2(ptz.focal_px));
-        Some(Self { pan: ptz.ptz().pan.wrapped(), half_view })
+        let ptz = frame
+            .ptz
+            .as_ref()
+            .filter(|_| frame.status != FrameStatus::Rejected)?;
+        let half_view =
+            Angle::from_radians((f64::from(frame.image_size.width) / 2.0).atan2(ptz.focal_px));
+        Some(Self {
+            pan: ptz.ptz().pan.wrapped(),
+            half_view,
+        })
     }
 
     /// The direction it looks in: its pan in whole steps of [`DIRECTION_DEG`].

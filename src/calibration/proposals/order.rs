@@ -11,14 +11,16 @@ const LONGEST_SHOT: usize = 250;
 /// Frames in the order in which the forest is to be asked for them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AskingOrder {
-    /// The neighbours of the current frame in its shot, then one frame of each shot that has none yet.
+    /// The neighbours of the current frame in its shot, then one frame of each shot that has none
+    /// yet.
     pub first: Vec<usize>,
     /// All others.
     pub rest: Vec<usize>,
 }
 
 impl AskingOrder {
-    /// The order of the frames that are `wanted`, seen from the current one: what is near comes early.
+    /// The order of the frames that are `wanted`, seen from the current one: what is near comes
+    /// early.
     #[must_use]
     pub fn of(document: &Document, current: usize, wanted: impl Fn(usize) -> bool) -> Self {
         let is_wanted: Vec<bool> = (0..document.frames.len()).map(&wanted).collect();
@@ -27,9 +29,14 @@ impl AskingOrder {
         let mut order = Self::default();
         let shots = shots(document);
 
-        if let Some((shot, at)) = shots.iter().find_map(|shot| Some((shot, shot.binary_search(&current).ok()?))) {
+        if let Some((shot, at)) = shots
+            .iter()
+            .find_map(|shot| Some((shot, shot.binary_search(&current).ok()?)))
+        {
             let near = &shot[at.saturating_sub(NEAR)..(at + NEAR + 1).min(shot.len())];
-            order.first.extend(near.iter().filter(|&&index| is_wanted[index]));
+            order
+                .first
+                .extend(near.iter().filter(|&&index| is_wanted[index]));
             order.first.sort_by_key(distance);
             for &index in &order.first {
                 taken[index] = true;
@@ -47,7 +54,9 @@ impl AskingOrder {
             taken[index] = true;
         }
         order.first.extend(one_a_shot);
-        order.rest = (0..is_wanted.len()).filter(|&index| is_wanted[index] && !taken[index]).collect();
+        order.rest = (0..is_wanted.len())
+            .filter(|&index| is_wanted[index] && !taken[index])
+            .collect();
         order.rest.sort_by_key(distance);
         order
     }
@@ -77,9 +86,17 @@ mod tests {
         let document = document(&[5, 30, 5, 5]);
         let order = AskingOrder::of(&document, 20, |index| index != 20 && index != 36);
         assert_eq!(order.first[..4], [19, 21, 18, 22]);
-        assert_eq!(order.first[16..], [2, 42], "shot 2 has an answer already, shot 1 is the current one");
+        assert_eq!(
+            order.first[16..],
+            [2, 42],
+            "shot 2 has an answer already, shot 1 is the current one"
+        );
         assert_eq!(order.rest[..2], [11, 29]);
-        assert_eq!(order.first.len() + order.rest.len(), 43, "every wanted frame once");
+        assert_eq!(
+            order.first.len() + order.rest.len(),
+            43,
+            "every wanted frame once"
+        );
         let mut all: Vec<_> = order.first.into_iter().chain(order.rest).collect();
         all.sort_unstable();
         all.dedup();
@@ -91,7 +108,13 @@ mod tests {
         let document = document(&[1000]);
         let order = AskingOrder::of(&document, 0, |_| true);
         assert_eq!(order.first[9..], [375, 625, 875]);
-        assert_eq!(AskingOrder::of(&document, 0, |_| false), AskingOrder::default());
-        assert_eq!(AskingOrder::of(&Document::new(FieldSpec::new("soccer")), 7, |_| true), AskingOrder::default());
+        assert_eq!(
+            AskingOrder::of(&document, 0, |_| false),
+            AskingOrder::default()
+        );
+        assert_eq!(
+            AskingOrder::of(&Document::new(FieldSpec::new("soccer")), 7, |_| true),
+            AskingOrder::default()
+        );
     }
 }

@@ -7,7 +7,9 @@ use touchline_core::geometry::ImageSize;
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{DocumentAt, Frame};
 use touchline_vision::features::FeatureError;
-use touchline_vision::media::{FrameRef, FrameStream, MediaError, Picture, ReadFrames, StreamedFrame};
+use touchline_vision::media::{
+    FrameRef, FrameStream, MediaError, Picture, ReadFrames, StreamedFrame,
+};
 
 /// Why a frame's picture, or its features, could not be had.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -41,15 +43,19 @@ pub enum PictureError {
 ///
 /// # Errors
 /// The frame has no picture, it cannot be read, or it is not as large as the document says.
-pub fn read_picture(reader: &mut dyn ReadFrames, frame: &Frame, folder: &Path) -> Result<Picture, PictureError> {
+pub fn read_picture(
+    reader: &mut dyn ReadFrames,
+    frame: &Frame,
+    folder: &Path,
+) -> Result<Picture, PictureError> {
     let source = frame.picture_source(folder).ok_or(PictureError::None)?;
     let picture = reader.read(&source)?;
     check_size(frame, &source.to_string(), picture.size())?;
     Ok(picture)
 }
 
-/// Reads the pictures of some frames of a document one after the other, each as [`read_picture`] does. A picture that cannot be read
-/// is an item like any other. See [`FrameStream`].
+/// Reads the pictures of some frames of a document one after the other, each as [`read_picture`]
+/// does. A picture that cannot be read is an item like any other. See [`FrameStream`].
 #[derive(Debug)]
 pub struct PictureStream<'a> {
     /// What is still to come, with where the picture is.
@@ -78,20 +84,32 @@ impl<'a> PictureStream<'a> {
             (index, frame, frame.picture_source(at.folder))
         };
         let frames: Vec<_> = indices.into_iter().map(with_source).collect();
-        let sources: Vec<FrameRef> = frames.iter().filter_map(|(.., source)| source.clone()).collect();
-        Self { frames: frames.into_iter(), stream: FrameStream::new(sources) }
+        let sources: Vec<FrameRef> = frames
+            .iter()
+            .filter_map(|(.., source)| source.clone())
+            .collect();
+        Self {
+            frames: frames.into_iter(),
+            stream: FrameStream::new(sources),
+        }
     }
 
     /// Reads with a decoder that others use before and after.
     #[must_use]
     pub fn with_reader(self, reader: &'a mut dyn ReadFrames) -> Self {
-        Self { stream: self.stream.with_reader(reader), ..self }
+        Self {
+            stream: self.stream.with_reader(reader),
+            ..self
+        }
     }
 
     /// Reports before each picture; where that is cancelled there is no further one.
     #[must_use]
     pub fn with_progress(self, progress: Progress<'a, Share>) -> Self {
-        Self { stream: self.stream.with_progress(progress), ..self }
+        Self {
+            stream: self.stream.with_progress(progress),
+            ..self
+        }
     }
 }
 
@@ -101,23 +119,39 @@ impl<'a> Iterator for PictureStream<'a> {
     fn next(&mut self) -> Option<FramePicture<'a>> {
         let (index, frame, source) = self.frames.next()?;
         if source.is_none() {
-            return Some(FramePicture { index, frame, picture: Err(PictureError::None) });
+            return Some(FramePicture {
+                index,
+                frame,
+                picture: Err(PictureError::None),
+            });
         }
         let StreamedFrame { source, picture } = self.stream.next()?;
         let picture = picture.map_err(PictureError::from).and_then(|picture| {
             check_size(frame, &source.to_string(), picture.size())?;
             Ok(picture)
         });
-        Some(FramePicture { index, frame, picture })
+        Some(FramePicture {
+            index,
+            frame,
+            picture,
+        })
     }
 }
 
 /// Whether a picture is as large as the document says.
-pub(super) fn check_size(frame: &Frame, picture: &str, actual: ImageSize) -> Result<(), PictureError> {
+pub(super) fn check_size(
+    frame: &Frame,
+    picture: &str,
+    actual: ImageSize,
+) -> Result<(), PictureError> {
     if actual == frame.image_size {
         return Ok(());
     }
-    Err(PictureError::Size { picture: picture.to_owned(), actual, stated: frame.image_size })
+    Err(PictureError::Size {
+        picture: picture.to_owned(),
+        actual,
+        stated: frame.image_size,
+    })
 }
 
 #[cfg(test)]
@@ -129,14 +163,23 @@ mod tests {
 
     const SIZE: ImageSize = ImageSize::new(6, 4);
 
-    /// Four frames: without a picture, with one, with one of another size, with one that is missing.
+    /// Four frames: without a picture, with one, with one of another size, with one that is
+    /// missing.
     fn document(folder: &Path) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(Camera::new("main".into(), SIZE).into());
-        image::RgbImage::new(SIZE.width, SIZE.height).save(folder.join("right.png")).unwrap();
-        image::RgbImage::new(9, 9).save(folder.join("other.png")).unwrap();
+        document
+            .cameras
+            .push(Camera::new("main".into(), SIZE).into());
+        image::RgbImage::new(SIZE.width, SIZE.height)
+            .save(folder.join("right.png"))
+            .unwrap();
+        image::RgbImage::new(9, 9)
+            .save(folder.join("other.png"))
+            .unwrap();
         for name in ["none.png", "right.png", "other.png", "missing.png"] {
-            document.frames.push(Frame::from_image(name, "main".into(), SIZE).into());
+            document
+                .frames
+                .push(Frame::from_image(name, "main".into(), SIZE).into());
         }
         document.frames[0].image = None;
         document
@@ -146,10 +189,20 @@ mod tests {
     fn a_stream_gives_for_each_frame_what_reading_it_alone_gives() {
         let folder = tempfile::tempdir().unwrap();
         let document = document(folder.path());
-        let streamed: Vec<FramePicture<'_>> = PictureStream::new(document.at(folder.path()), [1, 0, 3, 2, 1]).collect();
-        assert_eq!(streamed.iter().map(|picture| picture.index).collect::<Vec<_>>(), [1, 0, 3, 2, 1]);
+        let streamed: Vec<FramePicture<'_>> =
+            PictureStream::new(document.at(folder.path()), [1, 0, 3, 2, 1]).collect();
+        assert_eq!(
+            streamed
+                .iter()
+                .map(|picture| picture.index)
+                .collect::<Vec<_>>(),
+            [1, 0, 3, 2, 1]
+        );
         for FramePicture { frame, picture, .. } in streamed {
-            assert_eq!(picture, read_picture(&mut FrameReader::new(), frame, folder.path()));
+            assert_eq!(
+                picture,
+                read_picture(&mut FrameReader::new(), frame, folder.path())
+            );
         }
     }
 
@@ -157,12 +210,17 @@ mod tests {
     fn a_cancelled_stream_ends() {
         let folder = tempfile::tempdir().unwrap();
         let document = document(folder.path());
-        let progress = Progress::new(
-            |Share { done, .. }| {
-                if done < 1 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-            },
-        );
+        let progress = Progress::new(|Share { done, .. }| {
+            if done < 1 {
+                ControlFlow::Continue(())
+            } else {
+                ControlFlow::Break(())
+            }
+        });
         let stream = PictureStream::new(document.at(folder.path()), 0..4).with_progress(progress);
-        assert_eq!(stream.map(|picture| picture.index).collect::<Vec<_>>(), [0, 1]);
+        assert_eq!(
+            stream.map(|picture| picture.index).collect::<Vec<_>>(),
+            [0, 1]
+        );
     }
 }

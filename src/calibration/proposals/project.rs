@@ -34,13 +34,24 @@ pub struct Offer {
 impl Offer {
     /// What `record` writes into the frame at a position; none where there is no such frame, a
     /// person decided on it, or nothing was written that is a suggestion.
-    pub fn from_recorded(document: &Document, position: usize, record: impl FnOnce(&mut Frame)) -> Option<Self> {
-        let frame = document.frames.get(position).filter(|frame| frame.is_open())?;
+    pub fn from_recorded(
+        document: &Document,
+        position: usize,
+        record: impl FnOnce(&mut Frame),
+    ) -> Option<Self> {
+        let frame = document
+            .frames
+            .get(position)
+            .filter(|frame| frame.is_open())?;
         let asked = Asked::of(document, frame);
         let mut with = Frame::clone(frame);
         record(&mut with);
         let suggestion = Suggestion::in_frame(&with, asked.base.as_ref())?;
-        Some(Self { id: frame.id.clone(), asked, suggestion })
+        Some(Self {
+            id: frame.id.clone(),
+            asked,
+            suggestion,
+        })
     }
 }
 
@@ -82,11 +93,20 @@ impl Project {
         let bases = Bases::in_document(&document);
         let mut suggestions = Suggestions::default();
         for frame in &document.frames {
-            let Some(suggestion) = Suggestion::in_frame(frame, bases.of_frame(frame).as_ref()) else { continue };
-            let batch = suggestions.batch_of_finder(Finder::Earlier { source: frame.source() });
+            let Some(suggestion) = Suggestion::in_frame(frame, bases.of_frame(frame).as_ref())
+            else {
+                continue;
+            };
+            let batch = suggestions.batch_of_finder(Finder::Earlier {
+                source: frame.source(),
+            });
             suggestions.put(&frame.id, batch, suggestion);
         }
-        Self { edited: document.without_suggestions(), suggestions, view: document }
+        Self {
+            edited: document.without_suggestions(),
+            suggestions,
+            view: document,
+        }
     }
 
     /// What people did: undo goes back and forth in it. No frame shows a suggestion here.
@@ -108,19 +128,33 @@ impl Project {
     pub fn view_with(&self, edited: &Document) -> Document {
         let bases = Bases::in_document(edited);
         let Some(changed) = edited.frames.changed_in_place(&self.edited.frames) else {
-            let frames = edited.frames.iter().map(|frame| self.with_suggestion(frame, &bases)).collect();
-            return Document { frames, ..edited.clone() };
+            let frames = edited
+                .frames
+                .iter()
+                .map(|frame| self.with_suggestion(frame, &bases))
+                .collect();
+            return Document {
+                frames,
+                ..edited.clone()
+            };
         };
         let mut frames = self.view.frames.clone();
         for position in changed {
             frames[position] = self.with_suggestion(&edited.frames[position], &bases);
         }
         if bases != Bases::in_document(&self.edited) {
-            for position in self.suggestions.frames().filter_map(|id| edited.frames.position_of(id)) {
+            for position in self
+                .suggestions
+                .frames()
+                .filter_map(|id| edited.frames.position_of(id))
+            {
                 frames[position] = self.with_suggestion(&edited.frames[position], &bases);
             }
         }
-        Document { frames, ..edited.clone() }
+        Document {
+            frames,
+            ..edited.clone()
+        }
     }
 
     /// Keeps the answers that are in frames now and not in another state of what people did: when
@@ -128,7 +162,11 @@ impl Project {
     /// again, unless it was discarded in this one.
     pub fn keep_answers_not_in(&mut self, edited: &Document) {
         let bases = Bases::in_document(&self.edited);
-        for position in edited.frames.changed_in_place(&self.edited.frames).unwrap_or_default() {
+        for position in edited
+            .frames
+            .changed_in_place(&self.edited.frames)
+            .unwrap_or_default()
+        {
             let (frame, gone) = (&edited.frames[position], &self.edited.frames[position]);
             let base = bases.of_frame(gone);
             if frame.is_untouched()
@@ -136,9 +174,15 @@ impl Project {
                 && !self.suggestions.has_discarded(&frame.id)
                 && let Some((ptz, solution)) = taken_from_suggestion(gone)
             {
-                let batch = self.suggestions.batch_of_finder(Finder::Earlier { source: solution.source });
-                let suggestion =
-                    Suggestion { revision: frame.revision, base, ptz: Some(ptz), solution: Some(solution) };
+                let batch = self.suggestions.batch_of_finder(Finder::Earlier {
+                    source: solution.source,
+                });
+                let suggestion = Suggestion {
+                    revision: frame.revision,
+                    base,
+                    ptz: Some(ptz),
+                    solution: Some(solution),
+                };
                 self.suggestions.put(&frame.id, batch, suggestion);
             }
         }
@@ -148,10 +192,19 @@ impl Project {
     /// for them: their positions, and the frames that do.
     pub fn not_shown_in(&self, now: &Document) -> Vec<(usize, Shared<Frame>)> {
         let bases = Bases::in_document(now);
-        let lacks = |frame: &Frame| !frame.shows_suggestion() && self.suggestion_for(frame, &bases).is_some();
+        let lacks = |frame: &Frame| {
+            !frame.shows_suggestion() && self.suggestion_for(frame, &bases).is_some()
+        };
         let positions = self.concerned_positions(now, &bases).into_iter();
         let lacking = positions.filter(|&position| lacks(&now.frames[position]));
-        lacking.map(|position| (position, self.with_suggestion(&now.frames[position], &bases))).collect()
+        lacking
+            .map(|position| {
+                (
+                    position,
+                    self.with_suggestion(&now.frames[position], &bases),
+                )
+            })
+            .collect()
     }
 
     /// Takes in what edits made of [`Self::view`], counts them in the frames' revisions and says
@@ -165,15 +218,28 @@ impl Project {
         }
         let (bases_before, bases) = (Bases::in_document(&self.edited), Bases::in_document(now));
         let mut new_batch = None;
-        for frame in self.concerned_positions(now, &bases).into_iter().map(|position| &now.frames[position]) {
-            let Some(suggestion) = Suggestion::in_frame(frame, bases.of_frame(frame).as_ref()) else { continue };
+        for frame in self
+            .concerned_positions(now, &bases)
+            .into_iter()
+            .map(|position| &now.frames[position])
+        {
+            let Some(suggestion) = Suggestion::in_frame(frame, bases.of_frame(frame).as_ref())
+            else {
+                continue;
+            };
             if self.suggestions.keep(&frame.id, &suggestion) {
                 continue;
             }
-            let batch = self.batch_that_showed(&suggestion, &frame.id, &bases_before).unwrap_or_else(|| {
-                let open = || self.suggestions.open_batch(Finder::Command { name: name.to_owned() });
-                *new_batch.get_or_insert_with(open)
-            });
+            let batch = self
+                .batch_that_showed(&suggestion, &frame.id, &bases_before)
+                .unwrap_or_else(|| {
+                    let open = || {
+                        self.suggestions.open_batch(Finder::Command {
+                            name: name.to_owned(),
+                        })
+                    };
+                    *new_batch.get_or_insert_with(open)
+                });
             self.suggestions.put(&frame.id, batch, suggestion);
         }
         self.edited = self.edits_in(now);
@@ -194,15 +260,33 @@ impl Project {
     /// Takes what was found for frames into a batch and says what is to be journalled; none if a
     /// reader sees nothing new. `now` is what edits that are under way have made of [`Self::view`];
     /// it shows the answers too, except in frames that are being edited.
-    pub fn suggest(&mut self, now: &mut Document, batch: BatchId, offers: &[Offer]) -> Option<Edit> {
+    pub fn suggest(
+        &mut self,
+        now: &mut Document,
+        batch: BatchId,
+        offers: &[Offer],
+    ) -> Option<Edit> {
         let mut changed = Vec::new();
-        for Offer { id, asked, suggestion } in offers {
-            if self.edited.frames.by_id(id).is_none_or(|frame| !asked.is_of(frame)) {
+        for Offer {
+            id,
+            asked,
+            suggestion,
+        } in offers
+        {
+            if self
+                .edited
+                .frames
+                .by_id(id)
+                .is_none_or(|frame| !asked.is_of(frame))
+            {
                 continue;
             }
             match self.suggestions.novelty(id, batch, suggestion) {
                 Novelty::Stale => {}
-                Novelty::Same => self.suggestions.move_to_batch(id, suggestion.base.as_ref(), batch),
+                Novelty::Same => {
+                    self.suggestions
+                        .move_to_batch(id, suggestion.base.as_ref(), batch)
+                }
                 Novelty::New => {
                     self.suggestions.put(id, batch, suggestion.clone());
                     changed.push(id.clone());
@@ -220,28 +304,54 @@ impl Project {
     /// The batch of the suggestion that a frame of [`Self::view`] shows.
     pub fn batch_shown_in(&self, frame: &Frame) -> Option<BatchId> {
         let base = Bases::in_document(&self.edited).of_frame(frame);
-        self.suggestions.topmost_batch(&frame.id, base.as_ref()).filter(|_| frame.shows_suggestion())
+        self.suggestions
+            .topmost_batch(&frame.id, base.as_ref())
+            .filter(|_| frame.shows_suggestion())
     }
 
     /// Discards a batch in the frames that nobody has touched since. If a forest found it, neither
     /// that forest nor one up to `newest_forest` is listened to there again. `now` is as in
     /// [`Self::suggest`].
     pub fn discard(&mut self, now: &mut Document, batch: BatchId, newest_forest: u64) -> Discarded {
-        let is_open = |id: &FrameId| self.edited.frames.by_id(id).is_some_and(|frame| frame.is_untouched());
+        let is_open = |id: &FrameId| {
+            self.edited
+                .frames
+                .by_id(id)
+                .is_some_and(|frame| frame.is_untouched())
+        };
         let TakenOut { frames, refused } = self.suggestions.take_out(batch, newest_forest, is_open);
-        let Shown { view, emptied, given: given_back } = self.show_suggestions(now, &frames);
-        let name = format!("Discard the suggestions for {}", counted(emptied + given_back, "frame"));
+        let Shown {
+            view,
+            emptied,
+            given: given_back,
+        } = self.show_suggestions(now, &frames);
+        let name = format!(
+            "Discard the suggestions for {}",
+            counted(emptied + given_back, "frame")
+        );
         let edit = self.go_on_to(view, &name);
         let refused = refused.map(|generation| RefusedForests { frames, generation });
-        Discarded { edit, emptied, given_back, refused }
+        Discarded {
+            edit,
+            emptied,
+            given_back,
+            refused,
+        }
     }
 
     /// The view in which some frames show what is suggested for them now; so does `now`, except in
     /// frames that are being edited.
     fn show_suggestions(&self, now: &mut Document, frames: &[FrameId]) -> Shown {
         let bases = Bases::in_document(&self.edited);
-        let mut shown = Shown { view: self.view.clone(), emptied: 0, given: 0 };
-        for position in frames.iter().filter_map(|id| self.edited.frames.position_of(id)) {
+        let mut shown = Shown {
+            view: self.view.clone(),
+            emptied: 0,
+            given: 0,
+        };
+        for position in frames
+            .iter()
+            .filter_map(|id| self.edited.frames.position_of(id))
+        {
             let with = self.with_suggestion(&self.edited.frames[position], &bases);
             let before = &self.view.frames[position];
             if with == *before {
@@ -272,10 +382,20 @@ impl Project {
 
     /// The batch of what a frame of [`Self::view`] shows, if that is the same camera or the same
     /// want of one.
-    fn batch_that_showed(&self, suggestion: &Suggestion, frame: &FrameId, bases: &Bases) -> Option<BatchId> {
+    fn batch_that_showed(
+        &self,
+        suggestion: &Suggestion,
+        frame: &FrameId,
+        bases: &Bases,
+    ) -> Option<BatchId> {
         let known = self.view.frames.by_id(frame)?;
         let is_same = known.ptz == suggestion.ptz && known.solution == suggestion.solution;
-        if is_same { self.suggestions.topmost_batch(frame, bases.of_frame(known).as_ref()) } else { None }
+        if is_same {
+            self.suggestions
+                .topmost_batch(frame, bases.of_frame(known).as_ref())
+        } else {
+            None
+        }
     }
 
     /// The positions at which a later state, whose cameras have these bases, may differ from
@@ -286,14 +406,20 @@ impl Project {
         };
         let mut positions: BTreeSet<usize> = changed.into_iter().collect();
         if *bases != Bases::in_document(&self.edited) {
-            positions.extend(self.suggestions.frames().filter_map(|id| now.frames.position_of(id)));
+            positions.extend(
+                self.suggestions
+                    .frames()
+                    .filter_map(|id| now.frames.position_of(id)),
+            );
         }
         positions
     }
 
     /// What is suggested for a frame that nobody has touched.
     fn suggestion_for(&self, frame: &Frame, bases: &Bases) -> Option<&Suggestion> {
-        self.suggestions.topmost(&frame.id, bases.of_frame(frame).as_ref()).filter(|_| frame.is_untouched())
+        self.suggestions
+            .topmost(&frame.id, bases.of_frame(frame).as_ref())
+            .filter(|_| frame.is_untouched())
     }
 
     fn with_suggestion(&self, frame: &Shared<Frame>, bases: &Bases) -> Shared<Frame> {
@@ -319,7 +445,11 @@ struct Shown {
 fn taken_from_suggestion(frame: &Frame) -> Option<(FramePtz, Solution)> {
     let mut frame = frame.clone();
     let is_whole = frame.restore_proposed() || frame.clicks.is_empty();
-    if is_whole && frame.is_suggestion() { frame.ptz.zip(frame.solution) } else { None }
+    if is_whole && frame.is_suggestion() {
+        frame.ptz.zip(frame.solution)
+    } else {
+        None
+    }
 }
 
 /// The bases of a document's cameras.
@@ -328,7 +458,13 @@ struct Bases(BTreeMap<CameraId, Option<CameraBase>>);
 
 impl Bases {
     fn in_document(document: &Document) -> Self {
-        Self(document.cameras.iter().map(|camera| (camera.id.clone(), Camera::base(camera))).collect())
+        Self(
+            document
+                .cameras
+                .iter()
+                .map(|camera| (camera.id.clone(), Camera::base(camera)))
+                .collect(),
+        )
     }
 
     /// That of a frame's camera.

@@ -1,4 +1,5 @@
-//! A proposed camera as plain data: for which frame, by which forest, what it is or why there is none.
+//! A proposed camera as plain data: for which frame, by which forest, what it is or why there is
+//! none.
 
 use super::{Asked, Offer, PictureError};
 use crate::calibrate::paint_evidence;
@@ -6,7 +7,8 @@ use std::time::Duration;
 use thiserror::Error;
 use touchline_core::geometry::Mat3;
 use touchline_documents::document::{
-    Document, Frame, FrameId, FramePtz, Solution, SolutionSource, SolutionWarning, Suggestion, TimingsMs,
+    Document, Frame, FrameId, FramePtz, Solution, SolutionSource, SolutionWarning, Suggestion,
+    TimingsMs,
 };
 use touchline_vision::paint::LineCheck;
 use touchline_vision::relocalize::{Evidence, NotFound};
@@ -113,7 +115,10 @@ impl Answer {
     #[must_use]
     pub fn at_pan(pan_deg: f64, confidence: f64) -> Self {
         Self {
-            ptz: FramePtz::new(touchline_core::camera::Ptz::from_degrees(pan_deg, -9.0, 900.0), None),
+            ptz: FramePtz::new(
+                touchline_core::camera::Ptz::from_degrees(pan_deg, -9.0, 900.0),
+                None,
+            ),
             covariance: Mat3::identity(),
             own_covariance: Mat3::identity(),
             rms_px: 1.0,
@@ -153,16 +158,31 @@ impl NoProposal {
 impl Proposal {
     /// None for a frame, and why.
     #[must_use]
-    pub fn without_answer(document: &Document, index: usize, generation: u64, reason: NoProposal) -> Self {
+    pub fn without_answer(
+        document: &Document,
+        index: usize,
+        generation: u64,
+        reason: NoProposal,
+    ) -> Self {
         let frame = &document.frames[index];
         let asked = Asked::of(document, frame);
-        Self { frame: frame.id.clone(), asked, generation, outcome: Err(reason), timings: Timings::default() }
+        Self {
+            frame: frame.id.clone(),
+            asked,
+            generation,
+            outcome: Err(reason),
+            timings: Timings::default(),
+        }
     }
 
     /// What it suggests for its frame: a camera, or none and the reason among the warnings.
     pub(super) fn suggestion(&self) -> Suggestion {
         let timings_ms = Some(TimingsMs::from(self.timings));
-        let solution = Solution { source: Some(SolutionSource::Forest), timings_ms, ..Solution::default() };
+        let solution = Solution {
+            source: Some(SolutionSource::Forest),
+            timings_ms,
+            ..Solution::default()
+        };
         let (ptz, solution) = match &self.outcome {
             Ok(answer) => {
                 let solution = Solution {
@@ -179,10 +199,21 @@ impl Proposal {
             }
             Err(reason) => {
                 let warnings = vec![SolutionWarning::new(reason.code(), reason.to_string())];
-                (None, Solution { warnings, ..solution })
+                (
+                    None,
+                    Solution {
+                        warnings,
+                        ..solution
+                    },
+                )
             }
         };
-        Suggestion { revision: self.asked.revision, base: self.asked.base, ptz, solution: Some(solution) }
+        Suggestion {
+            revision: self.asked.revision,
+            base: self.asked.base,
+            ptz,
+            solution: Some(solution),
+        }
     }
 
     /// The same as an offer to a project; none without a base: nothing was asked, and there is
@@ -190,7 +221,11 @@ impl Proposal {
     #[must_use]
     pub fn offer(&self) -> Option<Offer> {
         let is_answer = !matches!(self.outcome, Err(NoProposal::NoBase { .. }));
-        is_answer.then(|| Offer { id: self.frame.clone(), asked: self.asked.clone(), suggestion: self.suggestion() })
+        is_answer.then(|| Offer {
+            id: self.frame.clone(),
+            asked: self.asked.clone(),
+            suggestion: self.suggestion(),
+        })
     }
 
     /// Writes the answer into its frame, as a file has it.
@@ -198,12 +233,16 @@ impl Proposal {
         self.suggestion().show_in(frame);
     }
 
-    /// Whether the answer may take the place of what its frame has. A camera that the program found otherwise stays where there is no
-    /// answer, or one that is less certain.
+    /// Whether the answer may take the place of what its frame has. A camera that the program found
+    /// otherwise stays where there is no answer, or one that is less certain.
     #[must_use]
     pub fn may_replace_camera_of(&self, frame: &Frame) -> bool {
-        let earlier = frame.solution.as_ref().and_then(|solution| solution.confidence);
-        let is_more_certain = |answer: &Answer| earlier.is_none_or(|earlier| answer.confidence > earlier);
+        let earlier = frame
+            .solution
+            .as_ref()
+            .and_then(|solution| solution.confidence);
+        let is_more_certain =
+            |answer: &Answer| earlier.is_none_or(|earlier| answer.confidence > earlier);
         !frame.is_answered_without_forest() || self.outcome.as_ref().is_ok_and(is_more_certain)
     }
 }
@@ -230,18 +269,27 @@ mod tests {
     fn answered(source: SolutionSource, confidence: f64) -> Document {
         let size = ImageSize::new(640, 360);
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(Camera::new("main".into(), size).into());
+        document
+            .cameras
+            .push(Camera::new("main".into(), size).into());
         let mut frame = Frame::from_image("a.png", "main".into(), size);
         frame.status = FrameStatus::Suggested;
         frame.ptz = Some(Answer::at_pan(1.0, confidence).ptz);
-        frame.solution = Some(Solution { source: Some(source), confidence: Some(confidence), ..Solution::default() });
+        frame.solution = Some(Solution {
+            source: Some(source),
+            confidence: Some(confidence),
+            ..Solution::default()
+        });
         document.frames.push(frame.into());
         document
     }
 
     /// Whether a forest's answer may be recorded in the document's frame.
     fn may_replace(document: &Document, outcome: Result<Answer, NoProposal>) -> bool {
-        let proposal = Proposal { outcome, ..Proposal::without_answer(document, 0, 1, NoProposal::NoBetter) };
+        let proposal = Proposal {
+            outcome,
+            ..Proposal::without_answer(document, 0, 1, NoProposal::NoBetter)
+        };
         proposal.may_replace_camera_of(&document.frames[0])
     }
 
@@ -250,13 +298,19 @@ mod tests {
         let tracked = answered(SolutionSource::Tracking, 0.9);
         assert!(may_replace(&tracked, Ok(Answer::at_pan(2.0, 0.95))));
         assert!(!may_replace(&tracked, Ok(Answer::at_pan(2.0, 0.85))));
-        assert!(!may_replace(&tracked, Err(NoProposal::Contradicted { found: 1, open: 20 })));
+        assert!(!may_replace(
+            &tracked,
+            Err(NoProposal::Contradicted { found: 1, open: 20 })
+        ));
     }
 
     #[test]
     fn an_earlier_answer_of_a_forest_gives_way_to_what_a_later_one_says() {
         let proposed = answered(SolutionSource::Forest, 0.9);
         assert!(may_replace(&proposed, Ok(Answer::at_pan(2.0, 0.85))));
-        assert!(may_replace(&proposed, Err(NoProposal::Contradicted { found: 1, open: 20 })));
+        assert!(may_replace(
+            &proposed,
+            Err(NoProposal::Contradicted { found: 1, open: 20 })
+        ));
     }
 }

@@ -21,15 +21,33 @@ pub fn propose(
     let outcome = found.map_err(NoProposal::from).and_then(|found| {
         timings.features = found.time;
         let camera = || frame.camera.as_str().to_owned();
-        let forest =
-            model.camera(frame.camera.as_str()).ok_or_else(|| NoProposal::NoReferences { camera: camera() })?;
-        let base = asked.base.ok_or_else(|| NoProposal::NoBase { camera: camera() })?;
-        let Relocalized { pose, predict_time, pose_time } =
-            relocalize(&found.features, &forest.forest, &forest.seen, &base, options);
+        let forest = model
+            .camera(frame.camera.as_str())
+            .ok_or_else(|| NoProposal::NoReferences { camera: camera() })?;
+        let base = asked
+            .base
+            .ok_or_else(|| NoProposal::NoBase { camera: camera() })?;
+        let Relocalized {
+            pose,
+            predict_time,
+            pose_time,
+        } = relocalize(
+            &found.features,
+            &forest.forest,
+            &forest.seen,
+            &base,
+            options,
+        );
         (timings.predict, timings.pose) = (predict_time, pose_time);
         Ok(answer(&pose?, &base, frame.image_size))
     });
-    Proposal { frame: frame.id.clone(), asked, generation, outcome, timings }
+    Proposal {
+        frame: frame.id.clone(),
+        asked,
+        generation,
+        outcome,
+        timings,
+    }
 }
 
 fn answer(pose: &Pose, base: &CameraBase, image_size: ImageSize) -> Answer {

@@ -1,10 +1,13 @@
-//! What the forest is worth: a reference is left out together with all others of its shot, and asked for.
+//! What the forest is worth: a reference is left out together with all others of its shot, and
+//! asked for.
 //!
-//! Labels are taken as they were clicked: made to fit each other, those that are kept would know of those that are left out.
+//! Labels are taken as they were clicked: made to fit each other, those that are kept would know of
+//! those that are left out.
 //!
-//! Memory is bounded however many references there are: at most 1000 of them take part, spread over all; of each only what
-//! the forest learns from is held, once for all forests, 152 bytes a feature. With 1000 features each that is 150 MB, beside one
-//! forest at a time and the few pictures' features that are being looked at.
+//! Memory is bounded however many references there are: at most 1000 of them take part, spread over
+//! all; of each only what the forest learns from is held, once for all forests, 152 bytes a
+//! feature. With 1000 features each that is 150 MB, beside one forest at a time and the few
+//! pictures' features that are being looked at.
 
 use super::spread::spread;
 use super::{FramePictures, LearnOptions, Studied, study};
@@ -15,7 +18,8 @@ use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Camera, Clip, Document, Frame, FrameId};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{
-    CERTAIN, ForestModel, RelocalizeOptions, Samples, SeenRange, Shown, Stopped, relocalize, train_without,
+    CERTAIN, ForestModel, RelocalizeOptions, Samples, SeenRange, Shown, Stopped, relocalize,
+    train_without,
 };
 
 /// Where there is only one shot, references this close in time are left out together, s.
@@ -33,7 +37,8 @@ const MOST_REFERENCES: usize = 1000;
 /// How many references' features are held while their samples are collected.
 const BATCH: usize = 32;
 
-/// An overlay that is off by no more is right, px at 1920 px width: what a confidence is the probability of.
+/// An overlay that is off by no more is right, px at 1920 px width: what a confidence is the
+/// probability of.
 const RIGHT_PX: f64 = 10.0;
 
 /// An overlay that is off by more is wrong, px at 1920 px width.
@@ -87,26 +92,45 @@ impl Quality {
     /// How many were found.
     #[must_use]
     pub fn found(&self) -> usize {
-        self.asked.iter().filter(|asked| asked.found.is_some()).count()
+        self.asked
+            .iter()
+            .filter(|asked| asked.found.is_some())
+            .count()
     }
 
     /// The median of the errors of those found, px at 1920 px width.
     #[must_use]
     pub fn median_px(&self) -> Option<f64> {
-        median(&mut self.asked.iter().filter_map(|asked| Some(asked.found?.error_px)).collect::<Vec<_>>())
+        median(
+            &mut self
+                .asked
+                .iter()
+                .filter_map(|asked| Some(asked.found?.error_px))
+                .collect::<Vec<_>>(),
+        )
     }
 
     /// What is to be stated of answers at most, by those that were found with certainty.
     #[must_use]
     pub fn shown(&self) -> Shown {
-        let certain = self.asked.iter().filter_map(|asked| asked.found).filter(|found| found.confidence >= CERTAIN);
+        let certain = self
+            .asked
+            .iter()
+            .filter_map(|asked| asked.found)
+            .filter(|found| found.confidence >= CERTAIN);
         let right = certain.clone().filter(|found| found.error_px <= RIGHT_PX);
-        Shown { certain: certain.count() as u32, right: right.count() as u32 }
+        Shown {
+            certain: certain.count() as u32,
+            right: right.count() as u32,
+        }
     }
 
     /// Has a forest of the references state no more than they show when they are left out.
     pub fn bound(&self, document: &Document, model: &mut ForestModel) {
-        let measured = self.asked.first().and_then(|asked| document.frames.by_id(&asked.frame));
+        let measured = self
+            .asked
+            .first()
+            .and_then(|asked| document.frames.by_id(&asked.frame));
         for camera in &mut model.cameras {
             if measured.is_some_and(|frame| frame.camera.as_str() == camera.camera) {
                 camera.seen.shown = self.shown();
@@ -116,7 +140,9 @@ impl Quality {
 
     /// Those found wrong.
     pub fn wrong(&self) -> impl Iterator<Item = &LeftOut> {
-        self.asked.iter().filter(|asked| asked.found.is_some_and(|found| found.error_px > WRONG_PX))
+        self.asked
+            .iter()
+            .filter(|asked| asked.found.is_some_and(|found| found.error_px > WRONG_PX))
     }
 }
 
@@ -136,8 +162,9 @@ struct Collected {
     cameras: Vec<(Ptz, Mat3)>,
 }
 
-/// Leaves references out and asks for them. None if `progress` cancelled it, or where nothing is left to learn from without a
-/// group. A step counts groups; there are none yet while features are found.
+/// Leaves references out and asks for them. None if `progress` cancelled it, or where nothing is
+/// left to learn from without a group. A step counts groups; there are none yet while features are
+/// found.
 pub fn measure(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
@@ -149,42 +176,82 @@ pub fn measure(
     let document = pictures.document;
     let camera = most_used(document, training_frames)?;
     let base = camera.base()?;
-    let of_camera: Vec<usize> =
-        training_frames.iter().copied().filter(|&index| document.frames[index].camera == camera.id).collect();
-    let collected =
-        Collected::from(pictures, reader, &spread(of_camera, MOST_REFERENCES), &progress.part(|()| Share::default()))?;
+    let of_camera: Vec<usize> = training_frames
+        .iter()
+        .copied()
+        .filter(|&index| document.frames[index].camera == camera.id)
+        .collect();
+    let collected = Collected::from(
+        pictures,
+        reader,
+        &spread(of_camera, MOST_REFERENCES),
+        &progress.part(|()| Share::default()),
+    )?;
     let (left_out_by, mut groups) = groups(document, &collected.frames);
     groups.retain(|group| group.left_out.len() < collected.frames.len());
     let count = groups.len();
     let groups = spread(groups, MOST_GROUPS);
     let mut asked = Vec::new();
     for (done, group) in groups.iter().enumerate() {
-        let so_far = Share { done, of: groups.len() };
+        let so_far = Share {
+            done,
+            of: groups.len(),
+        };
         progress.report(so_far).continue_value()?;
-        let forest =
-            match train_without(&collected.samples, &group.left_out, &options.train, &progress.part(|_| so_far)) {
-                Ok(forest) => forest,
-                Err(Stopped::NoSamples { .. } | Stopped::TooMany { .. }) => continue,
-                Err(Stopped::Asked) => return None,
-            };
-        let Some(seen) = collected.seen_without(&group.left_out) else { continue };
-        let frames: Vec<usize> = group.asked.iter().map(|&place| collected.frames[place]).collect();
-        let Studied { training_samples, .. } = study(pictures, reader, &frames, &progress.part(|()| so_far))?;
+        let forest = match train_without(
+            &collected.samples,
+            &group.left_out,
+            &options.train,
+            &progress.part(|_| so_far),
+        ) {
+            Ok(forest) => forest,
+            Err(Stopped::NoSamples { .. } | Stopped::TooMany { .. }) => continue,
+            Err(Stopped::Asked) => return None,
+        };
+        let Some(seen) = collected.seen_without(&group.left_out) else {
+            continue;
+        };
+        let frames: Vec<usize> = group
+            .asked
+            .iter()
+            .map(|&place| collected.frames[place])
+            .collect();
+        let Studied {
+            training_samples, ..
+        } = study(pictures, reader, &frames, &progress.part(|()| so_far))?;
         for sample in training_samples {
             let frame = &document.frames[sample.frame];
-            let Some(truth) = camera.pointed(frame) else { continue };
+            let Some(truth) = camera.pointed(frame) else {
+                continue;
+            };
             let answer = relocalize(&sample.features, &forest, &seen, &base, relocalizing);
             let found = answer.pose.ok().map(|pose| FoundAgain {
-                error_px: overlay_error_px(&truth, &PtzCamera::new(base, pose.ptz), frame.image_size),
+                error_px: overlay_error_px(
+                    &truth,
+                    &PtzCamera::new(base, pose.ptz),
+                    frame.image_size,
+                ),
                 confidence: pose.confidence,
             });
             let (pan_deg, tilt_deg) = (sample.ptz.pan.degrees(), sample.ptz.tilt.degrees());
-            asked.push((sample.frame, LeftOut { frame: frame.id.clone(), pan_deg, tilt_deg, found }));
+            asked.push((
+                sample.frame,
+                LeftOut {
+                    frame: frame.id.clone(),
+                    pan_deg,
+                    tilt_deg,
+                    found,
+                },
+            ));
         }
     }
     asked.sort_by_key(|(index, _)| *index);
     let asked: Vec<LeftOut> = asked.into_iter().map(|(_, asked)| asked).collect();
-    (!asked.is_empty()).then_some(Quality { left_out_by, groups: count, asked })
+    (!asked.is_empty()).then_some(Quality {
+        left_out_by,
+        groups: count,
+        asked,
+    })
 }
 
 impl Collected {
@@ -197,18 +264,29 @@ impl Collected {
     ) -> Option<Self> {
         let mut collected = Self::default();
         for few in training_frames.chunks(BATCH) {
-            let Studied { training_samples, .. } = study(pictures, reader, few, progress)?;
-            for sample in training_samples.iter().filter(|sample| !sample.rays.is_empty()) {
+            let Studied {
+                training_samples, ..
+            } = study(pictures, reader, few, progress)?;
+            for sample in training_samples
+                .iter()
+                .filter(|sample| !sample.rays.is_empty())
+            {
                 sample.add_to(&mut collected.samples);
                 collected.frames.push(sample.frame);
-                collected.cameras.push((sample.ptz, sample.label.covariance));
+                collected
+                    .cameras
+                    .push((sample.ptz, sample.label.covariance));
             }
         }
         Some(collected)
     }
 
     fn seen_without(&self, left_out: &BTreeSet<usize>) -> Option<SeenRange> {
-        let kept = self.cameras.iter().enumerate().filter(|(place, _)| !left_out.contains(place));
+        let kept = self
+            .cameras
+            .iter()
+            .enumerate()
+            .filter(|(place, _)| !left_out.contains(place));
         let (cameras, labels): (Vec<Ptz>, Vec<Mat3>) = kept.map(|(_, known)| *known).unzip();
         Some(SeenRange::of(&cameras)?.with_labels(labels))
     }
@@ -216,8 +294,12 @@ impl Collected {
 
 /// The camera with the most references.
 fn most_used<'a>(document: &'a Document, training_frames: &[usize]) -> Option<&'a Camera> {
-    let collected =
-        |camera: &Camera| training_frames.iter().filter(|&&index| document.frames[index].camera == camera.id).count();
+    let collected = |camera: &Camera| {
+        training_frames
+            .iter()
+            .filter(|&&index| document.frames[index].camera == camera.id)
+            .count()
+    };
     let cameras = document.cameras.iter().map(|camera| &**camera);
     cameras.rev().max_by_key(|camera| collected(camera))
 }
@@ -225,37 +307,61 @@ fn most_used<'a>(document: &'a Document, training_frames: &[usize]) -> Option<&'
 fn groups(document: &Document, collected: &[usize]) -> (LeftOutBy, Vec<Group>) {
     let frame = |place: usize| -> &Frame { &document.frames[collected[place]] };
     let all = 0..collected.len();
-    let clips: BTreeSet<Option<&Clip>> = all.clone().map(|index| frame(index).clip.as_ref()).collect();
+    let clips: BTreeSet<Option<&Clip>> = all
+        .clone()
+        .map(|index| frame(index).clip.as_ref())
+        .collect();
     if clips.len() > 1 {
         let of_clip = |clip: Option<&Clip>| {
-            let left_out: BTreeSet<usize> = all.clone().filter(|&index| frame(index).clip.as_ref() == clip).collect();
-            Group { asked: subsample(&left_out, MOST_OF_A_SHOT).copied().collect(), left_out }
+            let left_out: BTreeSet<usize> = all
+                .clone()
+                .filter(|&index| frame(index).clip.as_ref() == clip)
+                .collect();
+            Group {
+                asked: subsample(&left_out, MOST_OF_A_SHOT).copied().collect(),
+                left_out,
+            }
         };
         return (LeftOutBy::Shot, clips.into_iter().map(of_clip).collect());
     }
     let time = |index: usize| frame(index).video.as_ref().and_then(|video| video.pts_s);
-    let (by, near): (_, Box<dyn Fn(usize, usize) -> bool>) = if all.clone().all(|index| time(index).is_some()) {
-        let within = move |a: usize, b: usize| time(a).zip(time(b)).is_some_and(|(a, b)| (a - b).abs() <= TOGETHER_S);
-        (LeftOutBy::Time, Box::new(within))
-    } else {
-        (LeftOutBy::Neighbours, Box::new(|a: usize, b: usize| a.abs_diff(b) <= 1))
+    let (by, near): (_, Box<dyn Fn(usize, usize) -> bool>) =
+        if all.clone().all(|index| time(index).is_some()) {
+            let within = move |a: usize, b: usize| {
+                time(a)
+                    .zip(time(b))
+                    .is_some_and(|(a, b)| (a - b).abs() <= TOGETHER_S)
+            };
+            (LeftOutBy::Time, Box::new(within))
+        } else {
+            (
+                LeftOutBy::Neighbours,
+                Box::new(|a: usize, b: usize| a.abs_diff(b) <= 1),
+            )
+        };
+    let of_one = |asked| Group {
+        asked: vec![asked],
+        left_out: all.clone().filter(|&other| near(asked, other)).collect(),
     };
-    let of_one =
-        |asked| Group { asked: vec![asked], left_out: all.clone().filter(|&other| near(asked, other)).collect() };
     (by, all.clone().map(of_one).collect())
 }
 
-/// How far two cameras of a picture differ where they differ most, over a grid of 5 × 3 of its points, px at 1920 px width;
-/// infinite where one does not see what the other shows.
+/// How far two cameras of a picture differ where they differ most, over a grid of 5 × 3 of its
+/// points, px at 1920 px width; infinite where one does not see what the other shows.
 #[must_use]
 pub fn overlay_error_px(truth: &PtzCamera, found: &PtzCamera, size: ImageSize) -> f64 {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
-    let grid = (0..5).flat_map(|column| (0..3).map(move |row| (f64::from(column) / 4.0, f64::from(row) / 2.0)));
+    let grid = (0..5)
+        .flat_map(|column| (0..3).map(move |row| (f64::from(column) / 4.0, f64::from(row) / 2.0)));
     let errors = grid.filter_map(|(x, y)| {
         let point = ImagePoint::new(x * width, y * height);
         // Beyond the fold of the lens a point shows nothing.
         let ray = truth.ray_from_image(point).ok()?;
-        Some(found.image_from_ray(ray).map_or(f64::INFINITY, |image| image.distance_px(point)))
+        Some(
+            found
+                .image_from_ray(ray)
+                .map_or(f64::INFINITY, |image| image.distance_px(point)),
+        )
     });
     errors.fold(0.0, f64::max) / size.scale_from_1920()
 }
@@ -271,9 +377,13 @@ mod tests {
 
     fn document(frames: usize) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(Camera::new("main".into(), SIZE).into());
+        document
+            .cameras
+            .push(Camera::new("main".into(), SIZE).into());
         for index in 0..frames {
-            document.frames.push(Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE).into());
+            document
+                .frames
+                .push(Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE).into());
         }
         document
     }
@@ -281,7 +391,13 @@ mod tests {
     fn left_out(document: &Document) -> (LeftOutBy, Vec<Vec<usize>>) {
         let collected: Vec<usize> = (0..document.frames.len()).collect();
         let (by, groups) = groups(document, &collected);
-        (by, groups.into_iter().map(|group| group.left_out.into_iter().collect()).collect())
+        (
+            by,
+            groups
+                .into_iter()
+                .map(|group| group.left_out.into_iter().collect())
+                .collect(),
+        )
     }
 
     #[test]
@@ -289,16 +405,29 @@ mod tests {
         let mut document = document(4);
         assert_eq!(
             left_out(&document),
-            (LeftOutBy::Neighbours, vec![vec![0, 1], vec![0, 1, 2], vec![1, 2, 3], vec![2, 3]])
+            (
+                LeftOutBy::Neighbours,
+                vec![vec![0, 1], vec![0, 1, 2], vec![1, 2, 3], vec![2, 3]]
+            )
         );
         for (index, pts_s) in [0.0, 4.0, 8.0, 30.0].into_iter().enumerate() {
-            document.frames[index].video = Some(VideoFrame::new("a.mp4", index as u64, Some(pts_s)));
+            document.frames[index].video =
+                Some(VideoFrame::new("a.mp4", index as u64, Some(pts_s)));
         }
-        assert_eq!(left_out(&document), (LeftOutBy::Time, vec![vec![0, 1], vec![0, 1, 2], vec![1, 2], vec![3]]));
+        assert_eq!(
+            left_out(&document),
+            (
+                LeftOutBy::Time,
+                vec![vec![0, 1], vec![0, 1, 2], vec![1, 2], vec![3]]
+            )
+        );
         for (index, clip) in [1, 2, 2, 1].into_iter().enumerate() {
             document.frames[index].clip = Some(Clip::Number(clip));
         }
-        assert_eq!(left_out(&document), (LeftOutBy::Shot, vec![vec![0, 3], vec![1, 2]]));
+        assert_eq!(
+            left_out(&document),
+            (LeftOutBy::Shot, vec![vec![0, 3], vec![1, 2]])
+        );
     }
 
     #[test]
@@ -312,12 +441,17 @@ mod tests {
     fn the_error_of_an_overlay_is_that_of_its_worst_place() {
         let down = BaseAngles::default().base_from_world();
         let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), down, SIZE.centre());
-        let camera = |pan_deg, focal_px| PtzCamera::new(base, Ptz::from_degrees(pan_deg, -10.0, focal_px));
+        let camera =
+            |pan_deg, focal_px| PtzCamera::new(base, Ptz::from_degrees(pan_deg, -10.0, focal_px));
         let truth = camera(5.0, 1280.0);
         assert!(overlay_error_px(&truth, &truth, SIZE) < 1e-6);
-        // One per cent of focal length moves the corners by one per cent of their distance from the middle.
+        // One per cent of focal length moves the corners by one per cent of their distance from the
+        // middle.
         let zoomed = overlay_error_px(&truth, &camera(5.0, 1292.8), SIZE);
         assert!((zoomed - 1.5 * 7.34).abs() < 0.05, "{zoomed}");
-        assert_eq!(overlay_error_px(&truth, &camera(175.0, 1280.0), SIZE), f64::INFINITY);
+        assert_eq!(
+            overlay_error_px(&truth, &camera(175.0, 1280.0), SIZE),
+            f64::INFINITY
+        );
     }
 }

@@ -9,7 +9,11 @@ pub(super) fn spread<T>(all: Vec<T>, most: usize) -> Vec<T> {
         return all;
     }
     let chosen: BTreeSet<usize> = (0..most).map(|i| i * (count - 1) / (most - 1)).collect();
-    all.into_iter().enumerate().filter(|(index, _)| chosen.contains(index)).map(|(_, one)| one).collect()
+    all.into_iter()
+        .enumerate()
+        .filter(|(index, _)| chosen.contains(index))
+        .map(|(_, one)| one)
+        .collect()
 }
 
 #[cfg(test)]

@@ -16,7 +16,8 @@ const DISK_BYTES: u64 = 2 << 30;
 /// What features take in memory at most, bytes: some 1,700 pictures of 1000 features.
 const MEMORY_BYTES: usize = 256 << 20;
 
-/// Where what can be made again is kept: a hidden folder beside the document. It may be deleted at any time.
+/// Where what can be made again is kept: a hidden folder beside the document. It may be deleted at
+/// any time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WorkFolder {
     folder: PathBuf,
@@ -27,8 +28,15 @@ impl WorkFolder {
     /// The folder beside a document's file.
     #[must_use]
     pub fn beside(document: &Path) -> Self {
-        let name = document.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Self { folder: document.with_file_name(WORK_FOLDER), document: name }
+        let name = document
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        Self {
+            folder: document.with_file_name(WORK_FOLDER),
+            document: name,
+        }
     }
 
     /// Where it lies.
@@ -52,8 +60,8 @@ impl WorkFolder {
         Ok(FeatureCache::new(&self.features_folder(), DISK_BYTES))
     }
 
-    /// Refuses a hidden folder that came with a received project and leads elsewhere; to be asked before anything is
-    /// written into it.
+    /// Refuses a hidden folder that came with a received project and leads elsewhere; to be asked
+    /// before anything is written into it.
     ///
     /// # Errors
     /// The folder, or the one for features in it, is a link or no folder.
@@ -67,7 +75,8 @@ impl WorkFolder {
     }
 }
 
-/// Features once found. The disk is used as long as it takes them; memory holds the latest within a bound.
+/// Features once found. The disk is used as long as it takes them; memory holds the latest within a
+/// bound.
 #[derive(Debug, Default)]
 pub struct FeatureStore {
     disk: Option<FeatureCache>,
@@ -98,7 +107,13 @@ impl FeatureStore {
             Ok(disk) => (Some(disk), None),
             Err(error) => (None, Some(error.to_string())),
         };
-        Self { disk, shelf: Mutex::new(Shelf { refused, ..Shelf::default() }) }
+        Self {
+            disk,
+            shelf: Mutex::new(Shelf {
+                refused,
+                ..Shelf::default()
+            }),
+        }
     }
 
     /// Features that were found before.
@@ -115,7 +130,10 @@ impl FeatureStore {
     /// Keeps features.
     pub fn put(&self, key: &FeatureKey, features: Features) -> Arc<Features> {
         let features = Arc::new(features);
-        let refused = self.disk.as_ref().filter(|_| self.shelf().refused.is_none());
+        let refused = self
+            .disk
+            .as_ref()
+            .filter(|_| self.shelf().refused.is_none());
         let refused = refused.and_then(|disk| disk.put(key, &features).err());
         let mut shelf = self.shelf();
         shelf.put(key, &features);
@@ -146,8 +164,13 @@ impl Shelf {
         self.order.push_back(key.clone());
         self.held.insert(key.clone(), Arc::clone(features));
         while self.bytes > MEMORY_BYTES {
-            let Some(oldest) = self.order.pop_front() else { break };
-            self.bytes -= self.held.remove(&oldest).map_or(0, |features| bytes_of(&features));
+            let Some(oldest) = self.order.pop_front() else {
+                break;
+            };
+            self.bytes -= self
+                .held
+                .remove(&oldest)
+                .map_or(0, |features| bytes_of(&features));
         }
     }
 }
@@ -163,7 +186,11 @@ mod tests {
     use touchline_vision::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions, Keypoint};
 
     fn features(count: usize) -> Features {
-        let keypoint = Keypoint { point: ImagePoint::new(1.0, 2.0), size_px: 3.0, strength: 4.0 };
+        let keypoint = Keypoint {
+            point: ImagePoint::new(1.0, 2.0),
+            size_px: 3.0,
+            strength: 4.0,
+        };
         Features {
             keypoints: vec![keypoint; count],
             descriptors: vec![Descriptor([7; DESCRIPTOR_BYTES]); count],
@@ -184,7 +211,10 @@ mod tests {
         assert_eq!(later.get(&key("a")).as_deref(), Some(&features(3)));
         assert_eq!(later.get(&key("b")), None);
         assert_eq!(later.refusal(), None);
-        assert_eq!(folder.forest(), place.path().join(".touchline/project.json.forest"));
+        assert_eq!(
+            folder.forest(),
+            place.path().join(".touchline/project.json.forest")
+        );
     }
 
     #[test]
@@ -210,8 +240,18 @@ mod tests {
             let folder = WorkFolder::beside(&project.path().join("project.json"));
             let store = FeatureStore::on_disk(&folder);
             store.put(&key("a"), features(2));
-            assert!(store.refusal().unwrap().contains("is a symbolic link, not a folder"), "{linked}");
-            assert_eq!(std::fs::read_dir(elsewhere.path()).unwrap().count(), 0, "{linked}");
+            assert!(
+                store
+                    .refusal()
+                    .unwrap()
+                    .contains("is a symbolic link, not a folder"),
+                "{linked}"
+            );
+            assert_eq!(
+                std::fs::read_dir(elsewhere.path()).unwrap().count(),
+                0,
+                "{linked}"
+            );
         }
     }
 

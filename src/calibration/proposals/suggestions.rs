@@ -42,7 +42,13 @@ pub enum Finder {
 impl Finder {
     /// Whether the trainer's forest gave these answers, in this session or in an earlier one.
     const fn is_forest(&self) -> bool {
-        matches!(self, Self::Forest { .. } | Self::Earlier { source: Some(SolutionSource::Forest) })
+        matches!(
+            self,
+            Self::Forest { .. }
+                | Self::Earlier {
+                    source: Some(SolutionSource::Forest)
+                }
+        )
     }
 }
 
@@ -81,7 +87,11 @@ struct KeptSuggestion {
 impl KeptSuggestion {
     /// Whether it is a camera that a person asked for and that no forest gave.
     fn is_found_without_forest(&self, finder: Option<&Finder>) -> bool {
-        let source = self.suggestion.solution.as_ref().and_then(|solution| solution.source);
+        let source = self
+            .suggestion
+            .solution
+            .as_ref()
+            .and_then(|solution| solution.source);
         let is_by_command = matches!(finder, Some(Finder::Command { .. }));
         is_by_command && self.suggestion.ptz.is_some() && source != Some(SolutionSource::Forest)
     }
@@ -106,7 +116,11 @@ impl Suggestions {
 
     /// The batch of a finder that keeps answering: a new one if it has none.
     pub fn batch_of_finder(&mut self, finder: Finder) -> BatchId {
-        let known = self.finders.iter().rev().find(|(_, known)| **known == finder);
+        let known = self
+            .finders
+            .iter()
+            .rev()
+            .find(|(_, known)| **known == finder);
         let known = known.map(|(batch, _)| *batch);
         known.unwrap_or_else(|| self.open_batch(finder))
     }
@@ -131,15 +145,26 @@ impl Suggestions {
         self.by_frame.get(frame)?.iter().rev().find(is_for_base)
     }
 
-    fn topmost_kept_mut(&mut self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&mut KeptSuggestion> {
+    fn topmost_kept_mut(
+        &mut self,
+        frame: &FrameId,
+        base: Option<&CameraBase>,
+    ) -> Option<&mut KeptSuggestion> {
         let is_for_base = |kept: &&mut KeptSuggestion| kept.suggestion.base.as_ref() == base;
-        self.by_frame.get_mut(frame)?.iter_mut().rev().find(is_for_base)
+        self.by_frame
+            .get_mut(frame)?
+            .iter_mut()
+            .rev()
+            .find(is_for_base)
     }
 
     /// How an answer for a batch stands to what is known.
     pub fn novelty(&self, frame: &FrameId, batch: BatchId, suggestion: &Suggestion) -> Novelty {
         if let Some(Finder::Forest { generation }) = self.finder(batch)
-            && self.discarded.get(frame).is_some_and(|refused| generation <= refused)
+            && self
+                .discarded
+                .get(frame)
+                .is_some_and(|refused| generation <= refused)
         {
             return Novelty::Stale;
         }
@@ -156,14 +181,19 @@ impl Suggestions {
     /// A forest's answer goes beneath a camera that a person had found otherwise: no forest is
     /// asked where there is one, so that the answer was on its way.
     pub fn put(&mut self, frame: &FrameId, batch: BatchId, suggestion: Suggestion) {
-        let Self { by_frame, finders, .. } = self;
+        let Self {
+            by_frame, finders, ..
+        } = self;
         let is_forest = |batch: BatchId| finders.get(&batch).is_some_and(Finder::is_forest);
         let is_for_same_base = |known: &KeptSuggestion| known.suggestion.base == suggestion.base;
         let is_replaced = |known: &KeptSuggestion| {
-            is_for_same_base(known) && (known.batch == batch || (is_forest(batch) && is_forest(known.batch)))
+            is_for_same_base(known)
+                && (known.batch == batch || (is_forest(batch) && is_forest(known.batch)))
         };
         let stays_above = |known: &KeptSuggestion| {
-            is_for_same_base(known) && is_forest(batch) && known.is_found_without_forest(finders.get(&known.batch))
+            is_for_same_base(known)
+                && is_forest(batch)
+                && known.is_found_without_forest(finders.get(&known.batch))
         };
         let kept = by_frame.entry(frame.clone()).or_default();
         kept.retain(|known| !is_replaced(known));
@@ -175,7 +205,9 @@ impl Suggestions {
     /// Moves a forest's answer to the batch of a later forest that has said the same.
     pub fn move_to_batch(&mut self, frame: &FrameId, base: Option<&CameraBase>, batch: BatchId) {
         let is_forest = |batch| self.finder(batch).is_some_and(Finder::is_forest);
-        let Some(known) = self.topmost_batch(frame, base) else { return };
+        let Some(known) = self.topmost_batch(frame, base) else {
+            return;
+        };
         if is_forest(batch)
             && is_forest(known)
             && let Some(kept) = self.topmost_kept_mut(frame, base)
@@ -187,7 +219,9 @@ impl Suggestions {
     /// Notes that what is suggested for a frame holds for the revision in which the frame shows it
     /// now. False where something else is suggested.
     pub fn keep(&mut self, frame: &FrameId, shown: &Suggestion) -> bool {
-        let Some(kept) = self.topmost_kept_mut(frame, shown.base.as_ref()) else { return false };
+        let Some(kept) = self.topmost_kept_mut(frame, shown.base.as_ref()) else {
+            return false;
+        };
         let known = &mut kept.suggestion;
         let is_same = known.ptz == shown.ptz && known.solution == shown.solution;
         if is_same {
@@ -198,7 +232,12 @@ impl Suggestions {
 
     /// Takes a batch out of the frames that `is_open` holds for. If a forest found the batch,
     /// neither that forest nor one up to `newest_forest` is listened to there again.
-    pub fn take_out(&mut self, batch: BatchId, newest_forest: u64, is_open: impl Fn(&FrameId) -> bool) -> TakenOut {
+    pub fn take_out(
+        &mut self,
+        batch: BatchId,
+        newest_forest: u64,
+        is_open: impl Fn(&FrameId) -> bool,
+    ) -> TakenOut {
         let mut taken = TakenOut::default();
         for (frame, kept) in self.by_frame.iter_mut().filter(|(frame, _)| is_open(frame)) {
             let count = kept.len();
@@ -239,7 +278,10 @@ fn forget_oldest(kept: &mut Vec<KeptSuggestion>) {
         if !bases.contains(&base) {
             bases.push(base);
         }
-        let for_base = left.iter().filter(|kept: &&KeptSuggestion| kept.suggestion.base == base).count();
+        let for_base = left
+            .iter()
+            .filter(|kept: &&KeptSuggestion| kept.suggestion.base == base)
+            .count();
         if bases.len() <= KEPT_BASES && for_base < KEPT_SUGGESTIONS {
             left.push(topmost);
         }
@@ -247,9 +289,21 @@ fn forget_oldest(kept: &mut Vec<KeptSuggestion>) {
     kept.extend(left.into_iter().rev());
 }
 
-/// Whether two say the same; of two without an answer the reasons are compared, and not how long it took to find none.
+/// Whether two say the same; of two without an answer the reasons are compared, and not how long it
+/// took to find none.
 fn says_the_same(new: &Suggestion, known: &Suggestion) -> bool {
-    let reason = |suggestion: &Suggestion| Some(suggestion.solution.as_ref()?.warnings.first()?.message.clone());
+    let reason = |suggestion: &Suggestion| {
+        Some(
+            suggestion
+                .solution
+                .as_ref()?
+                .warnings
+                .first()?
+                .message
+                .clone(),
+        )
+    };
     let both_unanswered = new.is_unanswered() && known.is_unanswered();
-    (both_unanswered && reason(new) == reason(known)) || (new.ptz == known.ptz && new.solution == known.solution)
+    (both_unanswered && reason(new) == reason(known))
+        || (new.ptz == known.ptz && new.solution == known.solution)
 }

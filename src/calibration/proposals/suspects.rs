@@ -8,7 +8,8 @@ use touchline_documents::document::{Document, FrameId};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{ContradictionOptions, Reference, contradictions, suspects};
 
-/// How many references, next to each other by pan, are compared at a time: the features of no more are held.
+/// How many references, next to each other by pan, are compared at a time: the features of no more
+/// are held.
 const TOGETHER: usize = 100;
 
 /// A reference to look at: without it no label would contradict another.
@@ -39,10 +40,14 @@ pub fn find_suspects(
             .filter(|(_, frame)| frame.camera == camera.id)
             .filter_map(|(index, frame)| Some((document.pointed(frame)?.ptz().pan, index)));
         let (pans, of_camera): (Vec<Angle>, Vec<usize>) = of_camera.unzip();
-        let of_camera: Vec<usize> =
-            AngleRange::along_smallest(&pans).into_iter().map(|place| of_camera[place]).collect();
+        let of_camera: Vec<usize> = AngleRange::along_smallest(&pans)
+            .into_iter()
+            .map(|place| of_camera[place])
+            .collect();
         for together in of_camera.chunks(TOGETHER) {
-            let Studied { training_samples, .. } = study(pictures, reader, together, progress)?;
+            let Studied {
+                training_samples, ..
+            } = study(pictures, reader, together, progress)?;
             found.extend(suspects_among(document, &training_samples));
         }
     }
@@ -51,18 +56,39 @@ pub fn find_suspects(
 }
 
 /// The suspects among references, each with its place in the document.
-fn suspects_among(document: &Document, training_samples: &[TrainingSample]) -> Vec<(usize, Suspect)> {
+fn suspects_among(
+    document: &Document,
+    training_samples: &[TrainingSample],
+) -> Vec<(usize, Suspect)> {
     let pointed = training_samples.iter().filter_map(|sample| {
         let camera = document.pointed(document.frames.get(sample.frame)?)?;
-        Some((sample.frame, Reference { features: &sample.features, camera }))
+        Some((
+            sample.frame,
+            Reference {
+                features: &sample.features,
+                camera,
+            },
+        ))
     });
     let (frames, references): (Vec<usize>, Vec<Reference>) = pointed.unzip();
     let found = contradictions(&references, &ContradictionOptions::default());
     let suspect = |index: usize| {
-        let mut against = found.iter().filter(|contradiction| contradiction.references.contains(&index)).peekable();
-        let disagreement_px = against.peek().map_or(0.0, |greatest| greatest.disagreement_px);
+        let mut against = found
+            .iter()
+            .filter(|contradiction| contradiction.references.contains(&index))
+            .peekable();
+        let disagreement_px = against
+            .peek()
+            .map_or(0.0, |greatest| greatest.disagreement_px);
         let frame = document.frames[frames[index]].id.clone();
-        (frames[index], Suspect { frame, contradicted_by: against.count(), disagreement_px })
+        (
+            frames[index],
+            Suspect {
+                frame,
+                contradicted_by: against.count(),
+                disagreement_px,
+            },
+        )
     };
     suspects(&found).into_iter().map(suspect).collect()
 }

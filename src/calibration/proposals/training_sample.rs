@@ -6,7 +6,8 @@ use touchline_documents::document::{CameraId, Frame};
 use touchline_vision::features::{Descriptor, Features};
 use touchline_vision::relocalize::{Label, Samples};
 
-/// One reference as the forest learns from it: what its features look like and which rays they show.
+/// One reference as the forest learns from it: what its features look like and which rays they
+/// show.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrainingSample {
     /// The reference's place in the document.
@@ -33,18 +34,34 @@ impl TrainingSample {
     ) -> Self {
         let ray = |feature: u32| Some((feature, ray(camera, &features, feature)?));
         let rays = (0..features.len() as u32).filter_map(ray).collect();
-        Self { frame: index, camera: frame.camera.clone(), ptz: camera.ptz(), label, features, rays }
+        Self {
+            frame: index,
+            camera: frame.camera.clone(),
+            ptz: camera.ptz(),
+            label,
+            features,
+            rays,
+        }
     }
 
     /// Adds it as one frame.
     pub(super) fn add_to(&self, samples: &mut Samples) {
-        samples.add_frame(self.rays.iter().map(|&(feature, ray)| (self.descriptor(feature), ray)));
+        samples.add_frame(
+            self.rays
+                .iter()
+                .map(|&(feature, ray)| (self.descriptor(feature), ray)),
+        );
     }
 
     /// Adds it as one frame that another camera took.
     pub(super) fn add_as_taken_by(&self, camera: &PtzCamera, samples: &mut Samples) {
         let shown = self.rays.iter().map(|(feature, _)| *feature);
-        let of_camera = |feature: u32| Some((self.descriptor(feature), ray(camera, &self.features, feature)?));
+        let of_camera = |feature: u32| {
+            Some((
+                self.descriptor(feature),
+                ray(camera, &self.features, feature)?,
+            ))
+        };
         samples.add_frame(shown.filter_map(of_camera));
     }
 
@@ -55,5 +72,7 @@ impl TrainingSample {
 
 /// The ray that a feature shows; beyond the fold of a lens a point shows none.
 fn ray(camera: &PtzCamera, features: &Features, feature: u32) -> Option<PanTilt> {
-    camera.ray_from_image(features.keypoints[feature as usize].point).ok()
+    camera
+        .ray_from_image(features.keypoints[feature as usize].point)
+        .ok()
 }

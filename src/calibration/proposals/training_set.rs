@@ -18,12 +18,29 @@ impl TrainingSet {
     pub fn of(document: &Document, training_frames: &[usize]) -> Self {
         let mut cameras = BTreeMap::<&CameraId, String>::new();
         let mut training_samples = BTreeSet::new();
-        for frame in training_frames.iter().filter_map(|&index| document.frames.get(index)) {
+        for frame in training_frames
+            .iter()
+            .filter_map(|&index| document.frames.get(index))
+        {
             let camera = cameras.entry(&frame.camera).or_insert_with(|| {
-                document.camera_of(frame).and_then(|camera| serde_json::to_string(camera).ok()).unwrap_or_default()
+                document
+                    .camera_of(frame)
+                    .and_then(|camera| serde_json::to_string(camera).ok())
+                    .unwrap_or_default()
             });
-            let masks: Vec<[f64; 4]> = frame.masks.iter().map(|m| [m.x, m.y, m.width, m.height]).collect();
-            let sample = json!([frame.image, frame.video, frame.sha256, masks, frame.ptz, camera]);
+            let masks: Vec<[f64; 4]> = frame
+                .masks
+                .iter()
+                .map(|m| [m.x, m.y, m.width, m.height])
+                .collect();
+            let sample = json!([
+                frame.image,
+                frame.video,
+                frame.sha256,
+                masks,
+                frame.ptz,
+                camera
+            ]);
             let digest = Sha256::digest(sample.to_string());
             training_samples.extend(digest.first_chunk::<16>());
         }
@@ -63,10 +80,15 @@ mod tests {
     fn document() -> Document {
         let size = ImageSize::new(640, 360);
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(Camera::new("main".into(), size).into());
+        document
+            .cameras
+            .push(Camera::new("main".into(), size).into());
         for index in 0..3 {
             let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), size);
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(f64::from(index), -9.0, 900.0), None));
+            frame.ptz = Some(FramePtz::new(
+                Ptz::from_degrees(f64::from(index), -9.0, 900.0),
+                None,
+            ));
             document.frames.push(frame.into());
         }
         document
@@ -75,16 +97,36 @@ mod tests {
     #[test]
     fn more_contains_less_and_any_change_is_another() {
         let document = document();
-        let (two, three) = (TrainingSet::of(&document, &[0, 1]), TrainingSet::of(&document, &[1, 0, 2]));
+        let (two, three) = (
+            TrainingSet::of(&document, &[0, 1]),
+            TrainingSet::of(&document, &[1, 0, 2]),
+        );
         assert!(three.contains(&two) && !two.contains(&three));
-        assert_eq!(TrainingSet::of(&document, &[1, 0]).fingerprint(), two.fingerprint());
+        assert_eq!(
+            TrainingSet::of(&document, &[1, 0]).fingerprint(),
+            two.fingerprint()
+        );
         assert_ne!(three.fingerprint(), two.fingerprint());
         assert!(TrainingSet::of(&document, &[7]).is_empty());
 
         let changes: [fn(&mut Document); 4] = [
             |document| document.frames[0].ptz.as_mut().unwrap().pan_deg += 1e-9,
-            |document| document.frames[0].masks.push(PixelBox { x: 1.0, y: 1.0, width: 9.0, height: 9.0 }),
-            |document| document.cameras[0].masks.push(PixelBox { x: 1.0, y: 1.0, width: 9.0, height: 9.0 }),
+            |document| {
+                document.frames[0].masks.push(PixelBox {
+                    x: 1.0,
+                    y: 1.0,
+                    width: 9.0,
+                    height: 9.0,
+                })
+            },
+            |document| {
+                document.cameras[0].masks.push(PixelBox {
+                    x: 1.0,
+                    y: 1.0,
+                    width: 9.0,
+                    height: 9.0,
+                })
+            },
             |document| document.frames[0].sha256 = Some("ab".to_owned()),
         ];
         for change in changes {

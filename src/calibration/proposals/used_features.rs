@@ -4,7 +4,9 @@ use super::FrameFeatures;
 use std::collections::BTreeSet;
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{Camera, Document, FrameId};
-use touchline_vision::relocalize::{ForestModel, PoseOptions, RelocalizeOptions, candidates_of, pose_of_moving};
+use touchline_vision::relocalize::{
+    ForestModel, PoseOptions, RelocalizeOptions, candidates_of, pose_of_moving,
+};
 
 /// The features of a frame, and what became of each.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,8 +29,8 @@ pub enum FeatureUse {
 }
 
 impl UsedFeatures {
-    /// Asks a forest for a frame and keeps what it made of each feature. Without a forest of its camera, or a base, they are
-    /// only kept.
+    /// Asks a forest for a frame and keeps what it made of each feature. Without a forest of its
+    /// camera, or a base, they are only kept.
     #[must_use]
     pub fn of(
         document: &Document,
@@ -39,31 +41,55 @@ impl UsedFeatures {
     ) -> Self {
         let frame = &*document.frames[index];
         let keypoints = &found.features.keypoints;
-        let mut features: Vec<_> = keypoints.iter().map(|keypoint| (keypoint.point, FeatureUse::Kept)).collect();
+        let mut features: Vec<_> = keypoints
+            .iter()
+            .map(|keypoint| (keypoint.point, FeatureUse::Kept))
+            .collect();
         let base = document.camera_of(frame).and_then(Camera::base);
         let Some((forest, base)) = model.camera(frame.camera.as_str()).zip(base) else {
-            return Self { frame: frame.id.clone(), features };
+            return Self {
+                frame: frame.id.clone(),
+                features,
+            };
         };
         let matches = candidates_of(&found.features, &forest.forest, &options.predict);
-        let ranges = options.pose.ranges.clone().unwrap_or_else(|| forest.seen.plausible());
-        let pose = PoseOptions { ranges: Some(ranges), ..options.pose.clone() };
+        let ranges = options
+            .pose
+            .ranges
+            .clone()
+            .unwrap_or_else(|| forest.seen.plausible());
+        let pose = PoseOptions {
+            ranges: Some(ranges),
+            ..options.pose.clone()
+        };
         let seen = &forest.seen.cameras;
-        let agreeing = pose_of_moving(&matches, &found.features, &base, seen, &pose).map(|(pose, _)| pose.inliers);
+        let agreeing = pose_of_moving(&matches, &found.features, &base, seen, &pose)
+            .map(|(pose, _)| pose.inliers);
         let agreeing: BTreeSet<usize> = agreeing.unwrap_or_default().into_iter().collect();
         // Matches are features in their order, without those that match nothing.
         let mut at = 0;
         for (point, used) in &mut features {
             if at < matches.len() && matches.point(at) == *point {
-                *used = if agreeing.contains(&at) { FeatureUse::Agrees } else { FeatureUse::Matched };
+                *used = if agreeing.contains(&at) {
+                    FeatureUse::Agrees
+                } else {
+                    FeatureUse::Matched
+                };
                 at += 1;
             }
         }
-        Self { frame: frame.id.clone(), features }
+        Self {
+            frame: frame.id.clone(),
+            features,
+        }
     }
 
     /// How many became at least this.
     #[must_use]
     pub fn count(&self, at_least: FeatureUse) -> usize {
-        self.features.iter().filter(|(_, used)| *used >= at_least).count()
+        self.features
+            .iter()
+            .filter(|(_, used)| *used >= at_least)
+            .count()
     }
 }

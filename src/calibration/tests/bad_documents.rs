@@ -19,10 +19,14 @@ fn with(from: &str, into: &str) -> Vec<u8> {
     SAMPLE.replacen(from, into, 1).into_bytes()
 }
 
-/// The sample with many entries in a list of its first frame, the last of which is wrong; or with many unknown keys before it.
+/// The sample with many entries in a list of its first frame, the last of which is wrong; or with
+/// many unknown keys before it.
 fn long(key: &str, entry: &str, wrong: &str, count: usize) -> Vec<u8> {
     let entries = format!("{entry}, ").repeat(count);
-    with("\"comment\"", &format!("\"{key}\": [{entries}{wrong}], \"comment\""))
+    with(
+        "\"comment\"",
+        &format!("\"{key}\": [{entries}{wrong}], \"comment\""),
+    )
 }
 
 #[test]
@@ -31,27 +35,67 @@ fn what_is_wrong_at_the_end_of_long_lists_is_found_soon() {
     let wrong = "{\"landmark\": \"centre_mark\", \"image_px\": [1, 2], \"round\": -1}";
     let said = |bytes: &[u8]| document_from_bytes(bytes).unwrap_err().to_string();
     let found = said(&long("repeats", repeat, wrong, 3000));
-    assert!(found.starts_with("frames[0].repeats[3000].round (images/0001.jpg): invalid value"), "{found}");
+    assert!(
+        found.starts_with("frames[0].repeats[3000].round (images/0001.jpg): invalid value"),
+        "{found}"
+    );
     let far = said(&long("repeats", repeat, wrong, 100_000));
-    assert!(far.starts_with("frames[0] (images/0001.jpg): invalid value"), "{far}");
-    let keys = (0..100_000).map(|number| format!("\"x{number}\": 0, ")).collect::<Vec<_>>().concat();
-    let unknown = said(&with("\"comment\"", &format!("{keys}\"comment\": 5, \"x\"")));
-    assert!(unknown.starts_with("frames[0] (images/0001.jpg): invalid type: integer `5`"), "{unknown}");
+    assert!(
+        far.starts_with("frames[0] (images/0001.jpg): invalid value"),
+        "{far}"
+    );
+    let keys = (0..100_000)
+        .map(|number| format!("\"x{number}\": 0, "))
+        .collect::<Vec<_>>()
+        .concat();
+    let unknown = said(&with(
+        "\"comment\"",
+        &format!("{keys}\"comment\": 5, \"x\""),
+    ));
+    assert!(
+        unknown.starts_with("frames[0] (images/0001.jpg): invalid type: integer `5`"),
+        "{unknown}"
+    );
 }
 
 /// (what is broken, the bytes, the message after the path)
 fn broken() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let truncated = SAMPLE.as_bytes()[..SAMPLE.len() / 2].to_vec();
-    let not_utf8 = [&SAMPLE.as_bytes()[..400], b"\xff\xfe", &SAMPLE.as_bytes()[400..]].concat();
+    let not_utf8 = [
+        &SAMPLE.as_bytes()[..400],
+        b"\xff\xfe",
+        &SAMPLE.as_bytes()[400..],
+    ]
+    .concat();
     let nested = format!("{}{}", "[".repeat(100_000), "]".repeat(100_000)).into_bytes();
     let reflection = "[[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]";
     let rotation = "[[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]";
     vec![
-        ("zero bytes", Vec::new(), "the file is empty; a document is expected"),
-        ("blanks", b" \n\t".to_vec(), "the file is empty; a document is expected"),
-        ("truncated", truncated, "not valid JSON: EOF while parsing a string at line 27 column 20"),
-        ("not UTF-8", not_utf8, "not UTF-8 text (byte 400); a document is a JSON file"),
-        ("a picture", b"\x89PNG\r\n\x1a\n".to_vec(), "not UTF-8 text (byte 0); a document is a JSON file"),
+        (
+            "zero bytes",
+            Vec::new(),
+            "the file is empty; a document is expected",
+        ),
+        (
+            "blanks",
+            b" \n\t".to_vec(),
+            "the file is empty; a document is expected",
+        ),
+        (
+            "truncated",
+            truncated,
+            "not valid JSON: EOF while parsing a string at line 27 column 20",
+        ),
+        (
+            "not UTF-8",
+            not_utf8,
+            "not UTF-8 text (byte 400); a document is a JSON file",
+        ),
+        (
+            "a picture",
+            b"\x89PNG\r\n\x1a\n".to_vec(),
+            "not UTF-8 text (byte 0); a document is a JSON file",
+        ),
         (
             "nested too deeply",
             nested,
@@ -67,7 +111,11 @@ fn broken() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             b"{\"a\": 1}".to_vec(),
             "not a touchline document: `format` is missing, expected \"touchline\"",
         ),
-        ("an array", b"[]".to_vec(), "not a touchline document: `format` is missing, expected \"touchline\""),
+        (
+            "an array",
+            b"[]".to_vec(),
+            "not a touchline document: `format` is missing, expected \"touchline\"",
+        ),
         (
             "another format",
             with("\"touchline\"", "\"coco\""),
@@ -88,7 +136,11 @@ fn broken() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             with("\"version\": 1", "\"version\": \"one\""),
             "`version` is \"one\", expected a whole number from 1 on",
         ),
-        ("version zero", with("\"version\": 1", "\"version\": 0"), "`version` is 0, expected a whole number from 1 on"),
+        (
+            "version zero",
+            with("\"version\": 1", "\"version\": 0"),
+            "`version` is 0, expected a whole number from 1 on",
+        ),
         (
             "a newer version of another shape",
             with("\"version\": 1", "\"version\": 7, \"frames\": {}"),
@@ -99,7 +151,11 @@ fn broken() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             with("444.68", "NaN"),
             "not valid JSON: expected a value (JSON has no NaN and no Infinity) at line 32 column 51",
         ),
-        ("a number beyond f64", with("444.68", "1e999"), "not valid JSON: number out of range at line 32 column 55"),
+        (
+            "a number beyond f64",
+            with("444.68", "1e999"),
+            "not valid JSON: number out of range at line 32 column 55",
+        ),
         (
             "a negative frame index",
             with("412", "-1"),
@@ -162,7 +218,10 @@ fn broken() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ),
         (
             "no rotation",
-            with(rotation, "[[1.0, 0.0, 0.0], [0.0, 0.1, -1.0], [0.0, 1.0, 0.0]]"),
+            with(
+                rotation,
+                "[[1.0, 0.0, 0.0], [0.0, 0.1, -1.0], [0.0, 1.0, 0.0]]",
+            ),
             "cameras[0].base_from_world (main): the matrix is not a rotation: its rows are off by 1.00e-1, allowed is 1e-3 at line 13 column 77",
         ),
         (
@@ -207,7 +266,10 @@ fn broken() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ),
         (
             "a key twice",
-            with("\"status\": \"new\"", "\"status\": \"new\", \"status\": \"draft\""),
+            with(
+                "\"status\": \"new\"",
+                "\"status\": \"new\", \"status\": \"draft\"",
+            ),
             "the document: duplicate field `status` at line 50 column 113",
         ),
         (
@@ -232,7 +294,9 @@ fn every_broken_document_gets_its_message_and_is_not_touched() {
         fs::write(&path, &bytes).unwrap();
         let path = path.canonicalize().unwrap();
         let message = read(folder.path()).unwrap_err().to_string();
-        let message = message.strip_prefix(&format!("{}: ", path.display())).unwrap_or(&message);
+        let message = message
+            .strip_prefix(&format!("{}: ", path.display()))
+            .unwrap_or(&message);
         if message != expected {
             wrong.push(format!("(\"{what}\", {message:?})"));
         }
@@ -246,16 +310,26 @@ fn every_broken_document_gets_its_message_and_is_not_touched() {
 fn what_is_no_file_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path().canonicalize().unwrap();
-    let message = |path: &Path| read(path).unwrap_err().to_string().replace(&folder.display().to_string(), "DIR");
+    let message = |path: &Path| {
+        read(path)
+            .unwrap_err()
+            .to_string()
+            .replace(&folder.display().to_string(), "DIR")
+    };
     let nothing = "DIR/nothing.json does not exist; give a project folder, its project.json or a dataset file";
     assert_eq!(message(&folder.join("nothing.json")), nothing);
-    assert_eq!(message(&folder), "the folder DIR holds no project.json; `touchline new` makes a project");
+    assert_eq!(
+        message(&folder),
+        "the folder DIR holds no project.json; `touchline new` makes a project"
+    );
     fs::create_dir(folder.join("project.json")).unwrap();
-    let not_a_file = "DIR/project.json is not a file; give a project folder, its project.json or a dataset file";
+    let not_a_file =
+        "DIR/project.json is not a file; give a project folder, its project.json or a dataset file";
     assert_eq!(message(&folder), not_a_file);
     #[cfg(unix)]
     {
-        let device = "/dev/null is not a file; give a project folder, its project.json or a dataset file";
+        let device =
+            "/dev/null is not a file; give a project folder, its project.json or a dataset file";
         assert_eq!(message(Path::new("/dev/null")), device);
     }
 }
@@ -267,7 +341,10 @@ fn a_broken_document_with_a_backup_names_it() {
     fs::write(folder.join("project.json"), "").unwrap();
     fs::write(folder.join("project.json.bak"), SAMPLE).unwrap();
     let message = read(&folder).unwrap_err().to_string();
-    let expected = format!("; the version before it is {}", folder.join("project.json.bak").display());
+    let expected = format!(
+        "; the version before it is {}",
+        folder.join("project.json.bak").display()
+    );
     assert!(message.ends_with(&expected), "{message}");
 }
 
@@ -277,11 +354,21 @@ fn a_newer_journal_is_refused_and_left() {
     fs::write(folder.path().join("project.json"), SAMPLE).unwrap();
     drop(open(folder.path()).unwrap());
     let journal = folder.path().join("project.json.journal");
-    let json = format!("{{\"journal\":{{\"version\":2,\"document_sha256\":\"{}\"}}}}", "0".repeat(64));
-    let line = format!("{:08x} {:08x} {json}\n", json.len(), crc32fast::hash(json.as_bytes()));
+    let json = format!(
+        "{{\"journal\":{{\"version\":2,\"document_sha256\":\"{}\"}}}}",
+        "0".repeat(64)
+    );
+    let line = format!(
+        "{:08x} {:08x} {json}\n",
+        json.len(),
+        crc32fast::hash(json.as_bytes())
+    );
     fs::write(&journal, &line).unwrap();
     let message = open(folder.path()).unwrap_err().to_string();
-    assert!(message.ends_with("has version 2, newer than this program; update touchline to open it"), "{message}");
+    assert!(
+        message.ends_with("has version 2, newer than this program; update touchline to open it"),
+        "{message}"
+    );
     assert_eq!(fs::read_to_string(&journal).unwrap(), line);
 }
 
@@ -289,7 +376,10 @@ fn a_newer_journal_is_refused_and_left() {
 fn problems(change: impl FnOnce(&mut Document)) -> Vec<String> {
     let mut document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
     change(&mut document);
-    check_values(document.at(Path::new(""))).iter().map(Problem::to_string).collect()
+    check_values(document.at(Path::new("")))
+        .iter()
+        .map(Problem::to_string)
+        .collect()
 }
 
 #[test]
@@ -309,7 +399,10 @@ fn check_names_everything_that_is_wrong() {
             |d| d.frames[1] = d.frames[0].clone(),
             "frames[1] (images/0001.jpg): the same picture as frames[0]; remove one",
         ),
-        (|d| d.frames[1].image = None, "frames[1] (a frame without a picture): has neither an image nor a video"),
+        (
+            |d| d.frames[1].image = None,
+            "frames[1] (a frame without a picture): has neither an image nor a video",
+        ),
         (
             |d| d.frames[2].camera = "third".into(),
             "frames[2] (/elsewhere/0003.jpg): its camera \"third\" is not in the document",
@@ -322,8 +415,14 @@ fn check_names_everything_that_is_wrong() {
             |d| d.cameras[1].id = "main".into(),
             "camera main: another camera has this name too; rename one | frames[2] (/elsewhere/0003.jpg): its camera \"second\" is not in the document",
         ),
-        (|d| d.cameras[0].position_m = None, "camera main: position_m is missing, so the base is not known"),
-        (|d| d.cameras[0].base_from_world = None, "camera main: base_from_world is missing, so the base is not known"),
+        (
+            |d| d.cameras[0].position_m = None,
+            "camera main: position_m is missing, so the base is not known",
+        ),
+        (
+            |d| d.cameras[0].base_from_world = None,
+            "camera main: base_from_world is missing, so the base is not known",
+        ),
         (
             |d| d.cameras[0].position_m.as_mut().unwrap().x = f64::NAN,
             "camera main: the base is not a finite number; enter it again",
@@ -332,14 +431,36 @@ fn check_names_everything_that_is_wrong() {
             |d| d.cameras[0].principal_point.y = f64::INFINITY,
             "camera main: the base is not a finite number; enter it again | camera main: principal_point_px is not a finite number; enter it again",
         ),
-        (|d| d.cameras[0].masks[0].width = 0.0, "camera main: mask 1 covers no pixel of the picture"),
-        (|d| d.frames[0].masks[0].x = 1920.0, "frames[0] (images/0001.jpg): mask 1 covers no pixel of the picture"),
         (
-            |d| _ = d.cameras[0].distortion.as_mut().unwrap().extra.insert("k2".into(), 0.1.into()),
+            |d| d.cameras[0].masks[0].width = 0.0,
+            "camera main: mask 1 covers no pixel of the picture",
+        ),
+        (
+            |d| d.frames[0].masks[0].x = 1920.0,
+            "frames[0] (images/0001.jpg): mask 1 covers no pixel of the picture",
+        ),
+        (
+            |d| {
+                _ = d.cameras[0]
+                    .distortion
+                    .as_mut()
+                    .unwrap()
+                    .extra
+                    .insert("k2".into(), 0.1.into())
+            },
             "camera main: distortion.k2 is not used by this program; overlays are computed without it",
         ),
         (
-            |d| d.cameras[0].distortion.as_mut().unwrap().k1.as_mut().unwrap().value = -3.0,
+            |d| {
+                d.cameras[0]
+                    .distortion
+                    .as_mut()
+                    .unwrap()
+                    .k1
+                    .as_mut()
+                    .unwrap()
+                    .value = -3.0
+            },
             "frames[0] (images/0001.jpg): with k1 = -2.9139 the lens model folds inside the picture; check the distortion",
         ),
         (
@@ -355,11 +476,16 @@ fn check_names_everything_that_is_wrong() {
             "field: the field template \"soccer\" takes no parameter \"depth_m\"; it takes length_m, width_m",
         ),
         (
-            |d| d.frames[0].clicks[1] = Click::landmark("center_mark".into(), ImagePoint::new(1.0, 2.0)),
+            |d| {
+                d.frames[0].clicks[1] =
+                    Click::landmark("center_mark".into(), ImagePoint::new(1.0, 2.0))
+            },
             "frames[0] (images/0001.jpg): click 2 names the landmark \"center_mark\", which the field does not have; `touchline fields` lists them",
         ),
         (
-            |d| d.frames[0].clicks[0] = Click::line("halfwayline".into(), ImagePoint::new(1.0, 2.0)),
+            |d| {
+                d.frames[0].clicks[0] = Click::line("halfwayline".into(), ImagePoint::new(1.0, 2.0))
+            },
             "frames[0] (images/0001.jpg): click 1 names the line \"halfwayline\", which the field does not have; `touchline fields` lists them",
         ),
         (
@@ -367,7 +493,10 @@ fn check_names_everything_that_is_wrong() {
             "frames[0] (images/0001.jpg): click 1 has no name yet; name it or delete it",
         ),
         (
-            |d| d.frames[0].clicks[1] = Click::landmark("centre_mark".into(), ImagePoint::new(1.0, 2.0)),
+            |d| {
+                d.frames[0].clicks[1] =
+                    Click::landmark("centre_mark".into(), ImagePoint::new(1.0, 2.0))
+            },
             "frames[0] (images/0001.jpg): clicks 1 and 2 both name the landmark \"centre_mark\"; delete one",
         ),
         (
@@ -378,7 +507,10 @@ fn check_names_everything_that_is_wrong() {
             |d| d.frames[0].clicks[0].image.x = f64::NAN,
             "frames[0] (images/0001.jpg): click 1 is not a finite number; enter it again",
         ),
-        (|d| d.frames[0].ptz = None, "frames[0] (images/0001.jpg): is reference but has no ptz; solve it"),
+        (
+            |d| d.frames[0].ptz = None,
+            "frames[0] (images/0001.jpg): is reference but has no ptz; solve it",
+        ),
         (
             |d| d.frames[0].ptz.as_mut().unwrap().focal_px = f64::NAN,
             "frames[0] (images/0001.jpg): ptz is not a finite number; enter it again",
@@ -387,7 +519,10 @@ fn check_names_everything_that_is_wrong() {
             |d| d.frames[2].status = FrameStatus::Suggested,
             "frames[2] (/elsewhere/0003.jpg): is suggested but has no ptz; solve it",
         ),
-        (|d| d.frames[1].reason = None, "frames[1] (images/0002.jpg): is rejected without a reason"),
+        (
+            |d| d.frames[1].reason = None,
+            "frames[1] (images/0002.jpg): is rejected without a reason",
+        ),
         (
             |d| d.frames[0].solution.as_mut().unwrap().disputed.push(3),
             "frames[0] (images/0001.jpg): its solution refers to click 4, but there are 3; solve it again",
@@ -405,7 +540,9 @@ fn check_names_everything_that_is_wrong() {
 
 /// Writes a PNG of one colour.
 fn picture(path: &Path, width: u32, height: u32, grey: u8) {
-    image::GrayImage::from_pixel(width, height, image::Luma([grey])).save(path).unwrap();
+    image::GrayImage::from_pixel(width, height, image::Luma([grey]))
+        .save(path)
+        .unwrap();
 }
 
 #[test]
@@ -417,15 +554,32 @@ fn check_looks_at_the_pictures() {
     }
     fs::write(folder.join("damaged.png"), b"\x89PNG\r\n\x1a\n____").unwrap();
     let mut document = Document::new(FieldSpec::new("soccer"));
-    let names = ["good.png", "missing.png", "small.png", "changed.png", "damaged.png"];
+    let names = [
+        "good.png",
+        "missing.png",
+        "small.png",
+        "changed.png",
+        "damaged.png",
+    ];
     let frame = |name: &&str| Frame::from_image(name, "main".into(), ImageSize::new(64, 48));
     document.frames = names.iter().map(|name| frame(name).into()).collect();
-    document.frames[0].sha256 =
-        Some(touchline_vision::media::sha256_of_file(&folder.join("good.png")).unwrap().to_uppercase());
+    document.frames[0].sha256 = Some(
+        touchline_vision::media::sha256_of_file(&folder.join("good.png"))
+            .unwrap()
+            .to_uppercase(),
+    );
     document.frames[3].sha256 = Some("0".repeat(64));
     let problems = check_pictures(document.at(folder), &Progress::default());
-    let codes: Vec<_> = problems.iter().map(|problem| (problem.frame.unwrap(), problem.fault.code())).collect();
-    let expected = [(1, "missing_picture"), (2, "picture_size"), (3, "picture_changed"), (4, "unreadable_picture")];
+    let codes: Vec<_> = problems
+        .iter()
+        .map(|problem| (problem.frame.unwrap(), problem.fault.code()))
+        .collect();
+    let expected = [
+        (1, "missing_picture"),
+        (2, "picture_size"),
+        (3, "picture_changed"),
+        (4, "unreadable_picture"),
+    ];
     assert_eq!(codes, expected);
     let size = "frames[2] (small.png): the picture is 32 × 48 px, the document says 64 × 48 px; it is not the one that was labelled";
     assert_eq!(problems[1].to_string(), size);

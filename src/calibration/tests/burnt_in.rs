@@ -5,12 +5,18 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use touchline_core::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline_vision::features::{BurntIn, DESCRIPTOR_BYTES, Descriptor, Features, Keypoint, burnt_in};
+use touchline_vision::features::{
+    BurntIn, DESCRIPTOR_BYTES, Descriptor, Features, Keypoint, burnt_in,
+};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 fn base() -> CameraBase {
-    CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+    CameraBase::new(
+        Vec3::new(0.0, -60.0, 18.0),
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    )
 }
 
 fn descriptor(rng: &mut Pcg64Mcg) -> Descriptor {
@@ -28,9 +34,12 @@ struct World {
 impl World {
     /// A graphic of 40 features in a box of 260 × 30 px.
     fn new(rng: &mut Pcg64Mcg) -> Self {
-        let ray =
-            |rng: &mut Pcg64Mcg| PanTilt::from_degrees(rng.random_range(-50.0..50.0), rng.random_range(-22.0..2.0));
-        let place = |rng: &mut Pcg64Mcg| ImagePoint::new(rng.random_range(60.0..320.0), rng.random_range(30.0..60.0));
+        let ray = |rng: &mut Pcg64Mcg| {
+            PanTilt::from_degrees(rng.random_range(-50.0..50.0), rng.random_range(-22.0..2.0))
+        };
+        let place = |rng: &mut Pcg64Mcg| {
+            ImagePoint::new(rng.random_range(60.0..320.0), rng.random_range(30.0..60.0))
+        };
         Self {
             stadium: (0..3000).map(|_| (descriptor(rng), ray(rng))).collect(),
             screen: (0..40).map(|_| (descriptor(rng), place(rng))).collect(),
@@ -40,13 +49,32 @@ impl World {
     /// What a camera sees, the features of the screen last.
     fn seen(&self, pan_deg: f64, with_graphic: bool, rng: &mut Pcg64Mcg) -> Features {
         let camera = PtzCamera::new(base(), Ptz::from_degrees(pan_deg, -10.0, 1900.0));
-        let stadium = self.stadium.iter().filter_map(|(what, ray)| Some((what, camera.image_from_ray(*ray).ok()?)));
-        let screen = self.screen.iter().filter(|_| with_graphic).map(|(what, at)| (what, *at));
-        let mut features = Features { image_size: SIZE, ..Features::default() };
+        let stadium = self
+            .stadium
+            .iter()
+            .filter_map(|(what, ray)| Some((what, camera.image_from_ray(*ray).ok()?)));
+        let screen = self
+            .screen
+            .iter()
+            .filter(|_| with_graphic)
+            .map(|(what, at)| (what, *at));
+        let mut features = Features {
+            image_size: SIZE,
+            ..Features::default()
+        };
         for (what, at) in stadium.filter(|(_, at)| SIZE.contains(*at)).chain(screen) {
-            let point = ImagePoint::new(at.x + rng.random_range(-0.2..0.2), at.y + rng.random_range(-0.2..0.2));
-            features.keypoints.push(Keypoint { point, size_px: 3.0, strength: 1.0 });
-            let noisy = what.0.map(|byte| (i16::from(byte) + rng.random_range(-4..=4)).clamp(0, 255) as u8);
+            let point = ImagePoint::new(
+                at.x + rng.random_range(-0.2..0.2),
+                at.y + rng.random_range(-0.2..0.2),
+            );
+            features.keypoints.push(Keypoint {
+                point,
+                size_px: 3.0,
+                strength: 1.0,
+            });
+            let noisy = what
+                .0
+                .map(|byte| (i16::from(byte) + rng.random_range(-4..=4)).clamp(0, 255) as u8);
             features.descriptors.push(Descriptor(noisy));
         }
         features
@@ -65,15 +93,31 @@ fn two_pictures_tell_what_stands_still() {
     let found = found(&pictures);
     for (features, burnt) in pictures.iter().zip(&found.features) {
         let on_screen = features.len() - world.screen.len()..features.len();
-        let caught = burnt.iter().filter(|feature| on_screen.contains(feature)).count();
+        let caught = burnt
+            .iter()
+            .filter(|feature| on_screen.contains(feature))
+            .count();
         assert!(caught >= 38, "{caught} of 40");
         // What the stadium shows behind the graphic may go with it.
-        assert!(burnt.len() - caught <= 30, "{} of the stadium", burnt.len() - caught);
+        assert!(
+            burnt.len() - caught <= 30,
+            "{} of the stadium",
+            burnt.len() - caught
+        );
     }
-    let [graphic] = &found.graphics[..] else { panic!("{:?}", found.graphics) };
+    let [graphic] = &found.graphics[..] else {
+        panic!("{:?}", found.graphics)
+    };
     assert_eq!((graphic.first, graphic.last), (0, 1));
-    let held = world.screen.iter().filter(|(_, at)| graphic.pixel_box.contains(*at)).count();
-    assert!(held == 40 && graphic.pixel_box.width < 310.0 && graphic.pixel_box.height < 70.0, "{graphic:?}");
+    let held = world
+        .screen
+        .iter()
+        .filter(|(_, at)| graphic.pixel_box.contains(*at))
+        .count();
+    assert!(
+        held == 40 && graphic.pixel_box.width < 310.0 && graphic.pixel_box.height < 70.0,
+        "{graphic:?}"
+    );
 }
 
 #[test]
@@ -89,7 +133,14 @@ fn a_still_camera_is_no_graphic() {
     // Again with noise, and moved by a few px: the picture as a whole hardly moved.
     for moved_deg in [0.0, 0.02, 0.1, 0.2] {
         let pictures = [once.clone(), world.seen(2.0 + moved_deg, true, &mut rng)];
-        assert_eq!(found(&pictures), BurntIn { features: vec![vec![], vec![]], graphics: vec![] }, "{moved_deg}°");
+        assert_eq!(
+            found(&pictures),
+            BurntIn {
+                features: vec![vec![], vec![]],
+                graphics: vec![]
+            },
+            "{moved_deg}°"
+        );
     }
 }
 
@@ -98,12 +149,29 @@ fn pictures_that_tell_nothing_give_nothing() {
     let mut rng = rng("pictures_that_tell_nothing_give_nothing");
     let world = World::new(&mut rng);
     let one = world.seen(0.0, true, &mut rng);
-    let empty = Features { image_size: SIZE, ..Features::default() };
-    let other_size = Features { image_size: ImageSize::new(1920, 1080), ..world.seen(12.0, true, &mut rng) };
-    let unmasked = [-8.0, 0.0, 7.0].map(|pan_deg| world.seen(pan_deg, false, &mut rng)).to_vec();
-    for pictures in [vec![], vec![one.clone()], vec![one.clone(), empty], vec![one, other_size], unmasked] {
+    let empty = Features {
+        image_size: SIZE,
+        ..Features::default()
+    };
+    let other_size = Features {
+        image_size: ImageSize::new(1920, 1080),
+        ..world.seen(12.0, true, &mut rng)
+    };
+    let unmasked = [-8.0, 0.0, 7.0]
+        .map(|pan_deg| world.seen(pan_deg, false, &mut rng))
+        .to_vec();
+    for pictures in [
+        vec![],
+        vec![one.clone()],
+        vec![one.clone(), empty],
+        vec![one, other_size],
+        unmasked,
+    ] {
         let found = found(&pictures);
-        assert!(found.graphics.is_empty() && found.features.iter().all(Vec::is_empty), "{found:?}");
+        assert!(
+            found.graphics.is_empty() && found.features.iter().all(Vec::is_empty),
+            "{found:?}"
+        );
         assert_eq!(found.features.len(), pictures.len());
     }
 }
@@ -112,12 +180,19 @@ fn pictures_that_tell_nothing_give_nothing() {
 fn a_graphic_has_the_pictures_that_show_it() {
     let mut rng = rng("a_graphic_has_the_pictures_that_show_it");
     let world = World::new(&mut rng);
-    let pictures: Vec<Features> =
-        (0..8).map(|i| world.seen(7.0 * f64::from(i) - 25.0, (2..6).contains(&i), &mut rng)).collect();
+    let pictures: Vec<Features> = (0..8)
+        .map(|i| world.seen(7.0 * f64::from(i) - 25.0, (2..6).contains(&i), &mut rng))
+        .collect();
     let found = found(&pictures);
-    let [graphic] = &found.graphics[..] else { panic!("{:?}", found.graphics) };
+    let [graphic] = &found.graphics[..] else {
+        panic!("{:?}", found.graphics)
+    };
     assert_eq!((graphic.first, graphic.last), (2, 5));
-    let with: Vec<bool> = found.features.iter().map(|burnt| burnt.len() >= 30).collect();
+    let with: Vec<bool> = found
+        .features
+        .iter()
+        .map(|burnt| burnt.len() >= 30)
+        .collect();
     assert_eq!(with, [false, false, true, true, true, true, false, false]);
 }
 
@@ -140,12 +215,20 @@ mod drawn {
     use touchline_vision::features::{FeatureOptions, Features, burnt_in, extract};
     use touchline_vision::media::Picture;
     use touchline_vision::relocalize::{
-        Forest, NotFound, Pose, RelocalizeOptions, Samples, SeenRange, TrainOptions, relocalize, train,
+        Forest, NotFound, Pose, RelocalizeOptions, Samples, SeenRange, TrainOptions, relocalize,
+        train,
     };
-    use touchline_vision::synthetic::{FrameOptions, Graphics, Preset, Stadium, StadiumOptions, stadium};
+    use touchline_vision::synthetic::{
+        FrameOptions, Graphics, Preset, Stadium, StadiumOptions, stadium,
+    };
 
     const SIZE: ImageSize = ImageSize::new(640, 360);
-    const ALL: Graphics = Graphics { score_bug: true, lower_third: true, watermark: true, ..Graphics::NONE };
+    const ALL: Graphics = Graphics {
+        score_bug: true,
+        lower_third: true,
+        watermark: true,
+        ..Graphics::NONE
+    };
 
     struct Match {
         scene: Stadium,
@@ -157,7 +240,10 @@ mod drawn {
             let template = builtin("soccer").unwrap();
             let field = template.model(&template.default_params(), 0.0).unwrap();
             let scene = stadium(&StadiumOptions::new(field, 7));
-            Self { scene, base: Preset::Easy.shoot().main_camera(SIZE) }
+            Self {
+                scene,
+                base: Preset::Easy.shoot().main_camera(SIZE),
+            }
         }
 
         fn camera(&self, pan_deg: f64) -> PtzCamera {
@@ -165,18 +251,40 @@ mod drawn {
         }
 
         fn features(&self, pan_deg: f64, time_s: f64, graphics: Graphics) -> Features {
-            let options = FrameOptions { time_s, graphics, ..FrameOptions::default() };
-            let drawn = self.scene.render(&self.camera(pan_deg), SIZE, &options).image;
-            let rgba: Vec<u8> = drawn.pixels().flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
-            extract(&Picture::new(SIZE, rgba).unwrap(), &[], &FeatureOptions::default()).unwrap()
+            let options = FrameOptions {
+                time_s,
+                graphics,
+                ..FrameOptions::default()
+            };
+            let drawn = self
+                .scene
+                .render(&self.camera(pan_deg), SIZE, &options)
+                .image;
+            let rgba: Vec<u8> = drawn
+                .pixels()
+                .flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255])
+                .collect();
+            extract(
+                &Picture::new(SIZE, rgba).unwrap(),
+                &[],
+                &FeatureOptions::default(),
+            )
+            .unwrap()
         }
 
-        /// A forest of references with all graphics; what is burnt in is used only if `with_graphics`.
+        /// A forest of references with all graphics; what is burnt in is used only if
+        /// `with_graphics`.
         fn forest(&self, pans_deg: &[f64], with_graphics: bool) -> (Forest, SeenRange) {
-            let cameras: Vec<PtzCamera> = pans_deg.iter().map(|&pan_deg| self.camera(pan_deg)).collect();
-            let pictures: Vec<Features> =
-                (0_u8..).zip(pans_deg).map(|(i, &pan_deg)| self.features(pan_deg, 3.0 * f64::from(i), ALL)).collect();
-            let mut burnt = burnt_in(&pictures.iter().collect::<Vec<_>>(), &|_, _, _| true).features;
+            let cameras: Vec<PtzCamera> = pans_deg
+                .iter()
+                .map(|&pan_deg| self.camera(pan_deg))
+                .collect();
+            let pictures: Vec<Features> = (0_u8..)
+                .zip(pans_deg)
+                .map(|(i, &pan_deg)| self.features(pan_deg, 3.0 * f64::from(i), ALL))
+                .collect();
+            let mut burnt =
+                burnt_in(&pictures.iter().collect::<Vec<_>>(), &|_, _, _| true).features;
             if with_graphics {
                 burnt.iter_mut().for_each(Vec::clear);
             }
@@ -184,16 +292,33 @@ mod drawn {
             for ((camera, features), burnt) in cameras.iter().zip(&pictures).zip(&burnt) {
                 let taught = (0..features.len()).filter(|feature| !burnt.contains(feature));
                 samples.add_frame(taught.map(|feature| {
-                    let ray = camera.ray_from_image(features.keypoints[feature].point).unwrap();
+                    let ray = camera
+                        .ray_from_image(features.keypoints[feature].point)
+                        .unwrap();
                     (features.descriptors[feature], ray)
                 }));
             }
-            let seen = SeenRange::of(&cameras.iter().map(PtzCamera::ptz).collect::<Vec<_>>()).unwrap();
-            (train(&samples, &TrainOptions::default(), &Progress::default()).unwrap(), seen)
+            let seen =
+                SeenRange::of(&cameras.iter().map(PtzCamera::ptz).collect::<Vec<_>>()).unwrap();
+            (
+                train(&samples, &TrainOptions::default(), &Progress::default()).unwrap(),
+                seen,
+            )
         }
 
-        fn answer(&self, asked: &Features, (forest, seen): (&Forest, &SeenRange)) -> Result<Pose, NotFound> {
-            relocalize(asked, forest, seen, &self.base, &RelocalizeOptions::default()).pose
+        fn answer(
+            &self,
+            asked: &Features,
+            (forest, seen): (&Forest, &SeenRange),
+        ) -> Result<Pose, NotFound> {
+            relocalize(
+                asked,
+                forest,
+                seen,
+                &self.base,
+                &RelocalizeOptions::default(),
+            )
+            .pose
         }
     }
 
@@ -207,18 +332,30 @@ mod drawn {
         let (forest, seen) = game.forest(&[-14.0], true);
         let elsewhere = game.features(30.0, 20.0, ALL);
         // The case is real: by its features alone the picture is sure to be the reference's.
-        let unchecked = SeenRange { cameras: Vec::new(), ..seen.clone() };
-        let deceived = game.answer(&elsewhere, (&forest, &unchecked)).expect("the graphics agree with each other");
-        assert!(off_deg(&deceived, -14.0) < 0.1 && deceived.confidence > 0.9, "{deceived:?}");
+        let unchecked = SeenRange {
+            cameras: Vec::new(),
+            ..seen.clone()
+        };
+        let deceived = game
+            .answer(&elsewhere, (&forest, &unchecked))
+            .expect("the graphics agree with each other");
+        assert!(
+            off_deg(&deceived, -14.0) < 0.1 && deceived.confidence > 0.9,
+            "{deceived:?}"
+        );
         let told = game.answer(&elsewhere, (&forest, &seen)).unwrap_err();
         assert!(matches!(told, NotFound::StandsStill { .. }), "{told}");
         // Where the stadium can be seen it answers, however many features stand still.
         for pan_deg in [-18.0, -10.0] {
-            let found = game.answer(&game.features(pan_deg, 9.0, ALL), (&forest, &seen)).unwrap();
+            let found = game
+                .answer(&game.features(pan_deg, 9.0, ALL), (&forest, &seen))
+                .unwrap();
             assert!(off_deg(&found, pan_deg) < 0.05, "{pan_deg}: {found:?}");
         }
         // The camera did not move: everything stands still, and nothing is dropped.
-        let found = game.answer(&game.features(-14.0, 9.0, ALL), (&forest, &seen)).unwrap();
+        let found = game
+            .answer(&game.features(-14.0, 9.0, ALL), (&forest, &seen))
+            .unwrap();
         assert!(off_deg(&found, -14.0) < 0.02, "{found:?}");
     }
 
@@ -227,16 +364,25 @@ mod drawn {
         let game = Match::new();
         let (taught, seen) = game.forest(&[-16.0, 4.0], false);
         let elsewhere = game.features(36.0, 20.0, ALL);
-        let unchecked = SeenRange { cameras: Vec::new(), ..seen.clone() };
-        assert!(game.answer(&elsewhere, (&taught, &unchecked)).is_err(), "nothing that stands still was learnt");
+        let unchecked = SeenRange {
+            cameras: Vec::new(),
+            ..seen.clone()
+        };
+        assert!(
+            game.answer(&elsewhere, (&taught, &unchecked)).is_err(),
+            "nothing that stands still was learnt"
+        );
         for pan_deg in [-20.0, -12.0, 1.0, 8.0] {
-            let found = game.answer(&game.features(pan_deg, 9.0, ALL), (&taught, &seen)).unwrap();
+            let found = game
+                .answer(&game.features(pan_deg, 9.0, ALL), (&taught, &seen))
+                .unwrap();
             assert!(off_deg(&found, pan_deg) < 0.05, "{pan_deg}: {found:?}");
         }
     }
 }
 
-/// Videos that are drawn frame by frame as they are asked for: what is found by itself, and from which frame to which.
+/// Videos that are drawn frame by frame as they are asked for: what is found by itself, and from
+/// which frame to which.
 #[cfg(feature = "opencv")]
 mod videos {
     use std::cell::Cell;
@@ -250,13 +396,17 @@ mod videos {
     use touchline_vision::features::FeatureOptions;
     use touchline_vision::media::{FrameRef, MediaError, Picture, ReadFrames};
     use touchline_vision::synthetic::{
-        FrameOptions, Graphics, PathStep, Preset, ShootOptions, Stadium, StadiumOptions, camera_path, stadium,
+        FrameOptions, Graphics, PathStep, Preset, ShootOptions, Stadium, StadiumOptions,
+        camera_path, stadium,
     };
 
     const SIZE: ImageSize = ImageSize::new(480, 270);
     const FRAMES: usize = 400;
     const FRAMES_PER_S: f64 = 12.5;
-    const BUG: Graphics = Graphics { score_bug: true, ..Graphics::NONE };
+    const BUG: Graphics = Graphics {
+        score_bug: true,
+        ..Graphics::NONE
+    };
 
     struct DrawnVideo {
         scene: Stadium,
@@ -271,11 +421,23 @@ mod videos {
         fn new(seed: u64, preset: Preset, graphics: Graphics) -> Self {
             let template = builtin("soccer").unwrap();
             let field = template.model(&template.default_params(), 0.0).unwrap();
-            let shoot = ShootOptions { step_s: 1.0 / FRAMES_PER_S, ..preset.shoot() };
-            let scene = stadium(&StadiumOptions { daylight: shoot.daylight, ..StadiumOptions::new(field, seed) });
+            let shoot = ShootOptions {
+                step_s: 1.0 / FRAMES_PER_S,
+                ..preset.shoot()
+            };
+            let scene = stadium(&StadiumOptions {
+                daylight: shoot.daylight,
+                ..StadiumOptions::new(field, seed)
+            });
             let base = shoot.main_camera(SIZE);
             let path = camera_path(&scene, &base, SIZE, &shoot, FRAMES);
-            Self { scene, base, path, graphics, read: Cell::new(0) }
+            Self {
+                scene,
+                base,
+                path,
+                graphics,
+                read: Cell::new(0),
+            }
         }
 
         /// Makes it one of a few frames in which the camera turns by this much in all.
@@ -284,7 +446,10 @@ mod videos {
             self.path.truncate(frames);
             for (index, step) in self.path.iter_mut().enumerate() {
                 let share = index as f64 / (frames - 1) as f64;
-                let (pan, tilt) = (start.pan.degrees() + share * pan_deg, start.tilt.degrees() + share * tilt_deg);
+                let (pan, tilt) = (
+                    start.pan.degrees() + share * pan_deg,
+                    start.tilt.degrees() + share * tilt_deg,
+                );
                 step.ptz = Ptz::from_degrees(pan, tilt, focal_px);
             }
         }
@@ -298,71 +463,121 @@ mod videos {
             let camera = document.cameras[0].id.clone();
             for index in 0..self.path.len() as u64 {
                 let video = VideoFrame::new("match.mp4", index, Some(index as f64 / FRAMES_PER_S));
-                document.frames.push(Frame::from_video(video, camera.clone(), SIZE).into());
+                document
+                    .frames
+                    .push(Frame::from_video(video, camera.clone(), SIZE).into());
             }
             let store = FeatureStore::in_memory();
             let folder = Path::new("nowhere");
-            let pictures =
-                FramePictures { document: &document, folder, options: FeatureOptions::default(), store: &store };
+            let pictures = FramePictures {
+                document: &document,
+                folder,
+                options: FeatureOptions::default(),
+                store: &store,
+            };
             find_burnt_in(&pictures, self, &Progress::default()).unwrap()
         }
     }
 
     impl ReadFrames for DrawnVideo {
         fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
-            let FrameRef::Video { index, .. } = frame else { panic!("{frame} is of no video") };
+            let FrameRef::Video { index, .. } = frame else {
+                panic!("{frame} is of no video")
+            };
             self.read.set(self.read.get() + 1);
             let step = &self.path[*index];
-            let options = FrameOptions { time_s: step.time_s, graphics: self.graphics, ..FrameOptions::default() };
-            let drawn = self.scene.render(&PtzCamera::new(self.base, step.ptz), SIZE, &options).image;
-            let rgba: Vec<u8> = drawn.pixels().flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
+            let options = FrameOptions {
+                time_s: step.time_s,
+                graphics: self.graphics,
+                ..FrameOptions::default()
+            };
+            let drawn = self
+                .scene
+                .render(&PtzCamera::new(self.base, step.ptz), SIZE, &options)
+                .image;
+            let rgba: Vec<u8> = drawn
+                .pixels()
+                .flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255])
+                .collect();
             Ok(Picture::new(SIZE, rgba).unwrap())
         }
     }
 
     /// The share of a box that another covers.
     fn covered(of: &PixelBox, by: &PixelBox) -> f64 {
-        let along =
-            |a: f64, a_length: f64, b: f64, b_length: f64| ((a + a_length).min(b + b_length) - a.max(b)).max(0.0);
-        along(of.x, of.width, by.x, by.width) * along(of.y, of.height, by.y, by.height) / (of.width * of.height)
+        let along = |a: f64, a_length: f64, b: f64, b_length: f64| {
+            ((a + a_length).min(b + b_length) - a.max(b)).max(0.0)
+        };
+        along(of.x, of.width, by.x, by.width) * along(of.y, of.height, by.y, by.height)
+            / (of.width * of.height)
     }
 
     #[test]
     fn a_banner_for_a_while_and_a_faint_watermark_are_found() {
         let at_s = |frame: f64| frame / FRAMES_PER_S;
-        let graphics =
-            Graphics { watermark: true, watermark_share: 0.15, ticker_s: Some([at_s(100.0), at_s(200.0)]), ..BUG };
+        let graphics = Graphics {
+            watermark: true,
+            watermark_share: 0.15,
+            ticker_s: Some([at_s(100.0), at_s(200.0)]),
+            ..BUG
+        };
         let mut video = DrawnVideo::new(5, Preset::Paper, graphics);
         let found = video.found();
         let truth = graphics.boxes(SIZE, at_s(150.0));
         let masks: Vec<PixelBox> = found.iter().map(|found| found.mask.pixel_box).collect();
         for mask in &masks {
-            assert!(truth.iter().any(|of| covered(mask, of) >= 0.5), "{mask:?} is no graphic");
+            assert!(
+                truth.iter().any(|of| covered(mask, of) >= 0.5),
+                "{mask:?} is no graphic"
+            );
         }
-        let of = |truth: PixelBox| found.iter().filter(move |found| covered(&found.mask.pixel_box, &truth) >= 0.5);
+        let of = |truth: PixelBox| {
+            found
+                .iter()
+                .filter(move |found| covered(&found.mask.pixel_box, &truth) >= 0.5)
+        };
         for (&truth, ranged) in truth.iter().zip([false, false, true]) {
-            let covered: f64 = of(truth).map(|mask| covered(&truth, &mask.mask.pixel_box)).sum();
+            let covered: f64 = of(truth)
+                .map(|mask| covered(&truth, &mask.mask.pixel_box))
+                .sum();
             // Of a banner that few views show only what stands is found: its text moves.
             let least = if ranged { 0.25 } else { 0.6 };
             assert!(covered > least, "{covered} of {truth:?} in {found:?}");
-            assert!(of(truth).all(|mask| (mask.mask.from.is_some() && mask.mask.to.is_some()) == ranged), "{found:?}");
+            assert!(
+                of(truth)
+                    .all(|mask| (mask.mask.from.is_some() && mask.mask.to.is_some()) == ranged),
+                "{found:?}"
+            );
         }
         // Half a second to slide in, and out.
         let banner = of(truth[2]).next().unwrap();
         let (from, to) = (banner.mask.from.unwrap(), banner.mask.to.unwrap());
-        assert!((100..=107).contains(&from) && (193..=200).contains(&to), "{from} to {to}");
-        assert!(video.read.get() < 85, "{} pictures were read", video.read.get());
+        assert!(
+            (100..=107).contains(&from) && (193..=200).contains(&to),
+            "{from} to {to}"
+        );
+        assert!(
+            video.read.get() < 85,
+            "{} pictures were read",
+            video.read.get()
+        );
     }
 
     #[test]
     fn a_camera_that_stands_nearly_still_tells_nothing() {
-        for (turn_deg, focal_px) in [([1.0, 0.0], 425.0), ([0.0, 1.0], 500.0), ([2.0, 0.3], 500.0)] {
+        for (turn_deg, focal_px) in [
+            ([1.0, 0.0], 425.0),
+            ([0.0, 1.0], 500.0),
+            ([2.0, 0.3], 500.0),
+        ] {
             for graphics in [Graphics::NONE, BUG] {
                 let mut video = DrawnVideo::new(1, Preset::Paper, graphics);
                 video.turn_slowly(30, turn_deg, focal_px);
                 for found in video.found() {
                     let truth = graphics.boxes(SIZE, 0.0);
-                    let is_one = truth.iter().any(|of| covered(&found.mask.pixel_box, of) >= 0.5);
+                    let is_one = truth
+                        .iter()
+                        .any(|of| covered(&found.mask.pixel_box, of) >= 0.5);
                     assert!(is_one, "{turn_deg:?}°: {found:?} is no graphic");
                 }
             }

@@ -5,7 +5,8 @@ use crate::geometry::rotation::{q_pan, rotation_vector};
 use crate::geometry::{Angle, ImagePoint, Mat3, Vec3};
 use serde::Serialize;
 
-/// The parameters of a fixed camera that all its frames share (C and S in section 3.1 of the paper).
+/// The parameters of a fixed camera that all its frames share (C and S in section 3.1 of the
+/// paper).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CameraBase {
     /// C: the centre of projection in `world`, m.
@@ -25,7 +26,8 @@ pub struct CameraBase {
 /// A base rotation as heading, pitch and roll.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BaseAngles {
-    /// Where the base's z axis points seen from above; 0 is world +y, positive towards +x (clockwise).
+    /// Where the base's z axis points seen from above; 0 is world +y, positive towards +x
+    /// (clockwise).
     pub heading: Angle,
     /// How far the base's z axis points above the horizon.
     pub pitch: Angle,
@@ -34,7 +36,8 @@ pub struct BaseAngles {
 }
 
 impl BaseAngles {
-    /// The rotation `base_from_world` of these angles: roll · pitch · heading · level-looking-along-+y.
+    /// The rotation `base_from_world` of these angles: roll · pitch · heading ·
+    /// level-looking-along-+y.
     #[must_use]
     pub fn base_from_world(self) -> Mat3 {
         use crate::geometry::rotation::q_tilt;
@@ -47,11 +50,24 @@ impl BaseAngles {
     pub fn from_base_from_world(base_from_world: &Mat3) -> Self {
         let forward = base_from_world.row(2).transpose();
         let horizontal = forward.x.hypot(forward.y);
-        let heading = if horizontal < 1e-12 { Angle::ZERO } else { Angle::from_radians(forward.x.atan2(forward.y)) };
+        let heading = if horizontal < 1e-12 {
+            Angle::ZERO
+        } else {
+            Angle::from_radians(forward.x.atan2(forward.y))
+        };
         let pitch = Angle::from_radians(forward.z.atan2(horizontal));
-        let without_roll = Self { heading, pitch, roll: Angle::ZERO }.base_from_world();
+        let without_roll = Self {
+            heading,
+            pitch,
+            roll: Angle::ZERO,
+        }
+        .base_from_world();
         let roll_only = base_from_world * without_roll.transpose();
-        Self { heading, pitch, roll: Angle::from_radians(roll_only[(0, 1)].atan2(roll_only[(0, 0)])) }
+        Self {
+            heading,
+            pitch,
+            roll: Angle::from_radians(roll_only[(0, 1)].atan2(roll_only[(0, 0)])),
+        }
     }
 }
 
@@ -65,13 +81,23 @@ impl CameraBase {
     /// A base that is exactly known, without distortion.
     #[must_use]
     pub fn new(position_m: Vec3, base_from_world: Mat3, principal_point: ImagePoint) -> Self {
-        Self { position_m, base_from_world, principal_point, distortion: FocalCurve::NONE, sigma: BaseSigma::default() }
+        Self {
+            position_m,
+            base_from_world,
+            principal_point,
+            distortion: FocalCurve::NONE,
+            sigma: BaseSigma::default(),
+        }
     }
 
-    /// The same lens at the origin of the world with an identity rotation, exactly known: it sees rays in `base`.
+    /// The same lens at the origin of the world with an identity rotation, exactly known: it sees
+    /// rays in `base`.
     #[must_use]
     pub fn at_origin(&self) -> Self {
-        Self { distortion: self.distortion, ..Self::new(Vec3::zeros(), Mat3::identity(), self.principal_point) }
+        Self {
+            distortion: self.distortion,
+            ..Self::new(Vec3::zeros(), Mat3::identity(), self.principal_point)
+        }
     }
 
     /// The direction from the camera to a world point, in `base`, not normalised (m).
@@ -83,7 +109,10 @@ impl CameraBase {
     /// Every entry is a number.
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        self.position_m.iter().chain(self.base_from_world.iter()).all(|x| x.is_finite())
+        self.position_m
+            .iter()
+            .chain(self.base_from_world.iter())
+            .all(|x| x.is_finite())
             && self.principal_point.is_finite()
             && self.distortion.is_finite()
     }
@@ -94,19 +123,23 @@ impl CameraBase {
         BaseAngles::from_base_from_world(&self.base_from_world)
     }
 
-    /// The same base in the pan gauge of the conventions (at pan 0 it looks, seen from above, along world +y) and the
-    /// angle to add to every pan of frames solved with the old one.
+    /// The same base in the pan gauge of the conventions (at pan 0 it looks, seen from above, along
+    /// world +y) and the angle to add to every pan of frames solved with the old one.
     #[must_use]
     pub fn in_pan_gauge(&self) -> (Self, Angle) {
         let forward = self.base_from_world.row(2).transpose();
         let right = self.base_from_world.row(0).transpose();
-        // A pan of δ turns the forward axis to sin δ · right + cos δ · forward: pick δ so that its world x vanishes.
+        // A pan of δ turns the forward axis to sin δ · right + cos δ · forward: pick δ so that its
+        // world x vanishes.
         let mut delta = Angle::from_radians((-forward.x).atan2(right.x));
         let turned = q_pan(delta) * self.base_from_world;
         if turned[(2, 1)] < 0.0 {
             delta = (delta + Angle::from_degrees(180.0)).wrapped();
         }
-        let base = Self { base_from_world: q_pan(delta) * self.base_from_world, ..*self };
+        let base = Self {
+            base_from_world: q_pan(delta) * self.base_from_world,
+            ..*self
+        };
         (base, -delta)
     }
 
@@ -131,15 +164,28 @@ mod tests {
                 roll: Angle::from_degrees(roll),
             };
             let again = BaseAngles::from_base_from_world(&angles.base_from_world());
-            for (got, want) in [(again.heading, heading), (again.pitch, pitch), (again.roll, roll)] {
-                assert!((got.degrees() - want).abs() < 1e-9, "{again:?} for {angles:?}");
+            for (got, want) in [
+                (again.heading, heading),
+                (again.pitch, pitch),
+                (again.roll, roll),
+            ] {
+                assert!(
+                    (got.degrees() - want).abs() < 1e-9,
+                    "{again:?} for {angles:?}"
+                );
             }
         }
-        let right_and_down =
-            BaseAngles { heading: Angle::from_degrees(90.0), pitch: Angle::from_degrees(-10.0), roll: Angle::ZERO };
+        let right_and_down = BaseAngles {
+            heading: Angle::from_degrees(90.0),
+            pitch: Angle::from_degrees(-10.0),
+            roll: Angle::ZERO,
+        };
         let forward = right_and_down.base_from_world().row(2).transpose();
         assert!(forward.x > 0.98 && forward.z < -0.17);
-        let leaning = BaseAngles { roll: Angle::from_degrees(5.0), ..BaseAngles::default() };
+        let leaning = BaseAngles {
+            roll: Angle::from_degrees(5.0),
+            ..BaseAngles::default()
+        };
         let right = leaning.base_from_world().row(0).transpose();
         assert!(right.z < 0.0, "leaning right lowers the right-hand side");
     }
@@ -148,8 +194,16 @@ mod tests {
     fn the_pan_gauge_changes_no_picture() {
         let tilted = q_tilt(Angle::from_degrees(2.0))
             * q_pan(Angle::from_degrees(-100.0))
-            * BaseAngles { roll: Angle::from_degrees(1.0), ..BaseAngles::default() }.base_from_world();
-        let base = CameraBase::new(Vec3::new(1.0, -60.0, 15.0), tilted, ImagePoint::new(640.0, 360.0));
+            * BaseAngles {
+                roll: Angle::from_degrees(1.0),
+                ..BaseAngles::default()
+            }
+            .base_from_world();
+        let base = CameraBase::new(
+            Vec3::new(1.0, -60.0, 15.0),
+            tilted,
+            ImagePoint::new(640.0, 360.0),
+        );
         let (gauged, added) = base.in_pan_gauge();
         let forward = gauged.base_from_world.row(2).transpose();
         assert!(forward.x.abs() < 1e-12 && forward.y > 0.0);

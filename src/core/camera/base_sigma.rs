@@ -1,17 +1,19 @@
 //! How well what all frames of a camera share is known, and how its errors go together.
 //!
-//! Position, rotation, lens, crown of the pitch and principal point are found in one adjustment, and their errors make up for each
-//! other: a camera that is taken to stand too far off is taken to look too steeply as well, and its pictures hardly show either. So the
-//! errors have one joint covariance, and it is only ever changed as a whole. Raising the σ of one number and leaving its correlations
-//! adds what used to cancel.
+//! Position, rotation, lens, crown of the pitch and principal point are found in one adjustment,
+//! and their errors make up for each other: a camera that is taken to stand too far off is taken to
+//! look too steeply as well, and its pictures hardly show either. So the errors have one joint
+//! covariance, and it is only ever changed as a whole. Raising the σ of one number and leaving its
+//! correlations adds what used to cancel.
 
 use crate::geometry::{Vec2, Vec3};
 use nalgebra::{DMatrix, Matrix3, SMatrix, SVector};
 use serde::Serialize;
 
-/// How many numbers the frames of a camera share: position along `world` x, y, z (m), rotation about `world` x and y (rad), k₁ at the
-/// curve's focal length, its slope per 1000 px, the height of the pitch's crown (m), the principal point (px). This is the order of
-/// every matrix and vector of them. Rotation about z is the pan gauge and no error.
+/// How many numbers the frames of a camera share: position along `world` x, y, z (m), rotation
+/// about `world` x and y (rad), k₁ at the curve's focal length, its slope per 1000 px, the height
+/// of the pitch's crown (m), the principal point (px). This is the order of every matrix and vector
+/// of them. Rotation about z is the pan gauge and no error.
 pub const SHARED_PARAMETERS: usize = 10;
 
 /// A covariance of the shared parameters.
@@ -20,7 +22,8 @@ pub type SharedCovariance = SMatrix<f64, SHARED_PARAMETERS, SHARED_PARAMETERS>;
 /// One error of the shared parameters.
 pub type SharedError = SVector<f64, SHARED_PARAMETERS>;
 
-/// How the shared parameters enter a projection: the same with rotation about z behind the two others, as [`BaseSigma::root`] has them.
+/// How the shared parameters enter a projection: the same with rotation about z behind the two
+/// others, as [`BaseSigma::root`] has them.
 pub(crate) const SHARED_COLUMNS: usize = SHARED_PARAMETERS + 1;
 
 /// The column of the rotation about z among them.
@@ -51,7 +54,8 @@ pub struct BaseSigma {
     pub correlation: BaseCorrelation,
 }
 
-/// The correlations between the errors of the shared parameters, in the order of [`SHARED_PARAMETERS`].
+/// The correlations between the errors of the shared parameters, in the order of
+/// [`SHARED_PARAMETERS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaseCorrelation {
     /// Below the diagonal, row by row.
@@ -61,13 +65,20 @@ pub struct BaseCorrelation {
 const BELOW_DIAGONAL: usize = SHARED_PARAMETERS * (SHARED_PARAMETERS - 1) / 2;
 
 impl BaseSigma {
-    /// From a joint covariance of the shared parameters; `crown_width_m` is the width of the pitch whose crown is among them.
+    /// From a joint covariance of the shared parameters; `crown_width_m` is the width of the pitch
+    /// whose crown is among them.
     #[must_use]
     pub fn from_covariance(covariance: &SharedCovariance, crown_width_m: f64) -> Self {
-        let deviation = covariance.diagonal().map(|variance| variance.max(0.0).sqrt());
+        let deviation = covariance
+            .diagonal()
+            .map(|variance| variance.max(0.0).sqrt());
         let share = |row: usize, column: usize| {
             let share = covariance[(row, column)] / (deviation[row] * deviation[column]);
-            if share.is_finite() { share.clamp(-1.0, 1.0) } else { 0.0 }
+            if share.is_finite() {
+                share.clamp(-1.0, 1.0)
+            } else {
+                0.0
+            }
         };
         Self {
             position_m: deviation.fixed_rows::<3>(0).into_owned(),
@@ -77,7 +88,9 @@ impl BaseSigma {
             crown_m: deviation[7],
             crown_width_m,
             principal_point_px: deviation.fixed_rows::<2>(8).into_owned(),
-            correlation: BaseCorrelation { below_diagonal: below_diagonal(share) },
+            correlation: BaseCorrelation {
+                below_diagonal: below_diagonal(share),
+            },
         }
     }
 
@@ -100,16 +113,37 @@ impl BaseSigma {
 
     /// 1-σ of each shared parameter.
     fn deviations(&self) -> SharedError {
-        let Self { position_m, rotation, k1, k1_per_1000_px, crown_m, principal_point_px, .. } = self;
-        let lens = [*k1, *k1_per_1000_px, *crown_m, principal_point_px.x, principal_point_px.y];
-        let values = position_m.iter().copied().chain([rotation.x, rotation.y]).chain(lens);
+        let Self {
+            position_m,
+            rotation,
+            k1,
+            k1_per_1000_px,
+            crown_m,
+            principal_point_px,
+            ..
+        } = self;
+        let lens = [
+            *k1,
+            *k1_per_1000_px,
+            *crown_m,
+            principal_point_px.x,
+            principal_point_px.y,
+        ];
+        let values = position_m
+            .iter()
+            .copied()
+            .chain([rotation.x, rotation.y])
+            .chain(lens);
         SharedError::from_iterator(values)
     }
 
     /// Whether lens, crown and principal point are taken as exact.
     #[must_use]
     pub fn is_of_pose_alone(&self) -> bool {
-        self.deviations().iter().skip(GAUGE).all(|deviation| *deviation == 0.0)
+        self.deviations()
+            .iter()
+            .skip(GAUGE)
+            .all(|deviation| *deviation == 0.0)
     }
 
     /// The same with one more error, which goes with no other.
@@ -125,8 +159,9 @@ impl BaseSigma {
         changed
     }
 
-    /// The error of all shared parameters that is most likely beside an error of the position (m): rotation and lens follow the
-    /// position as they are correlated with it. Only the position's own where it is exactly known.
+    /// The error of all shared parameters that is most likely beside an error of the position (m):
+    /// rotation and lens follow the position as they are correlated with it. Only the position's
+    /// own where it is exactly known.
     #[must_use]
     pub fn following_position(&self, error_m: Vec3) -> SharedError {
         let covariance = self.covariance();
@@ -145,8 +180,9 @@ impl BaseSigma {
         error
     }
 
-    /// The same with a position that is known no better than to `least_m` along the direction in which it is known worst, everything
-    /// else following: what errs alike in all frames errs where the frames hold it least.
+    /// The same with a position that is known no better than to `least_m` along the direction in
+    /// which it is known worst, everything else following: what errs alike in all frames errs where
+    /// the frames hold it least.
     #[must_use]
     pub fn with_position_error_of(&self, least_m: f64) -> Self {
         let of_position: Matrix3<f64> = self.covariance().fixed_view::<3, 3>(0, 0).into_owned();
@@ -163,14 +199,19 @@ impl BaseSigma {
         self.with_error(&self.following_position(along_m))
     }
 
-    /// The smallest covariance that is at least this one and at least `other` in every direction: each direction that `other` makes
-    /// worse is raised to it, with all correlations. `other` counts among the parameters that are uncertain here.
+    /// The smallest covariance that is at least this one and at least `other` in every direction:
+    /// each direction that `other` makes worse is raised to it, with all correlations. `other`
+    /// counts among the parameters that are uncertain here.
     #[must_use]
     pub fn covering(&self, other: &SharedCovariance) -> Self {
         let mut covariance = self.covariance();
-        let uncertain: Vec<usize> = (0..SHARED_PARAMETERS).filter(|at| covariance[(*at, *at)] > 0.0).collect();
+        let uncertain: Vec<usize> = (0..SHARED_PARAMETERS)
+            .filter(|at| covariance[(*at, *at)] > 0.0)
+            .collect();
         let part = |of: &SharedCovariance| {
-            DMatrix::from_fn(uncertain.len(), uncertain.len(), |row, column| of[(uncertain[row], uncertain[column])])
+            DMatrix::from_fn(uncertain.len(), uncertain.len(), |row, column| {
+                of[(uncertain[row], uncertain[column])]
+            })
         };
         let (own, other) = (part(&covariance), part(other));
         let raised = raise_to(&own, &other).unwrap_or_else(|| &own + &other);
@@ -182,27 +223,40 @@ impl BaseSigma {
         self.with_covariance(&covariance)
     }
 
-    /// A lower triangular matrix L: L Lᵀ is the covariance of position (m), rotation as a vector in `world` (rad), k₁, its slope, crown
-    /// (m) and principal point (px).
+    /// A lower triangular matrix L: L Lᵀ is the covariance of position (m), rotation as a vector in
+    /// `world` (rad), k₁, its slope, crown (m) and principal point (px).
     #[must_use]
     pub(crate) fn root(&self) -> SMatrix<f64, SHARED_COLUMNS, SHARED_COLUMNS> {
         let (correlation, deviation) = (self.correlation.matrix(), self.deviations());
         let mut root = SMatrix::<f64, SHARED_COLUMNS, SHARED_COLUMNS>::zeros();
-        // Cholesky's factor of the correlations. Parameters that are known to go together leave nothing of their own: no division by it.
+        // Cholesky's factor of the correlations. Parameters that are known to go together leave
+        // nothing of their own: no division by it.
         for column in 0..SHARED_PARAMETERS {
-            let by_earlier = |row: usize, root: &SMatrix<f64, SHARED_COLUMNS, SHARED_COLUMNS>| -> f64 {
-                (0..column).map(|before| root[(place(row), place(before))] * root[(place(column), place(before))]).sum()
-            };
+            let by_earlier =
+                |row: usize, root: &SMatrix<f64, SHARED_COLUMNS, SHARED_COLUMNS>| -> f64 {
+                    (0..column)
+                        .map(|before| {
+                            root[(place(row), place(before))] * root[(place(column), place(before))]
+                        })
+                        .sum()
+                };
             let own = correlation[(column, column)] - by_earlier(column, &root);
             root[(place(column), place(column))] = own.max(0.0).sqrt();
             for row in column + 1..SHARED_PARAMETERS {
                 let shared = correlation[(row, column)] - by_earlier(row, &root);
-                root[(place(row), place(column))] = if own > 1e-12 { shared / own.sqrt() } else { 0.0 };
+                root[(place(row), place(column))] = if own > 1e-12 {
+                    shared / own.sqrt()
+                } else {
+                    0.0
+                };
             }
         }
         for (row, sigma) in deviation.iter().enumerate() {
             // What is not known at all is infinite where it counts, and nowhere else.
-            root.row_mut(place(row)).iter_mut().filter(|entry| **entry != 0.0).for_each(|entry| *entry *= sigma);
+            root.row_mut(place(row))
+                .iter_mut()
+                .filter(|entry| **entry != 0.0)
+                .for_each(|entry| *entry *= sigma);
         }
         root[(GAUGE, GAUGE)] = self.rotation.z;
         root
@@ -211,13 +265,19 @@ impl BaseSigma {
 
 /// Where a shared parameter stands in [`BaseSigma::root`].
 const fn place(parameter: usize) -> usize {
-    if parameter < GAUGE { parameter } else { parameter + 1 }
+    if parameter < GAUGE {
+        parameter
+    } else {
+        parameter + 1
+    }
 }
 
-/// The smallest covariance that is at least `own` and at least `other` in every direction: in the coordinates in which `own` is the
-/// identity, each eigenvalue of `other` above 1 takes the place of that 1. None where `own` has no Cholesky factor.
+/// The smallest covariance that is at least `own` and at least `other` in every direction: in the
+/// coordinates in which `own` is the identity, each eigenvalue of `other` above 1 takes the place
+/// of that 1. None where `own` has no Cholesky factor.
 fn raise_to(own: &DMatrix<f64>, other: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    // In units of each parameter's own σ, so that metres, radians and px do not spoil the factorisation.
+    // In units of each parameter's own σ, so that metres, radians and px do not spoil the
+    // factorisation.
     let sigmas = own.diagonal().map(f64::sqrt);
     let scale = DMatrix::from_diagonal(&sigmas.map(f64::recip));
     let factor = (&scale * own * &scale).cholesky()?.l();
@@ -225,10 +285,18 @@ fn raise_to(own: &DMatrix<f64>, other: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let eigen = (&inverse * other * inverse.transpose()).symmetric_eigen();
     let mut raised = own.clone();
     let back = DMatrix::from_diagonal(&sigmas) * factor * &eigen.eigenvectors;
-    for (column, value) in eigen.eigenvalues.iter().enumerate().filter(|(_, value)| **value > 1.0) {
+    for (column, value) in eigen
+        .eigenvalues
+        .iter()
+        .enumerate()
+        .filter(|(_, value)| **value > 1.0)
+    {
         raised += back.column(column) * back.column(column).transpose() * (value - 1.0);
     }
-    raised.iter().all(|value| value.is_finite()).then_some(raised)
+    raised
+        .iter()
+        .all(|value| value.is_finite())
+        .then_some(raised)
 }
 
 impl Default for BaseCorrelation {
@@ -239,24 +307,35 @@ impl Default for BaseCorrelation {
 
 impl BaseCorrelation {
     /// Errors that have nothing to do with each other.
-    pub const NONE: Self = Self { below_diagonal: [0.0; BELOW_DIAGONAL] };
+    pub const NONE: Self = Self {
+        below_diagonal: [0.0; BELOW_DIAGONAL],
+    };
 
-    /// From the rows of a correlation matrix of the shared parameters, or of the first five of them: position x, y, z and rotation
-    /// about x, y. None where it is no such matrix: not symmetric, with another diagonal than ones, or of errors that no numbers can
-    /// have together.
+    /// From the rows of a correlation matrix of the shared parameters, or of the first five of
+    /// them: position x, y, z and rotation about x, y. None where it is no such matrix: not
+    /// symmetric, with another diagonal than ones, or of errors that no numbers can have together.
     #[must_use]
     pub fn from_rows(rows: &[Vec<f64>]) -> Option<Self> {
         let size = rows.len();
-        if !(size == GAUGE || size == SHARED_PARAMETERS) || rows.iter().any(|row| row.len() != size) {
+        if !(size == GAUGE || size == SHARED_PARAMETERS) || rows.iter().any(|row| row.len() != size)
+        {
             return None;
         }
         let at = |row: usize, column: usize| {
             let inside = row < size && column < size;
-            if inside { rows[row][column] } else { f64::from(u8::from(row == column)) }
+            if inside {
+                rows[row][column]
+            } else {
+                f64::from(u8::from(row == column))
+            }
         };
-        let of_errors = Self { below_diagonal: below_diagonal(at) };
+        let of_errors = Self {
+            below_diagonal: below_diagonal(at),
+        };
         let stated = SharedCovariance::from_fn(at);
-        let is_one = (of_errors.matrix() - stated).iter().all(|off| off.abs() <= ROUNDING);
+        let is_one = (of_errors.matrix() - stated)
+            .iter()
+            .all(|off| off.abs() <= ROUNDING);
         let can_be = is_one && of_errors.matrix().symmetric_eigenvalues().min() >= -ROUNDING;
         can_be.then_some(of_errors)
     }
@@ -266,9 +345,19 @@ impl BaseCorrelation {
     pub fn rows(&self) -> Vec<Vec<f64>> {
         let matrix = self.matrix();
         let of_pose = GAUGE * (GAUGE - 1) / 2;
-        let is_of_pose_alone = self.below_diagonal.iter().skip(of_pose).all(|share| *share == 0.0);
-        let size = if is_of_pose_alone { GAUGE } else { SHARED_PARAMETERS };
-        (0..size).map(|row| (0..size).map(|column| matrix[(row, column)]).collect()).collect()
+        let is_of_pose_alone = self
+            .below_diagonal
+            .iter()
+            .skip(of_pose)
+            .all(|share| *share == 0.0);
+        let size = if is_of_pose_alone {
+            GAUGE
+        } else {
+            SHARED_PARAMETERS
+        };
+        (0..size)
+            .map(|row| (0..size).map(|column| matrix[(row, column)]).collect())
+            .collect()
     }
 
     /// The whole matrix.
@@ -276,7 +365,11 @@ impl BaseCorrelation {
     pub fn matrix(&self) -> SharedCovariance {
         SharedCovariance::from_fn(|row, column| {
             let (later, earlier) = (row.max(column), row.min(column));
-            if row == column { 1.0 } else { self.below_diagonal[later * (later - 1) / 2 + earlier] }
+            if row == column {
+                1.0
+            } else {
+                self.below_diagonal[later * (later - 1) / 2 + earlier]
+            }
         })
     }
 }
@@ -288,7 +381,8 @@ impl Serialize for BaseCorrelation {
 }
 
 fn below_diagonal(at: impl Fn(usize, usize) -> f64) -> [f64; BELOW_DIAGONAL] {
-    let mut places = (1..SHARED_PARAMETERS).flat_map(|row| (0..row).map(move |column| (row, column)));
+    let mut places =
+        (1..SHARED_PARAMETERS).flat_map(|row| (0..row).map(move |column| (row, column)));
     std::array::from_fn(|_| places.next().map_or(0.0, |(row, column)| at(row, column)))
 }
 
@@ -299,8 +393,11 @@ mod tests {
     const WIDTH_M: f64 = 68.0;
 
     fn covariance() -> SharedCovariance {
-        let mixed = SharedCovariance::from_fn(|row, column| ((3 * row + 5 * column + row * column) % 11) as f64 - 4.5);
-        let sigmas = SharedError::from_row_slice(&[0.1, 0.3, 0.2, 1e-3, 2e-3, 0.03, 0.05, 0.04, 12.0, 9.0]);
+        let mixed = SharedCovariance::from_fn(|row, column| {
+            ((3 * row + 5 * column + row * column) % 11) as f64 - 4.5
+        });
+        let sigmas =
+            SharedError::from_row_slice(&[0.1, 0.3, 0.2, 1e-3, 2e-3, 0.03, 0.05, 0.04, 12.0, 9.0]);
         let scale = SharedCovariance::from_diagonal(&sigmas);
         scale * (mixed * mixed.transpose() + SharedCovariance::identity()) * scale
     }
@@ -312,10 +409,15 @@ mod tests {
     }
 
     fn assert_alike(found: &SharedCovariance, expected: &SharedCovariance, what: &str) {
-        for (row, column) in (0..SHARED_PARAMETERS).flat_map(|row| (0..SHARED_PARAMETERS).map(move |it| (row, it))) {
+        for (row, column) in
+            (0..SHARED_PARAMETERS).flat_map(|row| (0..SHARED_PARAMETERS).map(move |it| (row, it)))
+        {
             let scale = (expected[(row, row)] * expected[(column, column)]).sqrt();
             let off = (found[(row, column)] - expected[(row, column)]).abs();
-            assert!(off < 1e-9 * scale, "{what} {row} {column}: {off} of {scale}");
+            assert!(
+                off < 1e-9 * scale,
+                "{what} {row} {column}: {off} of {scale}"
+            );
         }
     }
 
@@ -324,7 +426,11 @@ mod tests {
         let sigma = BaseSigma::from_covariance(&covariance(), WIDTH_M);
         assert_alike(&sigma.covariance(), &covariance(), "sigmas");
         assert_alike(&from_root(&sigma), &covariance(), "root");
-        assert_eq!(sigma.root().row(GAUGE).amax(), 0.0, "the pan gauge is exact");
+        assert_eq!(
+            sigma.root().row(GAUGE).amax(),
+            0.0,
+            "the pan gauge is exact"
+        );
     }
 
     #[test]
@@ -332,7 +438,11 @@ mod tests {
         let sigma = BaseSigma::from_covariance(&covariance(), WIDTH_M);
         let mut error = SharedError::zeros();
         (error[0], error[1], error[6]) = (0.6, -0.2, 0.1);
-        assert_alike(&sigma.with_error(&error).covariance(), &(covariance() + error * error.transpose()), "error");
+        assert_alike(
+            &sigma.with_error(&error).covariance(),
+            &(covariance() + error * error.transpose()),
+            "error",
+        );
         let unknown = SharedCovariance::from_diagonal_element(f64::INFINITY);
         let unknown = BaseSigma::from_covariance(&unknown, WIDTH_M).with_error(&error);
         assert_eq!(unknown.position_m.x, f64::INFINITY);
@@ -341,7 +451,8 @@ mod tests {
     #[test]
     fn rotation_and_lens_follow_an_error_of_the_position_as_they_go_with_it() {
         // One cause for all parameters: whoever knows the position's error knows the others'.
-        let cause = SharedError::from_row_slice(&[0.1, 0.4, -0.2, 1e-3, 2e-4, 0.02, 0.01, 0.03, 5.0, -3.0]);
+        let cause =
+            SharedError::from_row_slice(&[0.1, 0.4, -0.2, 1e-3, 2e-4, 0.02, 0.01, 0.03, 5.0, -3.0]);
         let noise = SharedCovariance::from_diagonal(&cause.map(|by| (1e-4 * by).powi(2)));
         let sigma = BaseSigma::from_covariance(&(cause * cause.transpose() + noise), WIDTH_M);
         let following = sigma.following_position(Vec3::new(0.2, 0.8, -0.4));
@@ -354,14 +465,24 @@ mod tests {
 
     #[test]
     fn the_position_is_made_uncertain_where_it_is_least_held_and_nowhere_else() {
-        let cause = SharedError::from_row_slice(&[0.0, 0.1, 0.0, 2e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        let rest = SharedError::from_row_slice(&[1e-3, 1e-3, 1e-3, 1e-6, 1e-5, 0.01, 0.01, 0.01, 1.0, 1.0]);
-        let covariance = cause * cause.transpose() + SharedCovariance::from_diagonal(&rest.component_mul(&rest));
+        let cause =
+            SharedError::from_row_slice(&[0.0, 0.1, 0.0, 2e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let rest = SharedError::from_row_slice(&[
+            1e-3, 1e-3, 1e-3, 1e-6, 1e-5, 0.01, 0.01, 0.01, 1.0, 1.0,
+        ]);
+        let covariance =
+            cause * cause.transpose() + SharedCovariance::from_diagonal(&rest.component_mul(&rest));
         let sigma = BaseSigma::from_covariance(&covariance, WIDTH_M);
         let wider = sigma.with_position_error_of(0.3);
-        assert!((wider.position_m.y - 0.3).abs() < 1e-6 && wider.position_m.x < 2e-3, "{wider:?}");
+        assert!(
+            (wider.position_m.y - 0.3).abs() < 1e-6 && wider.position_m.x < 2e-3,
+            "{wider:?}"
+        );
         // The view hardly changes: the rotation goes along.
-        assert!((wider.rotation.x / wider.position_m.y - 0.02).abs() < 1e-4, "{wider:?}");
+        assert!(
+            (wider.rotation.x / wider.position_m.y - 0.02).abs() < 1e-4,
+            "{wider:?}"
+        );
         assert!(wider.correlation.matrix()[(3, 1)] > 0.999, "{wider:?}");
         assert_eq!(sigma.with_position_error_of(0.05), sigma);
     }
@@ -369,16 +490,36 @@ mod tests {
     #[test]
     fn what_covers_two_covariances_is_at_least_each_and_no_more_than_their_sum() {
         let sigma = BaseSigma::from_covariance(&covariance(), WIDTH_M);
-        assert_alike(&sigma.covering(&(covariance() * 0.9)).covariance(), &covariance(), "smaller");
-        assert_alike(&sigma.covering(&(covariance() * 4.0)).covariance(), &(covariance() * 4.0), "larger");
-        let error = SharedError::from_row_slice(&[0.9, 0.4, -0.2, 1e-3, 2e-2, 0.2, 0.01, 0.03, 50.0, -3.0]);
+        assert_alike(
+            &sigma.covering(&(covariance() * 0.9)).covariance(),
+            &covariance(),
+            "smaller",
+        );
+        assert_alike(
+            &sigma.covering(&(covariance() * 4.0)).covariance(),
+            &(covariance() * 4.0),
+            "larger",
+        );
+        let error =
+            SharedError::from_row_slice(&[0.9, 0.4, -0.2, 1e-3, 2e-2, 0.2, 0.01, 0.03, 50.0, -3.0]);
         let other = error * error.transpose();
         let covering = sigma.covering(&other).covariance();
         let direction = covariance().try_inverse().unwrap() * error;
         let along = |of: &SharedCovariance| direction.dot(&(of * direction));
-        assert!((along(&covering) / along(&other) - 1.0).abs() < 1e-6, "{} {}", along(&covering), along(&other));
+        assert!(
+            (along(&covering) / along(&other) - 1.0).abs() < 1e-6,
+            "{} {}",
+            along(&covering),
+            along(&other)
+        );
         let sum = covariance() + other;
-        assert!(covering.diagonal().iter().zip(&sum.diagonal()).all(|(covering, sum)| covering <= sum));
+        assert!(
+            covering
+                .diagonal()
+                .iter()
+                .zip(&sum.diagonal())
+                .all(|(covering, sum)| covering <= sum)
+        );
     }
 
     #[test]
@@ -393,7 +534,8 @@ mod tests {
 
     #[test]
     fn errors_of_one_cause_have_a_root() {
-        let one = SharedError::from_row_slice(&[1.0, 2.0, 3.0, 0.1, -0.2, 0.3, 0.1, 0.2, 5.0, -7.0]);
+        let one =
+            SharedError::from_row_slice(&[1.0, 2.0, 3.0, 0.1, -0.2, 0.3, 0.1, 0.2, 5.0, -7.0]);
         let sigma = BaseSigma::from_covariance(&(one * one.transpose()), WIDTH_M);
         let found = from_root(&sigma);
         assert!((found - one * one.transpose()).amax() < 1e-9, "{found}");
@@ -401,8 +543,14 @@ mod tests {
 
     #[test]
     fn what_is_not_known_at_all_goes_with_nothing() {
-        let sigma = BaseSigma::from_covariance(&SharedCovariance::from_diagonal_element(f64::INFINITY), WIDTH_M);
-        assert_eq!((sigma.position_m.x, sigma.correlation), (f64::INFINITY, BaseCorrelation::NONE));
+        let sigma = BaseSigma::from_covariance(
+            &SharedCovariance::from_diagonal_element(f64::INFINITY),
+            WIDTH_M,
+        );
+        assert_eq!(
+            (sigma.position_m.x, sigma.correlation),
+            (f64::INFINITY, BaseCorrelation::NONE)
+        );
         assert_eq!(BaseSigma::default().root().amax(), 0.0);
     }
 
@@ -411,7 +559,10 @@ mod tests {
         let right = BaseSigma::from_covariance(&covariance(), WIDTH_M).correlation;
         assert_eq!(BaseCorrelation::from_rows(&right.rows()), Some(right));
         let unit: Vec<Vec<f64>> = BaseCorrelation::NONE.rows();
-        assert_eq!((unit.len(), BaseCorrelation::from_rows(&unit)), (5, Some(BaseCorrelation::NONE)));
+        assert_eq!(
+            (unit.len(), BaseCorrelation::from_rows(&unit)),
+            (5, Some(BaseCorrelation::NONE))
+        );
         let changed = |changes: &[(usize, usize, f64)]| {
             let mut rows = unit.clone();
             for (row, column, value) in changes {
@@ -420,9 +571,23 @@ mod tests {
             rows
         };
         let lopsided = changed(&[(0, 1, 0.5)]);
-        let impossible = changed(&[(0, 1, 0.9), (1, 0, 0.9), (1, 2, 0.9), (2, 1, 0.9), (0, 2, -0.9), (2, 0, -0.9)]);
+        let impossible = changed(&[
+            (0, 1, 0.9),
+            (1, 0, 0.9),
+            (1, 2, 0.9),
+            (2, 1, 0.9),
+            (0, 2, -0.9),
+            (2, 0, -0.9),
+        ]);
         let no_ones = changed(&[(2, 2, 2.0)]);
-        for wrong in [lopsided, impossible, no_ones, changed(&[(1, 1, f64::NAN)]), unit[..4].to_vec(), Vec::new()] {
+        for wrong in [
+            lopsided,
+            impossible,
+            no_ones,
+            changed(&[(1, 1, f64::NAN)]),
+            unit[..4].to_vec(),
+            Vec::new(),
+        ] {
             assert_eq!(BaseCorrelation::from_rows(&wrong), None, "{wrong:?}");
         }
     }

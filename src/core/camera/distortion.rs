@@ -1,18 +1,20 @@
 //! Radial distortion on normalised coordinates, and its inverse.
 //!
-//! Brown's model, the ideal point on the right: `x_d` = `x_n` (1 + k₁ r² + k₂ r⁴), r = |`x_n`|, as OpenCV has it. With a zoom
-//! lens k₁ depends on the focal length, so a camera has a curve instead of a number.
+//! Brown's model, the ideal point on the right: `x_d` = `x_n` (1 + k₁ r² + k₂ r⁴), r = |`x_n`|, as
+//! OpenCV has it. With a zoom lens k₁ depends on the focal length, so a camera has a curve instead
+//! of a number.
 //!
-//! With k₂ = 0 a barrel (k₁ < 0) folds: beyond some radius points move inwards again and have no image. k₂ = α k₁² has no
-//! fold where α > 9/20, since the derivative 1 + 3 u + 5 α u², u = k₁ r², then has no root. So such a lens needs no further
-//! parameter, and k₁ keeps its meaning.
+//! With k₂ = 0 a barrel (k₁ < 0) folds: beyond some radius points move inwards again and have no
+//! image. k₂ = α k₁² has no fold where α > 9/20, since the derivative 1 + 3 u + 5 α u², u = k₁ r²,
+//! then has no root. So such a lens needs no further parameter, and k₁ keeps its meaning.
 
 use crate::geometry::Vec2;
 use nalgebra::Matrix2;
 use serde::Serialize;
 use thiserror::Error;
 
-/// The lens as a function of the focal length: k₁ = value + `per_1000_px` · (f − `at_focal_px`) / 1000, and k₂ tied to it.
+/// The lens as a function of the focal length: k₁ = value + `per_1000_px` · (f − `at_focal_px`) /
+/// 1000, and k₂ tied to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FocalCurve {
     /// The focal length at which `value` holds, px.
@@ -38,14 +40,19 @@ impl FocalCurve {
     /// No distortion.
     pub const NONE: Self = Self::constant(0.0);
 
-    /// α of the lens without a fold: the division model `x_n` = `x_d` / (1 + λ `r_d`²) (Fitzgibbon, CVPR 2001) as far as r⁴, with
-    /// λ = k₁. The derivative stays above 3/4.
+    /// α of the lens without a fold: the division model `x_n` = `x_d` / (1 + λ `r_d`²) (Fitzgibbon,
+    /// CVPR 2001) as far as r⁴, with λ = k₁. The derivative stays above 3/4.
     pub const WITHOUT_FOLD: f64 = 2.0;
 
     /// The same k₁ at every focal length.
     #[must_use]
     pub const fn constant(k1: f64) -> Self {
-        Self { at_focal_px: 0.0, value: k1, per_1000_px: 0.0, k2_per_k1_squared: 0.0 }
+        Self {
+            at_focal_px: 0.0,
+            value: k1,
+            per_1000_px: 0.0,
+            k2_per_k1_squared: 0.0,
+        }
     }
 
     /// The lens with these coefficients at every focal length; none where k₂ comes without k₁.
@@ -55,7 +62,10 @@ impl FocalCurve {
             return None;
         }
         let k2_per_k1_squared = if k2 == 0.0 { 0.0 } else { k2 / (k1 * k1) };
-        Some(Self { k2_per_k1_squared, ..Self::constant(k1) })
+        Some(Self {
+            k2_per_k1_squared,
+            ..Self::constant(k1)
+        })
     }
 
     /// k₁ at a focal length.
@@ -70,7 +80,10 @@ impl FocalCurve {
     #[must_use]
     pub fn radial_at(&self, focal_px: f64) -> Radial {
         let k1 = self.at(focal_px);
-        Radial { k1, k2: self.k2_per_k1_squared * k1 * k1 }
+        Radial {
+            k1,
+            k2: self.k2_per_k1_squared * k1 * k1,
+        }
     }
 
     /// How the stretch at an ideal radius (squared) changes with k₁, the k₂ tied to it included.
@@ -87,10 +100,12 @@ impl FocalCurve {
         self.per_1000_px / 1000.0
     }
 
-    /// The focal lengths at which an image point this far from the principal point (px) lies on the fold of the lens.
+    /// The focal lengths at which an image point this far from the principal point (px) lies on the
+    /// fold of the lens.
     ///
-    /// With u = k₁ r² of the ideal radius the fold is the first root of 1 + 3 u + 5 α u², and k₁ (r / f)² of the image point is
-    /// u (1 + u + α u²)² there (−4/27 where α is zero); with k₁ linear in f that is a quadratic in f.
+    /// With u = k₁ r² of the ideal radius the fold is the first root of 1 + 3 u + 5 α u², and k₁ (r
+    /// / f)² of the image point is u (1 + u + α u²)² there (−4/27 where α is zero); with k₁ linear
+    /// in f that is a quadratic in f.
     pub(crate) fn fold_focals(&self, radius_px: f64) -> impl Iterator<Item = f64> + use<> {
         let share = self.k2_per_k1_squared;
         let u = -2.0 / (3.0 + (9.0 - 20.0 * share).max(0.0).sqrt());
@@ -100,13 +115,22 @@ impl FocalCurve {
         let constant = squared * (self.value - self.slope_per_px() * self.at_focal_px);
         let root = (half * half - constant).max(0.0).sqrt();
         let exists = folds && half * half >= constant;
-        [-half - root, -half + root].into_iter().filter(move |focal| exists && *focal > 0.0)
+        [-half - root, -half + root]
+            .into_iter()
+            .filter(move |focal| exists && *focal > 0.0)
     }
 
     /// All of them are numbers.
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        [self.at_focal_px, self.value, self.per_1000_px, self.k2_per_k1_squared].iter().all(|x| x.is_finite())
+        [
+            self.at_focal_px,
+            self.value,
+            self.per_1000_px,
+            self.k2_per_k1_squared,
+        ]
+        .iter()
+        .all(|x| x.is_finite())
     }
 }
 
@@ -136,9 +160,17 @@ impl Radial {
     #[must_use]
     pub fn by_ideal(&self, ideal: Vec2) -> Matrix2<f64> {
         let squared = ideal.norm_squared();
-        let (stretch, along) = (self.stretch(squared), 2.0 * self.k1 + 4.0 * self.k2 * squared);
+        let (stretch, along) = (
+            self.stretch(squared),
+            2.0 * self.k1 + 4.0 * self.k2 * squared,
+        );
         let across = along * ideal.x * ideal.y;
-        Matrix2::new(stretch + along * ideal.x * ideal.x, across, across, stretch + along * ideal.y * ideal.y)
+        Matrix2::new(
+            stretch + along * ideal.x * ideal.x,
+            across,
+            across,
+            stretch + along * ideal.y * ideal.y,
+        )
     }
 
     /// Nothing is bent.
@@ -153,19 +185,28 @@ impl Radial {
         (self.k1 < 0.0 && self.k2 > 0.0).then(|| self.k1 / (-2.0 * self.k2))
     }
 
-    /// The largest ideal r² that has an image, where the slope vanishes first; infinite where it never does.
+    /// The largest ideal r² that has an image, where the slope vanishes first; infinite where it
+    /// never does.
     #[inline]
     #[must_use]
     pub fn fold_radius_squared(&self) -> f64 {
         if self.k2 == 0.0 {
-            return if self.k1 < 0.0 { -1.0 / (3.0 * self.k1) } else { f64::INFINITY };
+            return if self.k1 < 0.0 {
+                -1.0 / (3.0 * self.k1)
+            } else {
+                f64::INFINITY
+            };
         }
         let discriminant = 9.0 * self.k1 * self.k1 - 20.0 * self.k2;
         if discriminant < 0.0 {
             return f64::INFINITY;
         }
         let divisor = discriminant.sqrt() - 3.0 * self.k1;
-        if divisor > 0.0 { 2.0 / divisor } else { f64::INFINITY }
+        if divisor > 0.0 {
+            2.0 / divisor
+        } else {
+            f64::INFINITY
+        }
     }
 }
 
@@ -174,7 +215,9 @@ impl Radial {
 #[non_exhaustive]
 pub enum UndistortError {
     /// The lens model folds before it reaches this radius.
-    #[error("the distortion model (k1 = {k1}) folds at normalised radius {fold}, the point lies at {radius}")]
+    #[error(
+        "the distortion model (k1 = {k1}) folds at normalised radius {fold}, the point lies at {radius}"
+    )]
     BeyondFold {
         /// The coefficient.
         k1: f64,
@@ -206,13 +249,21 @@ pub fn undistort(distorted: Vec2, lens: Radial) -> Result<Vec2, UndistortError> 
         let fold = fold_squared.sqrt() * lens.stretch(fold_squared);
         let radius = radius_squared.sqrt();
         if radius >= fold {
-            return Err(UndistortError::BeyondFold { k1: lens.k1, fold, radius });
+            return Err(UndistortError::BeyondFold {
+                k1: lens.k1,
+                fold,
+                radius,
+            });
         }
         upper = (fold_squared / radius_squared).sqrt();
     }
-    // With s = r / r_d, w = k₁ r_d², v = k₂ r_d⁴: s + w s³ + v s⁵ = 1. It is monotonic up to the fold, but its slope may come
-    // near zero: Newton, held between what is too small and what is too large.
-    let (w, v) = (lens.k1 * radius_squared, lens.k2 * radius_squared * radius_squared);
+    // With s = r / r_d, w = k₁ r_d², v = k₂ r_d⁴: s + w s³ + v s⁵ = 1. It is monotonic up to the
+    // fold, but its slope may come near zero: Newton, held between what is too small and what is
+    // too large.
+    let (w, v) = (
+        lens.k1 * radius_squared,
+        lens.k2 * radius_squared * radius_squared,
+    );
     let (mut lower, mut s) = (0.0, if upper > 1.0 { 1.0 } else { 0.5 * upper });
     for _ in 0..100 {
         let squared = s * s;
@@ -245,7 +296,8 @@ pub fn undistort(distorted: Vec2, lens: Radial) -> Result<Vec2, UndistortError> 
 
 /// The same with k₁ alone.
 ///
-/// With s = r / `r_d` and w = k₁ `r_d`², r (1 + k₁ r²) = `r_d` becomes s + w s³ = 1: Newton on s, without a root.
+/// With s = r / `r_d` and w = k₁ `r_d`², r (1 + k₁ r²) = `r_d` becomes s + w s³ = 1: Newton on s,
+/// without a root.
 fn undistort_k1(distorted: Vec2, k1: f64) -> Result<Vec2, UndistortError> {
     /// w at the fold, where r² = −1 / (3 k₁).
     const FOLD: f64 = -4.0 / 27.0;
@@ -254,11 +306,20 @@ fn undistort_k1(distorted: Vec2, k1: f64) -> Result<Vec2, UndistortError> {
     let w = k1 * distorted.norm_squared();
     if w <= FOLD {
         let fold = Radial::k1(k1).fold_radius_squared().sqrt() * 2.0 / 3.0;
-        return Err(UndistortError::BeyondFold { k1, fold, radius: distorted.norm() });
+        return Err(UndistortError::BeyondFold {
+            k1,
+            fold,
+            radius: distorted.norm(),
+        });
     }
-    // For a barrel (w < 0) all terms of the series are positive, so it starts below the root, where the function is concave:
-    // Newton ascends and cannot leave the branch. For w > 0 the function is monotonic and convex.
-    let mut s = if w < SERIES_UPTO { 1.0 - w * (1.0 - w * (3.0 - w * 12.0)) } else { 1.0 / (1.0 + w).cbrt() };
+    // For a barrel (w < 0) all terms of the series are positive, so it starts below the root, where
+    // the function is concave: Newton ascends and cannot leave the branch. For w > 0 the function
+    // is monotonic and convex.
+    let mut s = if w < SERIES_UPTO {
+        1.0 - w * (1.0 - w * (3.0 - w * 12.0))
+    } else {
+        1.0 / (1.0 + w).cbrt()
+    };
     for _ in 0..64 {
         let step = (s * (1.0 + w * s * s) - 1.0) / (1.0 + 3.0 * w * s * s);
         if !step.is_finite() {
@@ -279,7 +340,10 @@ mod tests {
 
     #[test]
     fn undistorting_undoes_distorting_up_to_the_fold() {
-        let lens = |k1: f64, k2_per_k1_squared: f64| Radial { k1, k2: k2_per_k1_squared * k1 * k1 };
+        let lens = |k1: f64, k2_per_k1_squared: f64| Radial {
+            k1,
+            k2: k2_per_k1_squared * k1 * k1,
+        };
         for k1 in [-0.2, -0.12, -0.02, 0.0, 0.1, 0.5, 4.0] {
             for lens in [-0.3, 0.0, 0.3, 0.5, 2.0].map(|share| lens(k1, share)) {
                 for step in 0..200 {
@@ -289,7 +353,11 @@ mod tests {
                     }
                     let ideal = Vec2::new(0.6, -0.8) * radius;
                     let again = undistort(distort(ideal, lens), lens).unwrap();
-                    assert!((again - ideal).norm() < 1e-12, "{lens:?} radius {radius}: {}", (again - ideal).norm());
+                    assert!(
+                        (again - ideal).norm() < 1e-12,
+                        "{lens:?} radius {radius}: {}",
+                        (again - ideal).norm()
+                    );
                 }
             }
         }
@@ -298,14 +366,20 @@ mod tests {
     #[test]
     fn tied_as_it_is_k2_leaves_no_fold_at_any_radius() {
         for k1 in [-30.0, -1.0, -0.25, -0.02] {
-            let lens =
-                FocalCurve { k2_per_k1_squared: FocalCurve::WITHOUT_FOLD, ..FocalCurve::constant(k1) }.radial_at(900.0);
+            let lens = FocalCurve {
+                k2_per_k1_squared: FocalCurve::WITHOUT_FOLD,
+                ..FocalCurve::constant(k1)
+            }
+            .radial_at(900.0);
             assert_eq!(lens.fold_radius_squared(), f64::INFINITY);
             for step in 1..400 {
                 let ideal = Vec2::new(0.05 * f64::from(step), 0.0);
                 assert!(lens.slope(ideal.norm_squared()) > 0.75, "{k1} {ideal}");
                 let again = undistort(distort(ideal, lens), lens).unwrap();
-                assert!((again - ideal).norm() < 1e-9 * ideal.norm(), "{k1} {ideal}: {again}");
+                assert!(
+                    (again - ideal).norm() < 1e-9 * ideal.norm(),
+                    "{k1} {ideal}: {again}"
+                );
             }
         }
     }
@@ -314,8 +388,14 @@ mod tests {
     fn beyond_the_fold_there_is_no_image() {
         let far = Vec2::new(5.0, 0.0);
         for share in [0.0, 0.3, -0.2] {
-            let barrel = Radial { k1: -0.1, k2: share * 0.01 };
-            assert!(matches!(undistort(far, barrel), Err(UndistortError::BeyondFold { .. })));
+            let barrel = Radial {
+                k1: -0.1,
+                k2: share * 0.01,
+            };
+            assert!(matches!(
+                undistort(far, barrel),
+                Err(UndistortError::BeyondFold { .. })
+            ));
         }
         assert!(undistort(far, Radial::k1(0.1)).is_ok());
     }
@@ -323,22 +403,38 @@ mod tests {
     #[test]
     fn a_point_reaches_the_fold_at_the_focal_lengths_that_are_told() {
         for k2_per_k1_squared in [0.0, 0.2, -0.1] {
-            let curve = FocalCurve { at_focal_px: 2000.0, value: -0.02, per_1000_px: 0.21, k2_per_k1_squared };
+            let curve = FocalCurve {
+                at_focal_px: 2000.0,
+                value: -0.02,
+                per_1000_px: 0.21,
+                k2_per_k1_squared,
+            };
             let found: Vec<f64> = curve.fold_focals(1100.0).collect();
             assert_eq!(found.len(), 1, "{found:?}");
             for (share, has_a_ray) in [(1.0 + 1e-9, true), (1.0 - 1e-9, false)] {
                 let focal_px = found[0] * share;
-                assert_eq!(undistort(Vec2::new(1100.0 / focal_px, 0.0), curve.radial_at(focal_px)).is_ok(), has_a_ray);
+                assert_eq!(
+                    undistort(Vec2::new(1100.0 / focal_px, 0.0), curve.radial_at(focal_px)).is_ok(),
+                    has_a_ray
+                );
             }
         }
-        let unfolded = FocalCurve { k2_per_k1_squared: FocalCurve::WITHOUT_FOLD, ..FocalCurve::constant(-0.2) };
+        let unfolded = FocalCurve {
+            k2_per_k1_squared: FocalCurve::WITHOUT_FOLD,
+            ..FocalCurve::constant(-0.2)
+        };
         assert_eq!(unfolded.fold_focals(1100.0).count(), 0);
         assert_eq!(FocalCurve::constant(0.1).fold_focals(1100.0).count(), 0);
     }
 
     #[test]
     fn a_curve_is_linear_in_the_focal_length() {
-        let curve = FocalCurve { at_focal_px: 2000.0, value: -0.02, per_1000_px: 0.21, ..FocalCurve::NONE };
+        let curve = FocalCurve {
+            at_focal_px: 2000.0,
+            value: -0.02,
+            per_1000_px: 0.21,
+            ..FocalCurve::NONE
+        };
         assert!((curve.at(2410.0) - 0.0661).abs() < 1e-12);
         assert!((FocalCurve::constant(-0.1).at(9000.0) + 0.1).abs() < 1e-15);
     }

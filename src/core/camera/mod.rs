@@ -1,8 +1,10 @@
-//! One camera: its base (position, base rotation, principal point, distortion) and a frame's pan, tilt and focal length.
+//! One camera: its base (position, base rotation, principal point, distortion) and a frame's pan,
+//! tilt and focal length.
 //!
-//! Frames, signs and units: [`crate::conventions`]. `cam_from_world = Q_tilt(φ) · Q_pan(θ) · base_from_world` and
-//! `x_in_cam ∝ cam_from_world · (X − C)`. Every formula is exact: the separable model of Chen, Zhu, Little (WACV 2018, eq. 2) is
-//! not used, it has errors of up to 30 px within an ordinary frame.
+//! Frames, signs and units: [`crate::conventions`].
+//! `cam_from_world = Q_tilt(φ) · Q_pan(θ) · base_from_world` and
+//! `x_in_cam ∝ cam_from_world · (X − C)`. Every formula is exact: the separable model of Chen, Zhu,
+//! Little (WACV 2018, eq. 2) is not used, it has errors of up to 30 px within an ordinary frame.
 
 mod base;
 mod base_sigma;
@@ -13,7 +15,9 @@ mod ray;
 
 pub use base::{BaseAngles, CameraBase};
 pub(crate) use base_sigma::SHARED_COLUMNS;
-pub use base_sigma::{BaseCorrelation, BaseSigma, SHARED_PARAMETERS, SharedCovariance, SharedError};
+pub use base_sigma::{
+    BaseCorrelation, BaseSigma, SHARED_PARAMETERS, SharedCovariance, SharedError,
+};
 pub use distortion::{FocalCurve, Radial, UndistortError, undistort};
 pub use jacobian::{DirectionJacobian, ProjectionJacobian};
 pub use projection::{MIN_DEPTH, ProjectError, PtzCamera};
@@ -39,12 +43,19 @@ impl Ptz {
     /// From degrees and px.
     #[must_use]
     pub const fn from_degrees(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> Self {
-        Self { pan: Angle::from_degrees(pan_deg), tilt: Angle::from_degrees(tilt_deg), focal_px }
+        Self {
+            pan: Angle::from_degrees(pan_deg),
+            tilt: Angle::from_degrees(tilt_deg),
+            focal_px,
+        }
     }
 
     /// All three are numbers and the focal length is positive.
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        self.pan.is_finite() && self.tilt.is_finite() && self.focal_px.is_finite() && self.focal_px > 0.0
+        self.pan.is_finite()
+            && self.tilt.is_finite()
+            && self.focal_px.is_finite()
+            && self.focal_px > 0.0
     }
 }

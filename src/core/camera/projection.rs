@@ -43,7 +43,13 @@ impl PtzCamera {
     pub fn new(base: CameraBase, ptz: Ptz) -> Self {
         let cam_from_base = q_tilt(ptz.tilt) * q_pan(ptz.pan);
         let cam_from_world = cam_from_base * base.base_from_world;
-        Self { base, ptz, lens: base.distortion.radial_at(ptz.focal_px), cam_from_base, cam_from_world }
+        Self {
+            base,
+            ptz,
+            lens: base.distortion.radial_at(ptz.focal_px),
+            cam_from_base,
+            cam_from_world,
+        }
     }
 
     /// The base.
@@ -96,17 +102,22 @@ impl PtzCamera {
         let p = point_in_cam;
         let distance = p.norm();
         if !(p.z > MIN_DEPTH * distance) {
-            return Err(ProjectError::BehindCamera { depth: if distance > 0.0 { p.z / distance } else { 0.0 } });
+            return Err(ProjectError::BehindCamera {
+                depth: if distance > 0.0 { p.z / distance } else { 0.0 },
+            });
         }
         let ideal = Vec2::new(p.x / p.z, p.y / p.z);
         if ideal.norm_squared() >= self.lens.fold_radius_squared() {
             return Err(ProjectError::BeyondFold { k1: self.lens.k1 });
         }
-        Ok(self.base.principal_point.moved(distort(ideal, self.lens) * self.ptz.focal_px))
+        Ok(self
+            .base
+            .principal_point
+            .moved(distort(ideal, self.lens) * self.ptz.focal_px))
     }
 
-    /// The ideal radius on the plane z = 1 of `cam` beyond which the distortion model folds and nothing has an image;
-    /// infinite where it does not fold.
+    /// The ideal radius on the plane z = 1 of `cam` beyond which the distortion model folds and
+    /// nothing has an image; infinite where it does not fold.
     #[must_use]
     pub fn fold_radius(&self) -> f64 {
         self.lens.fold_radius_squared().sqrt()
@@ -133,7 +144,10 @@ impl PtzCamera {
     /// # Errors
     /// The point lies beyond the fold of the distortion model.
     pub fn cam_plane_from_image(&self, point: ImagePoint) -> Result<Vec2, UndistortError> {
-        undistort(point.offset_from(self.base.principal_point) / self.ptz.focal_px, self.lens)
+        undistort(
+            point.offset_from(self.base.principal_point) / self.ptz.focal_px,
+            self.lens,
+        )
     }
 
     /// The unit direction in `cam` that an image point shows.
@@ -150,7 +164,9 @@ impl PtzCamera {
     /// # Errors
     /// The point lies beyond the fold of the distortion model.
     pub fn ray_from_image(&self, point: ImagePoint) -> Result<PanTilt, UndistortError> {
-        Ok(PanTilt::from_direction(self.cam_from_base.transpose() * self.cam_from_image(point)?))
+        Ok(PanTilt::from_direction(
+            self.cam_from_base.transpose() * self.cam_from_image(point)?,
+        ))
     }
 
     /// The unit direction in `world` that an image point shows.
@@ -161,12 +177,14 @@ impl PtzCamera {
         Ok(self.cam_from_world().transpose() * self.cam_from_image(point)?)
     }
 
-    /// Where the ray of an image point meets the plane z = `height_m`; none if it does not, ahead of the camera.
+    /// Where the ray of an image point meets the plane z = `height_m`; none if it does not, ahead
+    /// of the camera.
     #[must_use]
     pub fn plane_from_image(&self, point: ImagePoint, height_m: f64) -> Option<Vec3> {
         let direction = self.world_direction_from_image(point).ok()?;
         let distance = (height_m - self.base.position_m.z) / direction.z;
-        (distance.is_finite() && distance > 0.0).then(|| self.base.position_m + direction * distance)
+        (distance.is_finite() && distance > 0.0)
+            .then(|| self.base.position_m + direction * distance)
     }
 }
 
@@ -179,7 +197,12 @@ mod tests {
 
     fn base(k1: f64) -> CameraBase {
         CameraBase {
-            distortion: FocalCurve { at_focal_px: 2000.0, value: k1, per_1000_px: 0.0, ..FocalCurve::NONE },
+            distortion: FocalCurve {
+                at_focal_px: 2000.0,
+                value: k1,
+                per_1000_px: 0.0,
+                ..FocalCurve::NONE
+            },
             ..CameraBase::new(
                 Vec3::new(2.0, -60.0, 18.0),
                 BaseAngles::default().base_from_world(),
@@ -191,8 +214,12 @@ mod tests {
     #[test]
     fn the_centre_of_the_picture_shows_the_optical_axis() {
         let camera = PtzCamera::new(base(-0.1), Ptz::from_degrees(12.0, -8.0, 2400.0));
-        let ray = camera.ray_from_image(ImagePoint::new(960.0, 540.0)).unwrap();
-        assert!((ray.pan.degrees() - 12.0).abs() < 1e-12 && (ray.tilt.degrees() + 8.0).abs() < 1e-12);
+        let ray = camera
+            .ray_from_image(ImagePoint::new(960.0, 540.0))
+            .unwrap();
+        assert!(
+            (ray.pan.degrees() - 12.0).abs() < 1e-12 && (ray.tilt.degrees() + 8.0).abs() < 1e-12
+        );
     }
 
     #[test]
@@ -207,20 +234,34 @@ mod tests {
     #[test]
     fn a_point_behind_the_camera_is_named() {
         let camera = PtzCamera::new(base(0.0), Ptz::from_degrees(0.0, -15.0, 2000.0));
-        let error = camera.image_from_world(Vec3::new(0.0, -120.0, 0.0)).unwrap_err();
+        let error = camera
+            .image_from_world(Vec3::new(0.0, -120.0, 0.0))
+            .unwrap_err();
         assert!(matches!(error, ProjectError::BehindCamera { depth } if depth < 0.0));
         assert!(camera.image_from_world(camera.base().position_m).is_err());
     }
 
     #[test]
     fn the_authors_rotation_convention_is_ours() {
-        // One frame of the published sequence: R = Rx(tilt) · Ry(pan) · R_base (formats.md, section 13).
-        let base_from_world = crate::geometry::rotation::from_rotation_vector(Vec3::new(1.230319, 1.129962, -1.157628));
-        let base =
-            CameraBase::new(Vec3::new(114.32318, 1.114215, 6.375646), base_from_world, ImagePoint::new(640.5, 360.5));
-        let camera =
-            PtzCamera::new(base, Ptz::from_degrees(53.364_833_724_635_1, -5.866_202_476_869_829, 3733.765_356));
-        let published = Vec3::new(1.617_735_862_435_805_6, 0.445_567_365_524_574_3, -0.436_192_571_451_583_4);
+        // One frame of the published sequence: R = Rx(tilt) · Ry(pan) · R_base (formats.md, section
+        // 13).
+        let base_from_world = crate::geometry::rotation::from_rotation_vector(Vec3::new(
+            1.230319, 1.129962, -1.157628,
+        ));
+        let base = CameraBase::new(
+            Vec3::new(114.32318, 1.114215, 6.375646),
+            base_from_world,
+            ImagePoint::new(640.5, 360.5),
+        );
+        let camera = PtzCamera::new(
+            base,
+            Ptz::from_degrees(53.364_833_724_635_1, -5.866_202_476_869_829, 3733.765_356),
+        );
+        let published = Vec3::new(
+            1.617_735_862_435_805_6,
+            0.445_567_365_524_574_3,
+            -0.436_192_571_451_583_4,
+        );
         assert!((rotation_vector(&camera.cam_from_world()) - published).norm() < 1e-6);
     }
 

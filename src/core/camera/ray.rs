@@ -2,10 +2,11 @@
 
 use crate::geometry::{Angle, Vec3};
 
-/// A direction in `base`: pan α and tilt β of the ray itself, r = (sin α cos β, −sin β, cos α cos β).
+/// A direction in `base`: pan α and tilt β of the ray itself, r = (sin α cos β, −sin β, cos α cos
+/// β).
 ///
-/// These are the exact angles of the direction, so one scene point has one label whichever frame saw it; the angles of
-/// the paper's eq. (2) differ between frames by up to 1.6°.
+/// These are the exact angles of the direction, so one scene point has one label whichever frame
+/// saw it; the angles of the paper's eq. (2) differ between frames by up to 1.6°.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PanTilt {
     /// α, positive to the right.
@@ -18,14 +19,21 @@ impl PanTilt {
     /// From degrees.
     #[must_use]
     pub const fn from_degrees(pan_deg: f64, tilt_deg: f64) -> Self {
-        Self { pan: Angle::from_degrees(pan_deg), tilt: Angle::from_degrees(tilt_deg) }
+        Self {
+            pan: Angle::from_degrees(pan_deg),
+            tilt: Angle::from_degrees(tilt_deg),
+        }
     }
 
-    /// The angles of a direction in `base` (any length but zero): α = atan2(x, z), β = atan2(−y, hypot(x, z)).
+    /// The angles of a direction in `base` (any length but zero): α = atan2(x, z), β = atan2(−y,
+    /// hypot(x, z)).
     #[must_use]
     pub fn from_direction(direction_in_base: Vec3) -> Self {
         let d = direction_in_base;
-        Self { pan: Angle::from_radians(d.x.atan2(d.z)), tilt: Angle::from_radians((-d.y).atan2(d.x.hypot(d.z))) }
+        Self {
+            pan: Angle::from_radians(d.x.atan2(d.z)),
+            tilt: Angle::from_radians((-d.y).atan2(d.x.hypot(d.z))),
+        }
     }
 
     /// The unit direction in `base`.

@@ -3,7 +3,9 @@
 use super::model::same_place;
 use super::parts::{CurvePart, PointPart, Scoped};
 use super::template::MAX_CROWN_M;
-use super::{CLICKING_SHARE, Curve, Expression, FieldError, FieldLine, FieldModel, Landmark, Template};
+use super::{
+    CLICKING_SHARE, Curve, Expression, FieldError, FieldLine, FieldModel, Landmark, Template,
+};
 use crate::geometry::{Angle, Vec3};
 use std::collections::BTreeMap;
 
@@ -21,21 +23,39 @@ impl Template {
     /// `crown_m` is how much the middle is higher than the touchlines, m.
     ///
     /// # Errors
-    /// A parameter that the template does not take or whose value the rules do not allow, or an impossible crown.
-    pub fn model(&self, params: &BTreeMap<String, f64>, crown_m: f64) -> Result<FieldModel, FieldError> {
-        if let Some(name) = params.keys().find(|name| !self.params.iter().any(|param| param.name == **name)) {
+    /// A parameter that the template does not take or whose value the rules do not allow, or an
+    /// impossible crown.
+    pub fn model(
+        &self,
+        params: &BTreeMap<String, f64>,
+        crown_m: f64,
+    ) -> Result<FieldModel, FieldError> {
+        if let Some(name) = params
+            .keys()
+            .find(|name| !self.params.iter().any(|param| param.name == **name))
+        {
             return Err(FieldError::UnknownParam {
                 template: self.name.clone(),
                 name: name.clone(),
-                known: self.params.iter().map(|param| param.name.as_str()).collect::<Vec<_>>().join(", "),
+                known: self
+                    .params
+                    .iter()
+                    .map(|param| param.name.as_str())
+                    .collect::<Vec<_>>()
+                    .join(", "),
             });
         }
         if !(crown_m.abs() <= MAX_CROWN_M) {
-            return Err(FieldError::CrownOutOfRange { crown_m, limit: MAX_CROWN_M });
+            return Err(FieldError::CrownOutOfRange {
+                crown_m,
+                limit: MAX_CROWN_M,
+            });
         }
         let mut filled = self.default_params();
         for param in &self.params {
-            let Some(&value) = params.get(&param.name) else { continue };
+            let Some(&value) = params.get(&param.name) else {
+                continue;
+            };
             if !(value >= param.min && value <= param.max) {
                 return Err(FieldError::ParamOutOfRange {
                     template: self.name.clone(),
@@ -61,10 +81,21 @@ impl Template {
 }
 
 /// The model of a template; the parameters are complete and within range.
-fn filled_in(template: &Template, params: BTreeMap<String, f64>, crown_m: f64) -> Result<FieldModel, FieldError> {
-    let mut builder = Builder { template, scope: params.clone() };
+fn filled_in(
+    template: &Template,
+    params: BTreeMap<String, f64>,
+    crown_m: f64,
+) -> Result<FieldModel, FieldError> {
+    let mut builder = Builder {
+        template,
+        scope: params.clone(),
+    };
     for dimension in &template.dimensions {
-        let value = builder.value(&format!("dimension {:?}", dimension.name), &dimension.value, &[])?;
+        let value = builder.value(
+            &format!("dimension {:?}", dimension.name),
+            &dimension.value,
+            &[],
+        )?;
         builder.scope.insert(dimension.name.clone(), value);
     }
     let [length_m, width_m] = [0, 1].map(|index| builder.extent(index));
@@ -75,12 +106,14 @@ fn filled_in(template: &Template, params: BTreeMap<String, f64>, crown_m: f64) -
             let name = format!("landmark {:?}", part.id);
             let nominal_m = builder.point(&format!("{name}, at"), &part.at)?;
             let spot = part.spot_diameter_m.as_ref();
-            let spot =
-                spot.map(|diameter| builder.positive(&format!("{name}, spot_diameter_m"), diameter)).transpose()?;
+            let spot = spot
+                .map(|diameter| builder.positive(&format!("{name}, spot_diameter_m"), diameter))
+                .transpose()?;
             if spot.is_some() && nominal_m.z != 0.0 {
-                return Err(
-                    builder.invalid(&name, "it has a spot_diameter_m, but does not lie on the ground".to_owned())
-                );
+                return Err(builder.invalid(
+                    &name,
+                    "it has a spot_diameter_m, but does not lie on the ground".to_owned(),
+                ));
             }
             Ok(Landmark {
                 id: part.id.as_str().into(),
@@ -101,8 +134,11 @@ fn filled_in(template: &Template, params: BTreeMap<String, f64>, crown_m: f64) -
             let name = format!("line {:?}", part.id);
             let curve = builder.curve(&name, &part.curve, part.painted)?;
             let width_m = builder.positive(&format!("{name}, width_m"), &part.width_m)?;
-            let inside =
-                part.inside.as_ref().map(|inside| builder.point(&format!("{name}, inside"), inside)).transpose()?;
+            let inside = part
+                .inside
+                .as_ref()
+                .map(|inside| builder.point(&format!("{name}, inside"), inside))
+                .transpose()?;
             let paint_centre = shifted_inward(&curve, inside, part.edge.inward_shift() * width_m)
                 .map_err(|problem| builder.invalid(&name, problem))?;
             Ok(FieldLine {
@@ -132,10 +168,16 @@ fn filled_in(template: &Template, params: BTreeMap<String, f64>, crown_m: f64) -
 /// Two landmarks in one place cannot be told apart.
 pub fn check_distinct(template: &Template, model: &FieldModel) -> Result<(), FieldError> {
     for (index, landmark) in model.landmarks.iter().enumerate() {
-        let twin = model.landmarks[..index].iter().find(|other| same_place(other.nominal_m, landmark.nominal_m));
+        let twin = model.landmarks[..index]
+            .iter()
+            .find(|other| same_place(other.nominal_m, landmark.nominal_m));
         if let Some(twin) = twin {
             let problem = format!("it lies where {:?} lies", twin.id.as_str());
-            return Err(invalid(template, &format!("landmark {:?}", landmark.id.as_str()), problem));
+            return Err(invalid(
+                template,
+                &format!("landmark {:?}", landmark.id.as_str()),
+                problem,
+            ));
         }
     }
     Ok(())
@@ -145,22 +187,44 @@ pub fn check_distinct(template: &Template, model: &FieldModel) -> Result<(), Fie
 pub fn check_symmetry(template: &Template, model: &FieldModel) -> Result<(), FieldError> {
     for symmetry in &template.symmetry {
         let name = symmetry.name();
-        if let Some(landmark) =
-            model.landmarks.iter().find(|landmark| symmetry.landmark_twin(model, landmark).is_none())
+        if let Some(landmark) = model
+            .landmarks
+            .iter()
+            .find(|landmark| symmetry.landmark_twin(model, landmark).is_none())
         {
-            let problem = format!("the field is not symmetric by {name}: no landmark lies where this one comes to lie");
-            return Err(invalid(template, &format!("landmark {:?}", landmark.id.as_str()), problem));
+            let problem = format!(
+                "the field is not symmetric by {name}: no landmark lies where this one comes to lie"
+            );
+            return Err(invalid(
+                template,
+                &format!("landmark {:?}", landmark.id.as_str()),
+                problem,
+            ));
         }
-        if let Some(line) = model.lines.iter().find(|line| symmetry.line_twin(model, line).is_none()) {
-            let problem = format!("the field is not symmetric by {name}: no line lies where this one comes to lie");
-            return Err(invalid(template, &format!("line {:?}", line.id.as_str()), problem));
+        if let Some(line) = model
+            .lines
+            .iter()
+            .find(|line| symmetry.line_twin(model, line).is_none())
+        {
+            let problem = format!(
+                "the field is not symmetric by {name}: no line lies where this one comes to lie"
+            );
+            return Err(invalid(
+                template,
+                &format!("line {:?}", line.id.as_str()),
+                problem,
+            ));
         }
     }
     Ok(())
 }
 
 fn invalid(template: &Template, part: &str, problem: String) -> FieldError {
-    FieldError::Invalid { place: template.place.clone(), part: part.to_owned(), problem }
+    FieldError::Invalid {
+        place: template.place.clone(),
+        part: part.to_owned(),
+        problem,
+    }
 }
 
 struct Builder<'a> {
@@ -173,13 +237,20 @@ impl Builder<'_> {
         invalid(self.template, part, problem)
     }
 
-    fn value(&self, part: &str, expression: &Expression, names: &[(&str, f64)]) -> Result<f64, FieldError> {
-        expression.evaluate(&self.scope, names).map_err(|problem| FieldError::Expression {
-            place: self.template.place.clone(),
-            part: part.to_owned(),
-            text: expression.text().to_owned(),
-            problem: Box::new(problem),
-        })
+    fn value(
+        &self,
+        part: &str,
+        expression: &Expression,
+        names: &[(&str, f64)],
+    ) -> Result<f64, FieldError> {
+        expression
+            .evaluate(&self.scope, names)
+            .map_err(|problem| FieldError::Expression {
+                place: self.template.place.clone(),
+                part: part.to_owned(),
+                text: expression.text().to_owned(),
+                problem: Box::new(problem),
+            })
     }
 
     fn extent(&self, index: usize) -> Result<f64, FieldError> {
@@ -188,12 +259,19 @@ impl Builder<'_> {
         if value > 0.0 && value <= MAX_COORDINATE_M {
             return Ok(value);
         }
-        Err(self.invalid(&part, format!("{value} m is outside 0 to {MAX_COORDINATE_M} m")))
+        Err(self.invalid(
+            &part,
+            format!("{value} m is outside 0 to {MAX_COORDINATE_M} m"),
+        ))
     }
 
     fn positive(&self, part: &str, scoped: &Scoped) -> Result<f64, FieldError> {
         let value = self.value(part, &scoped.expression, &scoped.names)?;
-        if value > 0.0 { Ok(value) } else { Err(self.invalid(part, format!("{value} m is not greater than 0"))) }
+        if value > 0.0 {
+            Ok(value)
+        } else {
+            Err(self.invalid(part, format!("{value} m is not greater than 0")))
+        }
     }
 
     fn point(&self, part: &str, point: &PointPart) -> Result<Vec3, FieldError> {
@@ -202,9 +280,10 @@ impl Builder<'_> {
             let part = format!("{part}[{index}]");
             let value = self.value(&part, expression, &point.names)?;
             if value.abs() > MAX_COORDINATE_M {
-                return Err(
-                    self.invalid(&part, format!("{value} m is more than {MAX_COORDINATE_M} m from the field's centre"))
-                );
+                return Err(self.invalid(
+                    &part,
+                    format!("{value} m is more than {MAX_COORDINATE_M} m from the field's centre"),
+                ));
             }
             place[index] = value;
         }
@@ -215,13 +294,19 @@ impl Builder<'_> {
         let point = |key: &str, at: &PointPart| {
             let place = self.point(&format!("{part}, {key}"), at)?;
             if painted && place.z != 0.0 {
-                let problem = format!("it lies at z = {} m: what is off the ground needs \"painted\": false", place.z);
+                let problem = format!(
+                    "it lies at z = {} m: what is off the ground needs \"painted\": false",
+                    place.z
+                );
                 return Err(self.invalid(&format!("{part}, {key}"), problem));
             }
             Ok(place)
         };
         let curve = match curve {
-            CurvePart::Segment { from, to } => Curve::Segment { from: point("from", from)?, to: point("to", to)? },
+            CurvePart::Segment { from, to } => Curve::Segment {
+                from: point("from", from)?,
+                to: point("to", to)?,
+            },
             CurvePart::Circle { centre, radius_m } => Curve::Arc {
                 centre: point("centre", centre)?,
                 radius_m: self.positive(&format!("{part}, radius_m"), radius_m)?,
@@ -230,8 +315,12 @@ impl Builder<'_> {
             },
             CurvePart::Arc(points) => {
                 let [from, through, to] = &**points;
-                arc_through(point("from", from)?, point("through", through)?, point("to", to)?)
-                    .map_err(|problem| self.invalid(part, problem))?
+                arc_through(
+                    point("from", from)?,
+                    point("through", through)?,
+                    point("to", to)?,
+                )
+                .map_err(|problem| self.invalid(part, problem))?
             }
         };
         if curve.length_m() < MIN_LENGTH_M {
@@ -241,11 +330,14 @@ impl Builder<'_> {
     }
 }
 
-/// A curve moved sideways: a straight one towards `inside`, a round one towards its centre; backwards where negative.
+/// A curve moved sideways: a straight one towards `inside`, a round one towards its centre;
+/// backwards where negative.
 fn shifted_inward(curve: &Curve, inside: Option<Vec3>, shift_m: f64) -> Result<Curve, String> {
     match *curve {
         Curve::Segment { from, to } => {
-            let Some(inside) = inside else { return Ok(*curve) };
+            let Some(inside) = inside else {
+                return Ok(*curve);
+            };
             let along = (to - from).normalize();
             let towards = inside - from;
             let across = towards - along * towards.dot(&along);
@@ -253,12 +345,25 @@ fn shifted_inward(curve: &Curve, inside: Option<Vec3>, shift_m: f64) -> Result<C
                 return Err("its point inside lies on the line itself".to_owned());
             }
             let shift = across.normalize() * shift_m;
-            Ok(Curve::Segment { from: from + shift, to: to + shift })
+            Ok(Curve::Segment {
+                from: from + shift,
+                to: to + shift,
+            })
         }
-        Curve::Arc { centre, radius_m, start, sweep } if radius_m > shift_m => {
-            Ok(Curve::Arc { centre, radius_m: radius_m - shift_m, start, sweep })
-        }
-        Curve::Arc { radius_m, .. } => Err(format!("its radius {radius_m} m is less than half the width of its paint")),
+        Curve::Arc {
+            centre,
+            radius_m,
+            start,
+            sweep,
+        } if radius_m > shift_m => Ok(Curve::Arc {
+            centre,
+            radius_m: radius_m - shift_m,
+            start,
+            sweep,
+        }),
+        Curve::Arc { radius_m, .. } => Err(format!(
+            "its radius {radius_m} m is less than half the width of its paint"
+        )),
     }
 }
 
@@ -267,7 +372,8 @@ fn arc_through(from: Vec3, through: Vec3, to: Vec3) -> Result<Curve, String> {
     if from.z != through.z || from.z != to.z {
         return Err("an arc's three points must lie at one height".to_owned());
     }
-    // The circumcentre relative to `from`, which keeps the subtraction exact for small arcs far from the origin.
+    // The circumcentre relative to `from`, which keeps the subtraction exact for small arcs far
+    // from the origin.
     let (b, c) = (through - from, to - from);
     let twice_area = b.x * c.y - b.y * c.x;
     if twice_area.abs() < 1e-9 * b.norm().max(c.norm()).powi(2) || twice_area == 0.0 {
@@ -280,7 +386,11 @@ fn arc_through(from: Vec3, through: Vec3, to: Vec3) -> Result<Curve, String> {
     let start = direction(from);
     let turn = (direction(to) - start).rem_euclid(std::f64::consts::TAU);
     // Positive area: from, through, to run from +x towards +y.
-    let sweep = if twice_area > 0.0 { turn } else { turn - std::f64::consts::TAU };
+    let sweep = if twice_area > 0.0 {
+        turn
+    } else {
+        turn - std::f64::consts::TAU
+    };
     Ok(Curve::Arc {
         centre,
         radius_m: offset.norm(),
@@ -296,14 +406,30 @@ mod tests {
     #[test]
     fn an_arc_passes_through_its_three_points_in_order() {
         for (from, through, to) in [
-            (Vec3::new(36.0, -7.3, 0.0), Vec3::new(32.35, 0.0, 0.0), Vec3::new(36.0, 7.3, 0.0)),
-            (Vec3::new(1.0, 0.0, 2.0), Vec3::new(0.0, -1.0, 2.0), Vec3::new(0.0, 1.0, 2.0)),
-            (Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(-1.0, 0.0, 0.0)),
+            (
+                Vec3::new(36.0, -7.3, 0.0),
+                Vec3::new(32.35, 0.0, 0.0),
+                Vec3::new(36.0, 7.3, 0.0),
+            ),
+            (
+                Vec3::new(1.0, 0.0, 2.0),
+                Vec3::new(0.0, -1.0, 2.0),
+                Vec3::new(0.0, 1.0, 2.0),
+            ),
+            (
+                Vec3::new(1.0, 0.0, 0.0),
+                Vec3::new(0.0, 1.0, 0.0),
+                Vec3::new(-1.0, 0.0, 0.0),
+            ),
         ] {
             let arc = arc_through(from, through, to).unwrap();
-            assert!(same_place(arc.point_at(0.0), from) && same_place(arc.point_at(1.0), to), "{arc:?}");
-            let nearest =
-                (0..=10_000).map(|i| (arc.point_at(f64::from(i) / 1e4) - through).norm()).fold(f64::INFINITY, f64::min);
+            assert!(
+                same_place(arc.point_at(0.0), from) && same_place(arc.point_at(1.0), to),
+                "{arc:?}"
+            );
+            let nearest = (0..=10_000)
+                .map(|i| (arc.point_at(f64::from(i) / 1e4) - through).norm())
+                .fold(f64::INFINITY, f64::min);
             assert!(nearest < 2e-3, "{arc:?} misses {through}");
         }
     }

@@ -1,4 +1,5 @@
-//! The crown of the ground: it is higher along the middle than at the touchlines, so that water runs off.
+//! The crown of the ground: it is higher along the middle than at the touchlines, so that water
+//! runs off.
 
 use super::FieldModel;
 use crate::geometry::Vec3;
@@ -14,9 +15,13 @@ pub struct Crown {
 
 impl Crown {
     /// Flat ground.
-    pub const FLAT: Self = Self { height_m: 0.0, width_m: 1.0 };
+    pub const FLAT: Self = Self {
+        height_m: 0.0,
+        width_m: 1.0,
+    };
 
-    /// How far the ground has dropped at a place, as a share of the height: (2 y / width)², at most 1.
+    /// How far the ground has dropped at a place, as a share of the height: (2 y / width)², at most
+    /// 1.
     #[must_use]
     pub fn drop_share(&self, y_m: f64) -> f64 {
         (2.0 * y_m / self.width_m).clamp(-1.0, 1.0).powi(2)
@@ -27,7 +32,10 @@ impl Crown {
     pub fn drop_share_by_y_and_width(&self, y_m: f64) -> [f64; 2] {
         let across = 2.0 * y_m / self.width_m;
         if across.abs() < 1.0 {
-            [4.0 * across / self.width_m, -2.0 * across * across / self.width_m]
+            [
+                4.0 * across / self.width_m,
+                -2.0 * across * across / self.width_m,
+            ]
         } else {
             [0.0, 0.0]
         }
@@ -36,13 +44,21 @@ impl Crown {
     /// The ground's height at a place, m.
     #[must_use]
     pub fn ground_z(&self, y_m: f64) -> f64 {
-        if self.height_m == 0.0 { 0.0 } else { -self.height_m * self.drop_share(y_m) }
+        if self.height_m == 0.0 {
+            0.0
+        } else {
+            -self.height_m * self.drop_share(y_m)
+        }
     }
 
     /// The true position of a nominal point: lifted onto this ground.
     #[must_use]
     pub fn world_from_nominal(&self, nominal_m: Vec3) -> Vec3 {
-        Vec3::new(nominal_m.x, nominal_m.y, nominal_m.z + self.ground_z(nominal_m.y))
+        Vec3::new(
+            nominal_m.x,
+            nominal_m.y,
+            nominal_m.z + self.ground_z(nominal_m.y),
+        )
     }
 }
 
@@ -59,7 +75,10 @@ impl FieldModel {
     /// The shape of its ground.
     #[must_use]
     pub const fn crown(&self) -> Crown {
-        Crown { height_m: self.crown_m, width_m: self.width_m }
+        Crown {
+            height_m: self.crown_m,
+            width_m: self.width_m,
+        }
     }
 
     /// The ground's height at a place, m: see [`Crown`].
@@ -81,13 +100,22 @@ mod tests {
 
     #[test]
     fn the_derivatives_of_the_drop_agree_with_differences() {
-        let (crown, h) = (Crown { height_m: 0.2, width_m: 68.0 }, 1e-6);
+        let (crown, h) = (
+            Crown {
+                height_m: 0.2,
+                width_m: 68.0,
+            },
+            1e-6,
+        );
         for y_m in [-33.0, -10.0, 0.0, 21.0, 40.0] {
             let [by_y, by_width] = crown.drop_share_by_y_and_width(y_m);
             let along_y = (crown.drop_share(y_m + h) - crown.drop_share(y_m - h)) / (2.0 * h);
             let with_width = |width_m: f64| Crown { width_m, ..crown }.drop_share(y_m);
             let along_width = (with_width(68.0 + h) - with_width(68.0 - h)) / (2.0 * h);
-            assert!((by_y - along_y).abs() < 1e-8 && (by_width - along_width).abs() < 1e-8, "{y_m}");
+            assert!(
+                (by_y - along_y).abs() < 1e-8 && (by_width - along_width).abs() < 1e-8,
+                "{y_m}"
+            );
         }
         assert_eq!(crown.ground_z(34.0), -0.2);
         assert_eq!(Crown::FLAT.ground_z(20.0), 0.0);

@@ -2,15 +2,17 @@
 
 use super::{FieldModel, Symmetry};
 
-/// A landmark or line by its place in the lists of a [`FieldModel`]. A template gives the same lists in the same order
-/// whatever its parameters are, so an element means the same thing on a field of another size or crown.
+/// A landmark or line by its place in the lists of a [`FieldModel`]. A template gives the same
+/// lists in the same order whatever its parameters are, so an element means the same thing on a
+/// field of another size or crown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FieldElement {
     /// An index into [`FieldModel::landmarks`].
     Landmark(usize),
     /// An index into [`FieldModel::lines`]: the line itself, as the rule has it.
     Line(usize),
-    /// An index into [`FieldModel::lines`]: the middle of the line's paint, which may lie half its width beside it.
+    /// An index into [`FieldModel::lines`]: the middle of the line's paint, which may lie half its
+    /// width beside it.
     Paint(usize),
 }
 
@@ -19,8 +21,13 @@ impl FieldElement {
     #[must_use]
     pub fn name(self, field: &FieldModel) -> Option<&str> {
         match self {
-            Self::Landmark(index) => field.landmarks.get(index).map(|landmark| landmark.id.as_str()),
-            Self::Line(index) | Self::Paint(index) => field.lines.get(index).map(|line| line.id.as_str()),
+            Self::Landmark(index) => field
+                .landmarks
+                .get(index)
+                .map(|landmark| landmark.id.as_str()),
+            Self::Line(index) | Self::Paint(index) => {
+                field.lines.get(index).map(|line| line.id.as_str())
+            }
         }
     }
 
@@ -28,8 +35,13 @@ impl FieldElement {
     #[must_use]
     pub fn label(self, field: &FieldModel) -> Option<&str> {
         match self {
-            Self::Landmark(index) => field.landmarks.get(index).map(|landmark| landmark.label.as_str()),
-            Self::Line(index) | Self::Paint(index) => field.lines.get(index).map(|line| line.label.as_str()),
+            Self::Landmark(index) => field
+                .landmarks
+                .get(index)
+                .map(|landmark| landmark.label.as_str()),
+            Self::Line(index) | Self::Paint(index) => {
+                field.lines.get(index).map(|line| line.label.as_str())
+            }
         }
     }
 
@@ -37,12 +49,18 @@ impl FieldElement {
     #[must_use]
     pub fn code(self, field: &FieldModel) -> Option<&str> {
         match self {
-            Self::Landmark(index) => field.landmarks.get(index).map(|landmark| landmark.code.as_str()),
-            Self::Line(index) | Self::Paint(index) => field.lines.get(index).map(|line| line.code.as_str()),
+            Self::Landmark(index) => field
+                .landmarks
+                .get(index)
+                .map(|landmark| landmark.code.as_str()),
+            Self::Line(index) | Self::Paint(index) => {
+                field.lines.get(index).map(|line| line.code.as_str())
+            }
         }
     }
 
-    /// The element onto which a symmetry of the field moves this one; none where the field is not symmetric.
+    /// The element onto which a symmetry of the field moves this one; none where the field is not
+    /// symmetric.
     #[must_use]
     pub fn twin(self, symmetry: Symmetry, field: &FieldModel) -> Option<Self> {
         match self {
@@ -76,13 +94,19 @@ impl FieldModel {
     /// A landmark by name, as an element.
     #[must_use]
     pub fn landmark_element(&self, id: &str) -> Option<FieldElement> {
-        self.landmarks.iter().position(|landmark| landmark.id.as_str() == id).map(FieldElement::Landmark)
+        self.landmarks
+            .iter()
+            .position(|landmark| landmark.id.as_str() == id)
+            .map(FieldElement::Landmark)
     }
 
     /// A line by name, as an element.
     #[must_use]
     pub fn line_element(&self, id: &str) -> Option<FieldElement> {
-        self.lines.iter().position(|line| line.id.as_str() == id).map(FieldElement::Line)
+        self.lines
+            .iter()
+            .position(|line| line.id.as_str() == id)
+            .map(FieldElement::Line)
     }
 }
 
@@ -98,19 +122,31 @@ mod tests {
         let usual = template.model(&BTreeMap::new(), 0.0).unwrap();
         let size = BTreeMap::from([("length_m".to_owned(), 100.0), ("width_m".to_owned(), 64.0)]);
         let smaller = template.model(&size, 0.2).unwrap();
-        let elements = FieldElement::Landmark(0).alike(&usual).chain(FieldElement::Line(0).alike(&usual));
+        let elements = FieldElement::Landmark(0)
+            .alike(&usual)
+            .chain(FieldElement::Line(0).alike(&usual));
         for element in elements {
             assert!(element.name(&usual).is_some());
             assert_eq!(element.name(&usual), element.name(&smaller));
             assert_eq!(element.label(&usual), element.label(&smaller));
         }
-        assert_eq!(FieldElement::Landmark(usual.landmarks.len()).name(&usual), None);
+        assert_eq!(
+            FieldElement::Landmark(usual.landmarks.len()).name(&usual),
+            None
+        );
     }
 
     #[test]
     fn the_twin_of_a_twin_is_the_element_itself() {
-        let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.0).unwrap();
-        let kinds = [FieldElement::Landmark(0), FieldElement::Line(0), FieldElement::Paint(0)];
+        let field = builtin("soccer")
+            .unwrap()
+            .model(&BTreeMap::new(), 0.0)
+            .unwrap();
+        let kinds = [
+            FieldElement::Landmark(0),
+            FieldElement::Line(0),
+            FieldElement::Paint(0),
+        ];
         for element in kinds.into_iter().flat_map(|kind| kind.alike(&field)) {
             for symmetry in Symmetry::ALL {
                 let twin = element.twin(symmetry, &field).unwrap();
@@ -118,8 +154,14 @@ mod tests {
             }
         }
         let left = field.landmark_element("penalty_mark_left").unwrap();
-        assert_eq!(left.twin(Symmetry::MirrorX, &field), field.landmark_element("penalty_mark_right"));
+        assert_eq!(
+            left.twin(Symmetry::MirrorX, &field),
+            field.landmark_element("penalty_mark_right")
+        );
         let far = field.line_element("touchline_far").unwrap();
-        assert_eq!(far.twin(Symmetry::MirrorY, &field), field.line_element("touchline_near"));
+        assert_eq!(
+            far.twin(Symmetry::MirrorY, &field),
+            field.line_element("touchline_near")
+        );
     }
 }

@@ -94,10 +94,21 @@ pub struct Expression {
 #[derive(Clone, Debug, PartialEq)]
 enum Node {
     Number(f64),
-    Name { name: String, position: usize },
+    Name {
+        name: String,
+        position: usize,
+    },
     Negated(Box<Node>),
-    Root { of: Box<Node>, position: usize },
-    Binary { operator: Operator, left: Box<Node>, right: Box<Node>, position: usize },
+    Root {
+        of: Box<Node>,
+        position: usize,
+    },
+    Binary {
+        operator: Operator,
+        left: Box<Node>,
+        right: Box<Node>,
+        position: usize,
+    },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,10 +132,16 @@ impl Expression {
         if text.trim().is_empty() {
             return Err(ExpressionError::Empty);
         }
-        let mut parser = Parser { characters: text.chars().collect(), at: 0 };
+        let mut parser = Parser {
+            characters: text.chars().collect(),
+            at: 0,
+        };
         let root = parser.sum(0)?;
         match parser.peek() {
-            None => Ok(Self { text: text.to_owned(), root }),
+            None => Ok(Self {
+                text: text.to_owned(),
+                root,
+            }),
             Some(_) => Err(parser.unexpected("an operator or the end")),
         }
     }
@@ -132,7 +149,10 @@ impl Expression {
     /// A plain number.
     #[must_use]
     pub fn number(value: f64) -> Self {
-        Self { text: value.to_string(), root: Node::Number(value) }
+        Self {
+            text: value.to_string(),
+            root: Node::Number(value),
+        }
     }
 
     /// The expression as written.
@@ -145,9 +165,17 @@ impl Expression {
     ///
     /// # Errors
     /// An unknown name, a division by zero, the root of a negative number, or overflow.
-    pub fn evaluate(&self, scope: &BTreeMap<String, f64>, more: &[(&str, f64)]) -> Result<f64, ExpressionError> {
+    pub fn evaluate(
+        &self,
+        scope: &BTreeMap<String, f64>,
+        more: &[(&str, f64)],
+    ) -> Result<f64, ExpressionError> {
         let value = Scope { names: scope, more }.evaluate(&self.root)?;
-        if value.is_finite() { Ok(value) } else { Err(ExpressionError::NotFinite) }
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(ExpressionError::NotFinite)
+        }
     }
 }
 
@@ -165,7 +193,11 @@ impl fmt::Debug for Expression {
 
 impl Scope<'_> {
     fn value(&self, name: &str) -> Option<f64> {
-        let more = self.more.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
+        let more = self
+            .more
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, value)| *value);
         more.or_else(|| self.names.get(name).copied())
     }
 
@@ -173,25 +205,43 @@ impl Scope<'_> {
         match node {
             Node::Number(value) => Ok(*value),
             Node::Name { name, position } => self.value(name).ok_or_else(|| {
-                let known = self.names.keys().map(String::as_str).chain(self.more.iter().map(|(name, _)| *name));
+                let known = self
+                    .names
+                    .keys()
+                    .map(String::as_str)
+                    .chain(self.more.iter().map(|(name, _)| *name));
                 let known = known.collect::<Vec<_>>().join(", ");
-                ExpressionError::UnknownName { name: name.clone(), position: *position, known }
+                ExpressionError::UnknownName {
+                    name: name.clone(),
+                    position: *position,
+                    known,
+                }
             }),
             Node::Negated(of) => Ok(-self.evaluate(of)?),
             Node::Root { of, position } => {
                 let value = self.evaluate(of)?;
                 if value < 0.0 {
-                    return Err(ExpressionError::NegativeRoot { value, position: *position });
+                    return Err(ExpressionError::NegativeRoot {
+                        value,
+                        position: *position,
+                    });
                 }
                 Ok(value.sqrt())
             }
-            Node::Binary { operator, left, right, position } => {
+            Node::Binary {
+                operator,
+                left,
+                right,
+                position,
+            } => {
                 let (left, right) = (self.evaluate(left)?, self.evaluate(right)?);
                 match operator {
                     Operator::Add => Ok(left + right),
                     Operator::Subtract => Ok(left - right),
                     Operator::Multiply => Ok(left * right),
-                    Operator::Divide if right == 0.0 => Err(ExpressionError::DivisionByZero { position: *position }),
+                    Operator::Divide if right == 0.0 => Err(ExpressionError::DivisionByZero {
+                        position: *position,
+                    }),
                     Operator::Divide => Ok(left / right),
                 }
             }
@@ -207,7 +257,11 @@ struct Parser {
 impl Parser {
     /// The next character that is not blank, without taking it.
     fn peek(&mut self) -> Option<char> {
-        while self.characters.get(self.at).is_some_and(|c| c.is_whitespace()) {
+        while self
+            .characters
+            .get(self.at)
+            .is_some_and(|c| c.is_whitespace())
+        {
             self.at += 1;
         }
         self.characters.get(self.at).copied()
@@ -218,8 +272,15 @@ impl Parser {
     }
 
     fn unexpected(&mut self, wanted: &'static str) -> ExpressionError {
-        let found = self.peek().map_or_else(|| "end".to_owned(), |c| format!("{c:?}").replace('\'', "\""));
-        ExpressionError::Unexpected { found, position: self.position(), wanted }
+        let found = self.peek().map_or_else(
+            || "end".to_owned(),
+            |c| format!("{c:?}").replace('\'', "\""),
+        );
+        ExpressionError::Unexpected {
+            found,
+            position: self.position(),
+            wanted,
+        }
     }
 
     fn sum(&mut self, depth: usize) -> Result<Node, ExpressionError> {
@@ -250,7 +311,12 @@ impl Parser {
             let position = self.position();
             self.at += 1;
             let right = operand(self, depth)?;
-            left = Node::Binary { operator, left: Box::new(left), right: Box::new(right), position };
+            left = Node::Binary {
+                operator,
+                left: Box::new(left),
+                right: Box::new(right),
+                position,
+            };
         }
         Ok(left)
     }
@@ -276,7 +342,10 @@ impl Parser {
                 if self.peek() != Some('(') {
                     return Err(self.unexpected("the \"(\" of sqrt"));
                 }
-                Ok(Node::Root { of: Box::new(self.parenthesis(depth)?), position })
+                Ok(Node::Root {
+                    of: Box::new(self.parenthesis(depth)?),
+                    position,
+                })
             }
             _ => Err(self.unexpected("a number, a name or \"(\"")),
         }
@@ -299,12 +368,17 @@ impl Parser {
 
     fn number(&mut self, position: usize) -> Result<Node, ExpressionError> {
         let text = self.take_while(|c| c.is_ascii_digit() || c == '.');
-        let value: f64 = text.parse().map_err(|_| ExpressionError::BadNumber { text, position })?;
+        let value: f64 = text
+            .parse()
+            .map_err(|_| ExpressionError::BadNumber { text, position })?;
         Ok(Node::Number(value))
     }
 
     fn take_while(&mut self, belongs: fn(char) -> bool) -> String {
-        let taken: String = self.characters[self.at..].iter().take_while(|c| belongs(**c)).collect();
+        let taken: String = self.characters[self.at..]
+            .iter()
+            .take_while(|c| belongs(**c))
+            .collect();
         self.at += taken.chars().count();
         taken
     }
@@ -344,27 +418,63 @@ mod tests {
         let deep = "(".repeat(60);
         for (text, message) in [
             ("  ", "the expression is empty"),
-            ("length_m/2 -", "unexpected end at position 13: a number, a name or \"(\" was expected"),
-            ("2 * * 3", "unexpected \"*\" at position 5: a number, a name or \"(\" was expected"),
-            ("2 3", "unexpected \"3\" at position 3: an operator or the end was expected"),
+            (
+                "length_m/2 -",
+                "unexpected end at position 13: a number, a name or \"(\" was expected",
+            ),
+            (
+                "2 * * 3",
+                "unexpected \"*\" at position 5: a number, a name or \"(\" was expected",
+            ),
+            (
+                "2 3",
+                "unexpected \"3\" at position 3: an operator or the end was expected",
+            ),
             ("(1 + 2", "the \"(\" at position 1 is never closed"),
-            ("1 + 2)", "unexpected \")\" at position 6: an operator or the end was expected"),
-            ("(1 2)", "unexpected \"2\" at position 4: an operator or \")\" was expected"),
+            (
+                "1 + 2)",
+                "unexpected \")\" at position 6: an operator or the end was expected",
+            ),
+            (
+                "(1 2)",
+                "unexpected \"2\" at position 4: an operator or \")\" was expected",
+            ),
             ("1.2.3", "\"1.2.3\" at position 1 is not a number"),
-            ("sqrt 4", "unexpected \"4\" at position 6: the \"(\" of sqrt was expected"),
-            ("1 + lenght_m", "unknown name \"lenght_m\" at position 5 (known here: length_m, width_m)"),
+            (
+                "sqrt 4",
+                "unexpected \"4\" at position 6: the \"(\" of sqrt was expected",
+            ),
+            (
+                "1 + lenght_m",
+                "unknown name \"lenght_m\" at position 5 (known here: length_m, width_m)",
+            ),
             ("1 / (length_m - 105)", "division by zero at position 3"),
-            ("2*sqrt(1 - 2)", "square root of the negative number -1 at position 3"),
-            ("system(1)", "unexpected \"(\" at position 7: an operator or the end was expected"),
-            ("2^3", "unexpected \"^\" at position 2: an operator or the end was expected"),
+            (
+                "2*sqrt(1 - 2)",
+                "square root of the negative number -1 at position 3",
+            ),
+            (
+                "system(1)",
+                "unexpected \"(\" at position 7: an operator or the end was expected",
+            ),
+            (
+                "2^3",
+                "unexpected \"^\" at position 2: an operator or the end was expected",
+            ),
             (&long, "the expression has 600 characters, more than 400"),
-            (&deep, "more than 32 nested parentheses or signs at position 34"),
+            (
+                &deep,
+                "more than 32 nested parentheses or signs at position 34",
+            ),
             ("1/0.0", "division by zero at position 2"),
         ] {
             assert_eq!(value(text).unwrap_err(), message, "{text}");
         }
         let huge = format!("{0}*{0}", "9".repeat(190));
-        assert_eq!(value(&huge).unwrap_err(), "the result is not a finite number");
+        assert_eq!(
+            value(&huge).unwrap_err(),
+            "the result is not a finite number"
+        );
     }
 
     proptest! {

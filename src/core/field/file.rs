@@ -94,7 +94,8 @@ pub struct LineFile {
     pub painted: Option<bool>,
 }
 
-/// A number, or an expression in a string. Its text is kept and parsed later, where an error can name its place.
+/// A number, or an expression in a string. Its text is kept and parsed later, where an error can
+/// name its place.
 #[derive(Clone)]
 pub enum Formula {
     Number(f64),

@@ -15,21 +15,34 @@ impl Template {
     /// Reads and checks a template; `place` is what its errors call it, usually the file's path.
     ///
     /// # Errors
-    /// What is wrong, where in the file, and what could stand there. The template is tried with its default parameters
-    /// and with each of them at its smallest and largest value, so one that is accepted can be filled in.
+    /// What is wrong, where in the file, and what could stand there. The template is tried with its
+    /// default parameters and with each of them at its smallest and largest value, so one that is
+    /// accepted can be filled in.
     pub fn from_json(text: &str, place: &str) -> Result<Self, FieldError> {
-        let json = |problem: String| FieldError::Json { place: place.to_owned(), problem: plain(&problem) };
+        let json = |problem: String| FieldError::Json {
+            place: place.to_owned(),
+            problem: plain(&problem),
+        };
         if text.trim().is_empty() {
-            return Err(json("the file is empty; a field template is a JSON object".to_owned()));
+            return Err(json(
+                "the file is empty; a field template is a JSON object".to_owned(),
+            ));
         }
         let header: Header = serde_json::from_str(text).map_err(|error| json(error.to_string()))?;
         if header.format.as_deref() != Some(FORMAT) {
-            return Err(json(format!("not a field template: it has no \"format\": {FORMAT:?}")));
+            return Err(json(format!(
+                "not a field template: it has no \"format\": {FORMAT:?}"
+            )));
         }
         if let Some(version) = header.version.filter(|version| *version > VERSION) {
-            return Err(FieldError::NewerVersion { place: place.to_owned(), version, known: VERSION });
+            return Err(FieldError::NewerVersion {
+                place: place.to_owned(),
+                version,
+                known: VERSION,
+            });
         }
-        let file: TemplateFile = serde_json::from_str(text).map_err(|error| json(error.to_string()))?;
+        let file: TemplateFile =
+            serde_json::from_str(text).map_err(|error| json(error.to_string()))?;
         let template = read_parts(file, place)?;
         template.check()?;
         Ok(template)
@@ -41,15 +54,22 @@ impl Template {
     /// As [`Template::from_json`], or the file cannot be read.
     pub fn from_file(path: &Path) -> Result<Self, FieldError> {
         let place = path.display().to_string();
-        let unreadable = |problem: String| FieldError::Unreadable { place: place.clone(), problem };
+        let unreadable = |problem: String| FieldError::Unreadable {
+            place: place.clone(),
+            problem,
+        };
         if path.is_dir() {
-            return Err(unreadable("it is a folder; give the template's JSON file".to_owned()));
+            return Err(unreadable(
+                "it is a folder; give the template's JSON file".to_owned(),
+            ));
         }
-        let text = read_named_text(path, MAX_BYTES).map_err(|error| unreadable(error.to_string()))?;
+        let text =
+            read_named_text(path, MAX_BYTES).map_err(|error| unreadable(error.to_string()))?;
         Self::from_json(&text, &place)
     }
 
-    /// Builds the template at the extremes of its parameters, where it is most likely to be invalid.
+    /// Builds the template at the extremes of its parameters, where it is most likely to be
+    /// invalid.
     fn check(&self) -> Result<(), FieldError> {
         let model = self.default_model()?;
         check_distinct(self, &model)?;

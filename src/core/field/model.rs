@@ -63,18 +63,20 @@ pub struct Landmark {
     pub nominal_m: Vec3,
     /// The click noise: 1-σ of a click in px at 1920 px width.
     pub click_sigma_px: f64,
-    /// The part of it that is the place's and not the clicking's: paint is wide, and grounds are not painted to the centimetre.
-    /// It stays however exactly a point is placed. 1-σ, px at 1920 px width.
+    /// The part of it that is the place's and not the clicking's: paint is wide, and grounds are
+    /// not painted to the centimetre. It stays however exactly a point is placed. 1-σ, px at 1920
+    /// px width.
     pub place_sigma_px: f64,
     /// The diameter of the spot that is painted around it, m; none where there is none.
     pub spot_diameter_m: Option<f64>,
-    /// Nothing painted marks it: a point somewhere along a curve, defined by a direction on the ground. In a picture it is not where
-    /// the curve looks widest, so that only who knows the camera finds it.
+    /// Nothing painted marks it: a point somewhere along a curve, defined by a direction on the
+    /// ground. In a picture it is not where the curve looks widest, so that only who knows the
+    /// camera finds it.
     pub is_unmarked: bool,
 }
 
-/// The share of a template's click noise `σ²` that comes from clicking; the rest is the place itself (see `calibrate`'s own
-/// noise).
+/// The share of a template's click noise `σ²` that comes from clicking; the rest is the place
+/// itself (see `calibrate`'s own noise).
 pub const CLICKING_SHARE: f64 = 0.5;
 
 /// A straight marking, circle, arc or post on which a click can lie.
@@ -90,11 +92,14 @@ pub struct FieldLine {
     pub curve: Curve,
     /// The width of the paint (or of the post), m.
     pub width_m: f64,
-    /// Which edge of the paint the nominal line is; for painting, drawing to scale and snapping only.
+    /// Which edge of the paint the nominal line is; for painting, drawing to scale and snapping
+    /// only.
     pub edge: PaintEdge,
-    /// Where the middle of the paint (or of the post) runs: `curve` moved by half the width as `edge` says.
+    /// Where the middle of the paint (or of the post) runs: `curve` moved by half the width as
+    /// `edge` says.
     pub paint_centre: Curve,
-    /// Painted on the ground as one stroke; false for posts, crossbars, nets, boards and rows of dashes.
+    /// Painted on the ground as one stroke; false for posts, crossbars, nets, boards and rows of
+    /// dashes.
     pub painted: bool,
 }
 
@@ -104,7 +109,8 @@ pub enum PaintEdge {
     /// The paint is centred on the nominal line.
     #[default]
     Centre,
-    /// The nominal line is the paint's outer edge: the paint belongs to the area that the line bounds.
+    /// The nominal line is the paint's outer edge: the paint belongs to the area that the line
+    /// bounds.
     Outer,
     /// The nominal line is the paint's inner edge: the paint lies around the area.
     Inner,
@@ -156,12 +162,18 @@ impl PaintEdge {
 }
 
 impl Curve {
-    /// The point at parameter `t`: 0 is the first end, 1 the last; values outside go beyond the ends.
+    /// The point at parameter `t`: 0 is the first end, 1 the last; values outside go beyond the
+    /// ends.
     #[must_use]
     pub fn point_at(&self, t: f64) -> Vec3 {
         match *self {
             Self::Segment { from, to } => from + (to - from) * t,
-            Self::Arc { centre, radius_m, start, sweep } => {
+            Self::Arc {
+                centre,
+                radius_m,
+                start,
+                sweep,
+            } => {
                 let (sin, cos) = (start + sweep * t).sin_cos();
                 centre + Vec3::new(cos, sin, 0.0) * radius_m
             }
@@ -173,7 +185,12 @@ impl Curve {
     pub fn tangent_at(&self, t: f64) -> Vec3 {
         match *self {
             Self::Segment { from, to } => to - from,
-            Self::Arc { radius_m, start, sweep, .. } => {
+            Self::Arc {
+                radius_m,
+                start,
+                sweep,
+                ..
+            } => {
                 let (sin, cos) = (start + sweep * t).sin_cos();
                 Vec3::new(-sin, cos, 0.0) * (radius_m * sweep.radians())
             }
@@ -185,7 +202,9 @@ impl Curve {
     pub fn length_m(&self) -> f64 {
         match *self {
             Self::Segment { from, to } => (to - from).norm(),
-            Self::Arc { radius_m, sweep, .. } => radius_m * sweep.radians().abs(),
+            Self::Arc {
+                radius_m, sweep, ..
+            } => radius_m * sweep.radians().abs(),
         }
     }
 
@@ -197,13 +216,22 @@ impl Curve {
                 let t = (point - from).dot(&(to - from)) / (to - from).norm_squared();
                 (point - self.point_at(t.clamp(0.0, 1.0))).norm()
             }
-            Self::Arc { centre, radius_m, start, sweep } => {
+            Self::Arc {
+                centre,
+                radius_m,
+                start,
+                sweep,
+            } => {
                 let offset = point - centre;
-                let turned = (offset.y.atan2(offset.x) - start.radians()) * sweep.radians().signum();
+                let turned =
+                    (offset.y.atan2(offset.x) - start.radians()) * sweep.radians().signum();
                 if turned.rem_euclid(std::f64::consts::TAU) <= sweep.radians().abs() {
                     return (offset.xy().norm() - radius_m).hypot(offset.z);
                 }
-                [0.0, 1.0].map(|end| (point - self.point_at(end)).norm()).into_iter().fold(f64::INFINITY, f64::min)
+                [0.0, 1.0]
+                    .map(|end| (point - self.point_at(end)).norm())
+                    .into_iter()
+                    .fold(f64::INFINITY, f64::min)
             }
         }
     }
@@ -240,7 +268,9 @@ impl FieldModel {
     /// A landmark by name.
     #[must_use]
     pub fn landmark(&self, id: &str) -> Option<&Landmark> {
-        self.landmarks.iter().find(|landmark| landmark.id.as_str() == id)
+        self.landmarks
+            .iter()
+            .find(|landmark| landmark.id.as_str() == id)
     }
 
     /// A line by name.
@@ -270,19 +300,37 @@ mod tests {
 
     #[test]
     fn the_distance_from_a_curve_is_that_of_its_nearest_point() {
-        let segment = Curve::Segment { from: Vec3::new(-3.0, 1.0, 0.0), to: Vec3::new(5.0, 2.0, 0.0) };
+        let segment = Curve::Segment {
+            from: Vec3::new(-3.0, 1.0, 0.0),
+            to: Vec3::new(5.0, 2.0, 0.0),
+        };
         let arc = |start, sweep| Curve::Arc {
             centre: Vec3::new(2.0, -1.0, 0.0),
             radius_m: 4.0,
             start: Angle::from_degrees(start),
             sweep: Angle::from_degrees(sweep),
         };
-        for curve in [segment, arc(0.0, 360.0), arc(30.0, 100.0), arc(-20.0, -250.0)] {
-            for at in [(0.0, 0.0, 0.0), (9.0, 3.0, 0.0), (2.0, -1.5, 0.3), (-7.0, 1.0, 0.0), (3.0, -6.0, 0.0)] {
+        for curve in [
+            segment,
+            arc(0.0, 360.0),
+            arc(30.0, 100.0),
+            arc(-20.0, -250.0),
+        ] {
+            for at in [
+                (0.0, 0.0, 0.0),
+                (9.0, 3.0, 0.0),
+                (2.0, -1.5, 0.3),
+                (-7.0, 1.0, 0.0),
+                (3.0, -6.0, 0.0),
+            ] {
                 let at = Vec3::new(at.0, at.1, at.2);
-                let sampled = (0..=20_000).map(|step| (at - curve.point_at(f64::from(step) / 20_000.0)).norm());
+                let sampled = (0..=20_000)
+                    .map(|step| (at - curve.point_at(f64::from(step) / 20_000.0)).norm());
                 let nearest_m = sampled.fold(f64::INFINITY, f64::min);
-                assert!((curve.distance_m(at) - nearest_m).abs() < 1e-3, "{curve:?} from {at}");
+                assert!(
+                    (curve.distance_m(at) - nearest_m).abs() < 1e-3,
+                    "{curve:?} from {at}"
+                );
             }
         }
     }

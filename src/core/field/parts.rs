@@ -23,7 +23,8 @@ pub struct LinePart {
     pub curve: CurvePart,
     pub width_m: Scoped,
     pub edge: PaintEdge,
-    /// A point of the area that a straight line bounds; there is one where `edge` is not the centre.
+    /// A point of the area that a straight line bounds; there is one where `edge` is not the
+    /// centre.
     pub inside: Option<PointPart>,
     pub painted: bool,
 }

@@ -23,7 +23,9 @@ pub fn read_parts(file: TemplateFile, place: &str) -> Result<Template, FieldErro
         let found = file.params.0.len();
         return Err(reader.invalid(
             "params",
-            format!("{found} are given, and {MAX_PARAMS} are the most; write the others as numbers"),
+            format!(
+                "{found} are given, and {MAX_PARAMS} are the most; write the others as numbers"
+            ),
         ));
     }
     let params = reader.params(file.params)?;
@@ -33,10 +35,17 @@ pub fn read_parts(file: TemplateFile, place: &str) -> Result<Template, FieldErro
         reader.new_name(&part, &name, &params, &dimensions)?;
         reader.text_given(&part, "source", &dimension.source)?;
         let value = reader.expression(&part, &dimension.value)?;
-        dimensions.push(Dimension { name, value, source: dimension.source });
+        dimensions.push(Dimension {
+            name,
+            value,
+            source: dimension.source,
+        });
     }
     let [length, width] = &file.extent_m;
-    let extent_m = [reader.expression("extent_m[0]", length)?, reader.expression("extent_m[1]", width)?];
+    let extent_m = [
+        reader.expression("extent_m[0]", length)?,
+        reader.expression("extent_m[1]", width)?,
+    ];
     let symmetry = file
         .symmetry
         .iter()
@@ -82,7 +91,9 @@ const NAME_RULE: &str = "a name of lower-case letters, digits and \"_\" that sta
 fn is_name(text: &str) -> bool {
     text.len() <= 64
         && text.starts_with(|c: char| c.is_ascii_lowercase())
-        && text.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')
+        && text
+            .bytes()
+            .all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')
 }
 
 struct Reader<'a> {
@@ -91,30 +102,50 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn invalid(&self, part: &str, problem: String) -> FieldError {
-        FieldError::Invalid { place: self.place.to_owned(), part: part.to_owned(), problem }
+        FieldError::Invalid {
+            place: self.place.to_owned(),
+            part: part.to_owned(),
+            problem,
+        }
     }
 
     fn expression(&self, part: &str, formula: &Formula) -> Result<Expression, FieldError> {
-        formula.expression().map_err(|problem| FieldError::Expression {
-            place: self.place.to_owned(),
-            part: part.to_owned(),
-            text: formula.text(),
-            problem: Box::new(problem),
-        })
+        formula
+            .expression()
+            .map_err(|problem| FieldError::Expression {
+                place: self.place.to_owned(),
+                part: part.to_owned(),
+                text: formula.text(),
+                problem: Box::new(problem),
+            })
     }
 
     fn text_given(&self, part: &str, key: &str, text: &str) -> Result<(), FieldError> {
-        if text.trim().is_empty() { Err(self.invalid(part, format!("{key} is empty"))) } else { Ok(()) }
+        if text.trim().is_empty() {
+            Err(self.invalid(part, format!("{key} is empty")))
+        } else {
+            Ok(())
+        }
     }
 
-    fn new_name(&self, part: &str, name: &str, params: &[Param], dimensions: &[Dimension]) -> Result<(), FieldError> {
+    fn new_name(
+        &self,
+        part: &str,
+        name: &str,
+        params: &[Param],
+        dimensions: &[Dimension],
+    ) -> Result<(), FieldError> {
         if !is_name(name) {
             return Err(self.invalid(part, format!("{name:?} is not {NAME_RULE}")));
         }
         let taken = params.iter().any(|param| param.name == name)
             || dimensions.iter().any(|dimension| dimension.name == name)
             || RESERVED.contains(&name);
-        if taken { Err(self.invalid(part, format!("the name {name:?} is taken"))) } else { Ok(()) }
+        if taken {
+            Err(self.invalid(part, format!("the name {name:?} is taken")))
+        } else {
+            Ok(())
+        }
     }
 
     fn params(&self, files: Ordered<ParamFile>) -> Result<Vec<Param>, FieldError> {
@@ -125,33 +156,55 @@ impl Reader<'_> {
             self.text_given(&part, "label", &file.label)?;
             self.text_given(&part, "source", &file.source)?;
             if file.unit != "m" || !name.ends_with("_m") {
-                let problem =
-                    format!("its unit is {:?}; parameters are metres (unit \"m\", name ending in _m)", file.unit);
+                let problem = format!(
+                    "its unit is {:?}; parameters are metres (unit \"m\", name ending in _m)",
+                    file.unit
+                );
                 return Err(self.invalid(&part, problem));
             }
             let value = |key: &str, formula: &Formula| {
                 let part = format!("{part}, {key}");
                 let expression = self.expression(&part, formula)?;
-                expression.evaluate(&BTreeMap::new(), &[]).map_err(|problem| FieldError::Expression {
-                    place: self.place.to_owned(),
-                    part,
-                    text: formula.text(),
-                    problem: Box::new(problem),
-                })
+                expression
+                    .evaluate(&BTreeMap::new(), &[])
+                    .map_err(|problem| FieldError::Expression {
+                        place: self.place.to_owned(),
+                        part,
+                        text: formula.text(),
+                        problem: Box::new(problem),
+                    })
             };
-            let (min, default, max) =
-                (value("min", &file.min)?, value("default", &file.default)?, value("max", &file.max)?);
+            let (min, default, max) = (
+                value("min", &file.min)?,
+                value("default", &file.default)?,
+                value("max", &file.max)?,
+            );
             if !(min <= default && default <= max) {
-                let problem = format!("the default {default} is not within min {min} and max {max}");
+                let problem =
+                    format!("the default {default} is not within min {min} and max {max}");
                 return Err(self.invalid(&part, problem));
             }
-            params.push(Param { name, label: file.label, unit: file.unit, default, min, max, source: file.source });
+            params.push(Param {
+                name,
+                label: file.label,
+                unit: file.unit,
+                default,
+                min,
+                max,
+                source: file.source,
+            });
         }
         Ok(params)
     }
 
     /// Every variant of an entry's id, with its id, label and code filled in.
-    fn names(&self, kind: &str, id: &str, label: &str, code: &str) -> Result<Vec<Named>, FieldError> {
+    fn names(
+        &self,
+        kind: &str,
+        id: &str,
+        label: &str,
+        code: &str,
+    ) -> Result<Vec<Named>, FieldError> {
         let part = format!("{kind} {id:?}");
         let wrong = |problem: String| self.invalid(&part, problem);
         self.text_given(&part, "label", label)?;
@@ -164,18 +217,33 @@ impl Reader<'_> {
                 if !is_name(&id) {
                     return Err(self.invalid(&part, format!("{id:?} is not {NAME_RULE}")));
                 }
-                if !(2..=4).contains(&code.len()) || !code.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit())
+                if !(2..=4).contains(&code.len())
+                    || !code
+                        .bytes()
+                        .all(|b| b.is_ascii_lowercase() || b.is_ascii_digit())
                 {
-                    return Err(
-                        self.invalid(&part, format!("its code {code:?} is not 2 to 4 lower-case letters or digits"))
-                    );
+                    return Err(self.invalid(
+                        &part,
+                        format!("its code {code:?} is not 2 to 4 lower-case letters or digits"),
+                    ));
                 }
-                Ok(Named { part: format!("{kind} {id:?}"), id, label, code, variant })
+                Ok(Named {
+                    part: format!("{kind} {id:?}"),
+                    id,
+                    label,
+                    code,
+                    variant,
+                })
             })
             .collect()
     }
 
-    fn coordinates(&self, part: &str, variant: &Variant, formulas: &[Formula]) -> Result<PointPart, FieldError> {
+    fn coordinates(
+        &self,
+        part: &str,
+        variant: &Variant,
+        formulas: &[Formula],
+    ) -> Result<PointPart, FieldError> {
         let coordinate = |index: usize| {
             formulas.get(index).map_or_else(
                 || Ok(Expression::number(0.0)),
@@ -183,7 +251,10 @@ impl Reader<'_> {
             )
         };
         if !(2..=3).contains(&formulas.len()) {
-            let problem = format!("{} coordinates instead of [x, y] or [x, y, z]", formulas.len());
+            let problem = format!(
+                "{} coordinates instead of [x, y] or [x, y, z]",
+                formulas.len()
+            );
             return Err(self.invalid(part, problem));
         }
         Ok(PointPart {
@@ -192,15 +263,32 @@ impl Reader<'_> {
         })
     }
 
-    fn landmark(&self, file: &LandmarkFile, sigma_px: f64, into: &mut Vec<LandmarkPart>) -> Result<(), FieldError> {
-        for Named { part, id, label, code, variant } in self.names("landmark", &file.id, &file.label, &file.code)? {
+    fn landmark(
+        &self,
+        file: &LandmarkFile,
+        sigma_px: f64,
+        into: &mut Vec<LandmarkPart>,
+    ) -> Result<(), FieldError> {
+        for Named {
+            part,
+            id,
+            label,
+            code,
+            variant,
+        } in self.names("landmark", &file.id, &file.label, &file.code)?
+        {
             let click_sigma_px = file.click_sigma_px.unwrap_or(sigma_px);
             if !(click_sigma_px > 0.0 && click_sigma_px <= 100.0) {
-                return Err(self.invalid(&part, format!("click_sigma_px = {click_sigma_px} is outside 0 to 100")));
+                return Err(self.invalid(
+                    &part,
+                    format!("click_sigma_px = {click_sigma_px} is outside 0 to 100"),
+                ));
             }
             let at = self.coordinates(&format!("{part}, at"), &variant, &file.at)?;
             let spot = file.spot_diameter_m.as_ref();
-            let spot = spot.map(|diameter| self.scoped(&format!("{part}, spot_diameter_m"), diameter, &variant));
+            let spot = spot.map(|diameter| {
+                self.scoped(&format!("{part}, spot_diameter_m"), diameter, &variant)
+            });
             into.push(LandmarkPart {
                 id,
                 label,
@@ -214,23 +302,44 @@ impl Reader<'_> {
         self.not_too_many("landmarks", into.len())
     }
 
-    fn line(&self, file: &LineFile, landmarks: &[LandmarkPart], into: &mut Vec<LinePart>) -> Result<(), FieldError> {
-        for Named { part, id, label, code, variant } in self.names("line", &file.id, &file.label, &file.code)? {
-            let point = |key: &str, point: &PointFile| self.point(&part, key, point, &variant, landmarks);
-            let curve = match (&file.from, &file.through, &file.to, &file.centre, &file.radius_m) {
-                (Some(from), None, Some(to), None, None) => {
-                    CurvePart::Segment { from: point("from", from)?, to: point("to", to)? }
-                }
-                (Some(from), Some(through), Some(to), None, None) => {
-                    CurvePart::Arc(Box::new([point("from", from)?, point("through", through)?, point("to", to)?]))
-                }
+    fn line(
+        &self,
+        file: &LineFile,
+        landmarks: &[LandmarkPart],
+        into: &mut Vec<LinePart>,
+    ) -> Result<(), FieldError> {
+        for Named {
+            part,
+            id,
+            label,
+            code,
+            variant,
+        } in self.names("line", &file.id, &file.label, &file.code)?
+        {
+            let point =
+                |key: &str, point: &PointFile| self.point(&part, key, point, &variant, landmarks);
+            let curve = match (
+                &file.from,
+                &file.through,
+                &file.to,
+                &file.centre,
+                &file.radius_m,
+            ) {
+                (Some(from), None, Some(to), None, None) => CurvePart::Segment {
+                    from: point("from", from)?,
+                    to: point("to", to)?,
+                },
+                (Some(from), Some(through), Some(to), None, None) => CurvePart::Arc(Box::new([
+                    point("from", from)?,
+                    point("through", through)?,
+                    point("to", to)?,
+                ])),
                 (None, None, None, Some(centre), Some(radius)) => CurvePart::Circle {
                     centre: point("centre", centre)?,
                     radius_m: self.scoped(&format!("{part}, radius_m"), radius, &variant)?,
                 },
                 _ => {
-                    let problem =
-                        "it needs from and to (straight), from, through and to (arc), or centre and radius_m (circle)";
+                    let problem = "it needs from and to (straight), from, through and to (arc), or centre and radius_m (circle)";
                     return Err(self.invalid(&part, problem.to_owned()));
                 }
             };
@@ -239,10 +348,17 @@ impl Reader<'_> {
                 Some("outer") => PaintEdge::Outer,
                 Some("inner") => PaintEdge::Inner,
                 Some(other) => {
-                    return Err(self.invalid(&part, format!("edge {other:?} is not one of centre, outer, inner")));
+                    return Err(self.invalid(
+                        &part,
+                        format!("edge {other:?} is not one of centre, outer, inner"),
+                    ));
                 }
             };
-            let inside = file.inside.as_ref().map(|inside| point("inside", inside)).transpose()?;
+            let inside = file
+                .inside
+                .as_ref()
+                .map(|inside| point("inside", inside))
+                .transpose()?;
             let straight = matches!(curve, CurvePart::Segment { .. });
             if inside.is_some() != (straight && edge != PaintEdge::Centre) {
                 let problem = "inside (a point of the area that the line bounds) belongs to straight lines whose edge is \
@@ -273,20 +389,37 @@ impl Reader<'_> {
         landmarks: &[LandmarkPart],
     ) -> Result<PointPart, FieldError> {
         match point {
-            PointFile::Coordinates(formulas) => self.coordinates(&format!("{part}, {key}"), variant, formulas),
+            PointFile::Coordinates(formulas) => {
+                self.coordinates(&format!("{part}, {key}"), variant, formulas)
+            }
             PointFile::Landmark(name) => {
-                let id = variant.fill(name).map_err(|problem| self.invalid(part, problem))?;
+                let id = variant
+                    .fill(name)
+                    .map_err(|problem| self.invalid(part, problem))?;
                 landmarks
                     .iter()
                     .find(|landmark| landmark.id == id)
                     .map(|landmark| landmark.at.clone())
-                    .ok_or_else(|| self.invalid(&format!("{part}, {key}"), format!("there is no landmark {id:?}")))
+                    .ok_or_else(|| {
+                        self.invalid(
+                            &format!("{part}, {key}"),
+                            format!("there is no landmark {id:?}"),
+                        )
+                    })
             }
         }
     }
 
-    fn scoped(&self, part: &str, formula: &Formula, variant: &Variant) -> Result<Scoped, FieldError> {
-        Ok(Scoped { expression: self.expression(part, formula)?, names: variant.names().collect() })
+    fn scoped(
+        &self,
+        part: &str,
+        formula: &Formula,
+        variant: &Variant,
+    ) -> Result<Scoped, FieldError> {
+        Ok(Scoped {
+            expression: self.expression(part, formula)?,
+            names: variant.names().collect(),
+        })
     }
 
     fn not_too_many(&self, part: &str, count: usize) -> Result<(), FieldError> {
@@ -296,7 +429,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Ids are unique among landmarks and among lines, codes among both: a typed code means one thing.
+    /// Ids are unique among landmarks and among lines, codes among both: a typed code means one
+    /// thing.
     fn unique(&self, landmarks: &[LandmarkPart], lines: &[LinePart]) -> Result<(), FieldError> {
         let mut codes = BTreeSet::new();
         let mut ids = BTreeSet::new();
@@ -306,10 +440,16 @@ impl Reader<'_> {
             .chain(lines.iter().map(|line| ("line", &line.id, &line.code)));
         for (kind, id, code) in all {
             if !ids.insert((kind, id)) {
-                return Err(self.invalid(&format!("{kind} {id:?}"), "there are two of this id".to_owned()));
+                return Err(self.invalid(
+                    &format!("{kind} {id:?}"),
+                    "there are two of this id".to_owned(),
+                ));
             }
             if !codes.insert(code) {
-                return Err(self.invalid(&format!("{kind} {id:?}"), format!("its code {code:?} is taken")));
+                return Err(self.invalid(
+                    &format!("{kind} {id:?}"),
+                    format!("its code {code:?} is taken"),
+                ));
             }
         }
         Ok(())

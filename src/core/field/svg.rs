@@ -17,11 +17,15 @@ pub fn svg(field: &FieldModel) -> String {
         .landmarks
         .iter()
         .map(|landmark| landmark.nominal_m)
-        .fold(Vec3::new(field.length_m / 2.0, field.width_m / 2.0, 0.0), |corner, at| {
-            Vec3::new(corner.x.max(at.x.abs()), corner.y.max(at.y.abs()), 0.0)
-        });
+        .fold(
+            Vec3::new(field.length_m / 2.0, field.width_m / 2.0, 0.0),
+            |corner, at| Vec3::new(corner.x.max(at.x.abs()), corner.y.max(at.y.abs()), 0.0),
+        );
     let reach_m = corner + Vec3::new(MARGIN_M, MARGIN_M, 0.0);
-    let plan = Plan { reach_m, px_per_m: WIDTH_PX / (2.0 * reach_m.x) };
+    let plan = Plan {
+        reach_m,
+        px_per_m: WIDTH_PX / (2.0 * reach_m.x),
+    };
     let height_px = number(2.0 * reach_m.y * plan.px_per_m);
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH_PX}\" height=\"{height_px}\">\n\
@@ -33,14 +37,23 @@ pub fn svg(field: &FieldModel) -> String {
     for line in &field.lines {
         out.push_str(&plan.line(line));
     }
-    out.push_str("</g>\n<g fill=\"#ffd54a\" stroke=\"none\" font-family=\"sans-serif\" font-size=\"13\">\n");
+    out.push_str(
+        "</g>\n<g fill=\"#ffd54a\" stroke=\"none\" font-family=\"sans-serif\" font-size=\"13\">\n",
+    );
     for landmark in &field.landmarks {
         let [x, y] = plan.at(landmark.nominal_m);
         let title = escaped(&landmark.label);
         // Writing to a string cannot fail.
-        let _ = writeln!(out, "<g><title>{title}</title><circle cx=\"{x}\" cy=\"{y}\" r=\"3\"/></g>");
+        let _ = writeln!(
+            out,
+            "<g><title>{title}</title><circle cx=\"{x}\" cy=\"{y}\" r=\"3\"/></g>"
+        );
         if landmark.nominal_m.z == 0.0 {
-            let _ = writeln!(out, "<text x=\"{x}\" y=\"{y}\" dx=\"4\" dy=\"-4\">{}</text>", landmark.code);
+            let _ = writeln!(
+                out,
+                "<text x=\"{x}\" y=\"{y}\" dx=\"4\" dy=\"-4\">{}</text>",
+                landmark.code
+            );
         }
     }
     out.push_str("</g>\n</svg>\n");
@@ -57,7 +70,8 @@ struct Plan {
 impl Plan {
     /// A place of the field, px.
     fn at(&self, place_m: Vec3) -> [String; 2] {
-        [(self.reach_m.x + place_m.x), (self.reach_m.y - place_m.y)].map(|metres| self.length(metres))
+        [(self.reach_m.x + place_m.x), (self.reach_m.y - place_m.y)]
+            .map(|metres| self.length(metres))
     }
 
     fn length(&self, metres: f64) -> String {
@@ -68,20 +82,40 @@ impl Plan {
         let [from, to] = [0.0, 1.0].map(|t| self.at(line.paint_centre.point_at(t)));
         let ([x1, y1], [x2, y2]) = (from, to);
         let (tag, place) = match line.paint_centre {
-            Curve::Segment { .. } => ("line", format!("x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\"")),
-            Curve::Arc { centre, radius_m, .. } if line.curve.is_closed() => {
+            Curve::Segment { .. } => (
+                "line",
+                format!("x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\""),
+            ),
+            Curve::Arc {
+                centre, radius_m, ..
+            } if line.curve.is_closed() => {
                 let [x, y] = self.at(centre);
-                ("circle", format!("cx=\"{x}\" cy=\"{y}\" r=\"{}\"", self.length(radius_m)))
+                (
+                    "circle",
+                    format!("cx=\"{x}\" cy=\"{y}\" r=\"{}\"", self.length(radius_m)),
+                )
             }
-            Curve::Arc { radius_m, sweep, .. } => {
+            Curve::Arc {
+                radius_m, sweep, ..
+            } => {
                 let large = u8::from(sweep.radians().abs() > std::f64::consts::PI);
-                // The picture's y runs down: what turns from +x towards +y turns the other way there.
+                // The picture's y runs down: what turns from +x towards +y turns the other way
+                // there.
                 let clockwise = u8::from(sweep.radians() < 0.0);
                 let radius = self.length(radius_m);
-                ("path", format!("d=\"M {x1} {y1} A {radius} {radius} 0 {large} {clockwise} {x2} {y2}\""))
+                (
+                    "path",
+                    format!(
+                        "d=\"M {x1} {y1} A {radius} {radius} 0 {large} {clockwise} {x2} {y2}\""
+                    ),
+                )
             }
         };
-        let colour = if line.painted { "" } else { " stroke=\"#7fb4ff\"" };
+        let colour = if line.painted {
+            ""
+        } else {
+            " stroke=\"#7fb4ff\""
+        };
         let width = self.length(line.width_m);
         let title = escaped(&line.label);
         format!("<g><title>{title}</title><{tag} {place} stroke-width=\"{width}\"{colour}/></g>\n")
@@ -92,11 +126,18 @@ impl Plan {
 fn number(value: f64) -> String {
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+    if text == "-0" {
+        "0".to_owned()
+    } else {
+        text.to_owned()
+    }
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
 }
 
 #[cfg(test)]
@@ -109,8 +150,16 @@ mod tests {
         for name in builtin_names() {
             let field = builtin(name).unwrap().default_model().unwrap();
             let text = svg(&field);
-            assert_eq!(text.matches("stroke-width").count(), field.lines.len(), "{name}");
-            assert_eq!(text.matches("r=\"3\"").count(), field.landmarks.len(), "{name}");
+            assert_eq!(
+                text.matches("stroke-width").count(),
+                field.lines.len(),
+                "{name}"
+            );
+            assert_eq!(
+                text.matches("r=\"3\"").count(),
+                field.landmarks.len(),
+                "{name}"
+            );
             assert!(!text.contains("NaN") && !text.contains("inf\""), "{name}");
         }
     }
@@ -118,10 +167,17 @@ mod tests {
     #[test]
     fn an_arc_bends_the_way_it_does_on_the_field() {
         let field = builtin("soccer").unwrap().default_model().unwrap();
-        let plan = Plan { reach_m: Vec3::new(60.0, 40.0, 0.0), px_per_m: 10.0 };
-        // The left penalty arc runs from near to far with its apex towards the middle: counter-clockwise in the world.
+        let plan = Plan {
+            reach_m: Vec3::new(60.0, 40.0, 0.0),
+            px_per_m: 10.0,
+        };
+        // The left penalty arc runs from near to far with its apex towards the middle:
+        // counter-clockwise in the world.
         let arc = plan.line(field.line("penalty_arc_left").unwrap());
-        assert!(arc.contains("<path d=\"M 239.64 472.65 A 90.9 90.9 0 0 0 239.64 327.35\""), "{arc}");
+        assert!(
+            arc.contains("<path d=\"M 239.64 472.65 A 90.9 90.9 0 0 0 239.64 327.35\""),
+            "{arc}"
+        );
         assert_eq!(
             plan.line(field.line("halfway_line").unwrap()),
             "<g><title>Halfway line</title><line x1=\"600\" y1=\"740\" x2=\"600\" y2=\"60\" stroke-width=\"1.2\"/></g>\n"

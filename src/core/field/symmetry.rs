@@ -1,4 +1,5 @@
-//! The field's symmetries: which landmarks and lines are confused when a picture is named from the wrong side.
+//! The field's symmetries: which landmarks and lines are confused when a picture is named from the
+//! wrong side.
 
 use super::model::same_place;
 use super::{Curve, FieldLine, FieldModel, Landmark};
@@ -39,7 +40,9 @@ impl Symmetry {
     /// The symmetry of a name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|symmetry| symmetry.name() == name)
+        Self::ALL
+            .into_iter()
+            .find(|symmetry| symmetry.name() == name)
     }
 
     /// Where a point comes to lie.
@@ -52,28 +55,56 @@ impl Symmetry {
         }
     }
 
-    /// The landmark where this one comes to lie: itself, another, or none where the field is not symmetric.
+    /// The landmark where this one comes to lie: itself, another, or none where the field is not
+    /// symmetric.
     #[must_use]
-    pub fn landmark_twin<'a>(self, model: &'a FieldModel, landmark: &Landmark) -> Option<&'a Landmark> {
+    pub fn landmark_twin<'a>(
+        self,
+        model: &'a FieldModel,
+        landmark: &Landmark,
+    ) -> Option<&'a Landmark> {
         let there = self.apply(landmark.nominal_m);
-        model.landmarks.iter().find(|other| same_place(other.nominal_m, there))
+        model
+            .landmarks
+            .iter()
+            .find(|other| same_place(other.nominal_m, there))
     }
 
     /// The line where this one comes to lie.
     #[must_use]
     pub fn line_twin<'a>(self, model: &'a FieldModel, line: &FieldLine) -> Option<&'a FieldLine> {
-        model.lines.iter().find(|other| self.maps(&line.curve, &other.curve))
+        model
+            .lines
+            .iter()
+            .find(|other| self.maps(&line.curve, &other.curve))
     }
 
     /// Whether one curve comes to lie on another, whichever way that one runs.
     fn maps(self, curve: &Curve, other: &Curve) -> bool {
         match (*curve, *other) {
-            (Curve::Segment { from, to }, Curve::Segment { from: first, to: last }) => {
+            (
+                Curve::Segment { from, to },
+                Curve::Segment {
+                    from: first,
+                    to: last,
+                },
+            ) => {
                 let (from, to) = (self.apply(from), self.apply(to));
-                (same_place(from, first) && same_place(to, last)) || (same_place(from, last) && same_place(to, first))
+                (same_place(from, first) && same_place(to, last))
+                    || (same_place(from, last) && same_place(to, first))
             }
-            (Curve::Arc { centre, radius_m, .. }, Curve::Arc { centre: there, radius_m: other_radius, .. }) => {
-                if !same_place(self.apply(centre), there) || (radius_m - other_radius).abs() > 1e-6 {
+            (
+                Curve::Arc {
+                    centre, radius_m, ..
+                },
+                Curve::Arc {
+                    centre: there,
+                    radius_m: other_radius,
+                    ..
+                },
+            ) => {
+                if !same_place(self.apply(centre), there) || (radius_m - other_radius).abs() > 1e-6
+                {
                     return false;
                 }
                 if curve.is_closed() || other.is_closed() {

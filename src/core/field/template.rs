@@ -62,6 +62,9 @@ impl Template {
     /// The parameters where nothing is said.
     #[must_use]
     pub fn default_params(&self) -> BTreeMap<String, f64> {
-        self.params.iter().map(|param| (param.name.clone(), param.default)).collect()
+        self.params
+            .iter()
+            .map(|param| (param.name.clone(), param.default))
+            .collect()
     }
 }

@@ -1,8 +1,10 @@
-//! One entry of a template for several places: `corner_{near,far}_{left,right}` names four landmarks.
+//! One entry of a template for several places: `corner_{near,far}_{left,right}` names four
+//! landmarks.
 //!
-//! A group in braces stands for one choice: `{near,far}` (or `{n,f}`) sets `y_side` to −1 or 1, `{left,right}` (or
-//! `{l,r}`) sets `x_side`, and a list of numbers sets `number`. The expressions of the entry use these names. The id
-//! says which choices there are; label, code and the names of landmarks repeat them in any order and spelling.
+//! A group in braces stands for one choice: `{near,far}` (or `{n,f}`) sets `y_side` to −1 or 1,
+//! `{left,right}` (or `{l,r}`) sets `x_side`, and a list of numbers sets `number`. The expressions
+//! of the entry use these names. The id says which choices there are; label, code and the names of
+//! landmarks repeat them in any order and spelling.
 
 use crate::files::plain;
 
@@ -73,7 +75,12 @@ impl Variant {
                     .iter()
                     .find(|choice| choice.axis == axis && choice.count == options.len())
                     .map(|choice| options[choice.index])
-                    .ok_or_else(|| format!("{text:?} has the group {{{}}}, its id has not", options.join(","))),
+                    .ok_or_else(|| {
+                        format!(
+                            "{text:?} has the group {{{}}}, its id has not",
+                            options.join(",")
+                        )
+                    }),
             })
             .collect()
     }
@@ -86,7 +93,9 @@ impl Variant {
 pub fn variants(id: &str) -> Result<Vec<Variant>, String> {
     let mut all = vec![Variant::default()];
     for piece in pieces(id)? {
-        let Piece::Group { axis, options } = piece else { continue };
+        let Piece::Group { axis, options } = piece else {
+            continue;
+        };
         if all[0].choices.iter().any(|choice| choice.axis == axis) {
             return Err(format!("{id:?} has two groups of the same kind"));
         }
@@ -94,11 +103,18 @@ pub fn variants(id: &str) -> Result<Vec<Variant>, String> {
         for variant in &all {
             for (index, option) in options.iter().enumerate() {
                 let value = match axis {
-                    Axis::Number => option.parse().map_err(|_| format!("{option:?} is not a number"))?,
+                    Axis::Number => option
+                        .parse()
+                        .map_err(|_| format!("{option:?} is not a number"))?,
                     Axis::X | Axis::Y => [-1.0, 1.0][index],
                 };
                 let mut choices = variant.choices.clone();
-                choices.push(Choice { axis, index, count: options.len(), value });
+                choices.push(Choice {
+                    axis,
+                    index,
+                    count: options.len(),
+                    value,
+                });
                 longer.push(Variant { choices });
             }
         }
@@ -111,13 +127,21 @@ fn pieces(text: &str) -> Result<Vec<Piece<'_>>, String> {
     let mut pieces = Vec::new();
     let mut rest = text;
     while let Some(open) = rest.find(['{', '}']) {
-        let Some((inside, after)) = rest[open..].strip_prefix('{').and_then(|group| group.split_once('}')) else {
+        let Some((inside, after)) = rest[open..]
+            .strip_prefix('{')
+            .and_then(|group| group.split_once('}'))
+        else {
             return Err(format!("{text:?} has a brace without its other half"));
         };
         pieces.push(Piece::Text(&rest[..open]));
         let options: Vec<&str> = inside.split(',').collect();
-        let spelled = SPELLINGS.iter().find(|(_, words)| *words == options[..]).map(|(axis, _)| *axis);
-        let numbers = options.iter().all(|option| !option.is_empty() && option.bytes().all(|b| b.is_ascii_digit()));
+        let spelled = SPELLINGS
+            .iter()
+            .find(|(_, words)| *words == options[..])
+            .map(|(axis, _)| *axis);
+        let numbers = options
+            .iter()
+            .all(|option| !option.is_empty() && option.bytes().all(|b| b.is_ascii_digit()));
         let Some(axis) = spelled.or(numbers.then_some(Axis::Number)) else {
             return Err(format!(
                 "{text:?}: {{{}}} is not a group; groups are {{near,far}}, {{n,f}}, {{left,right}}, {{l,r}} and \
@@ -146,9 +170,18 @@ mod tests {
                 (corner.fill("c{l,r}{n,f}").unwrap(), names)
             })
             .collect();
-        assert_eq!(filled[0], ("cln".to_owned(), vec![("y_side", -1.0), ("x_side", -1.0)]));
-        assert_eq!(filled[1], ("crn".to_owned(), vec![("y_side", -1.0), ("x_side", 1.0)]));
-        assert_eq!(filled[3], ("crf".to_owned(), vec![("y_side", 1.0), ("x_side", 1.0)]));
+        assert_eq!(
+            filled[0],
+            ("cln".to_owned(), vec![("y_side", -1.0), ("x_side", -1.0)])
+        );
+        assert_eq!(
+            filled[1],
+            ("crn".to_owned(), vec![("y_side", -1.0), ("x_side", 1.0)])
+        );
+        assert_eq!(
+            filled[3],
+            ("crf".to_owned(), vec![("y_side", 1.0), ("x_side", 1.0)])
+        );
         let yards = variants("yard_line_{5,10}").unwrap();
         assert_eq!(yards[1].fill("Yard line {05,10}").unwrap(), "Yard line 10");
         assert_eq!(yards[0].names().collect::<Vec<_>>(), [("number", 5.0)]);
@@ -161,11 +194,27 @@ mod tests {
             "\"a_{one,two}\": {one,two} is not a group; groups are {near,far}, {n,f}, {left,right}, {l,r} and numbers \
              such as {10,20}"
         );
-        assert!(variants("{a\u{1b}}").unwrap_err().starts_with("\"{a\\u{1b}}\": {a\\u{1b}} is not a group"));
-        assert_eq!(variants("a_{near").unwrap_err(), "\"a_{near\" has a brace without its other half");
-        assert_eq!(variants("a}").unwrap_err(), "\"a}\" has a brace without its other half");
-        assert_eq!(variants("{n,f}{near,far}").unwrap_err(), "\"{n,f}{near,far}\" has two groups of the same kind");
+        assert!(
+            variants("{a\u{1b}}")
+                .unwrap_err()
+                .starts_with("\"{a\\u{1b}}\": {a\\u{1b}} is not a group")
+        );
+        assert_eq!(
+            variants("a_{near").unwrap_err(),
+            "\"a_{near\" has a brace without its other half"
+        );
+        assert_eq!(
+            variants("a}").unwrap_err(),
+            "\"a}\" has a brace without its other half"
+        );
+        assert_eq!(
+            variants("{n,f}{near,far}").unwrap_err(),
+            "\"{n,f}{near,far}\" has two groups of the same kind"
+        );
         let plain = &variants("a").unwrap()[0];
-        assert_eq!(plain.fill("{l,r}").unwrap_err(), "\"{l,r}\" has the group {l,r}, its id has not");
+        assert_eq!(
+            plain.fill("{l,r}").unwrap_err(),
+            "\"{l,r}\" has the group {l,r}, its id has not"
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! Opening files that may come from anybody: nothing hangs on a pipe, nothing reads a device, nothing is larger than expected.
+//! Opening files that may come from anybody: nothing hangs on a pipe, nothing reads a device,
+//! nothing is larger than expected.
 //!
 //! | what | for |
 //! |---|---|
@@ -19,10 +20,12 @@ mod way_out;
 pub use named_file::{open_named, read_named, read_named_text};
 pub use not_readable::NotReadable;
 pub use plain::plain;
-pub use regular_file::{WrongKind, open_regular, read_regular, read_regular_within, refuse_linked_folder};
+pub use regular_file::{
+    WrongKind, open_regular, read_regular, read_regular_within, refuse_linked_folder,
+};
 pub use replace::{
-    IsReplaced, NotReplaced, PROJECT_FILE, PROJECT_SUFFIX, follow_link, refuse_other_files, refuse_part_of_project,
-    replace_folder,
+    IsReplaced, NotReplaced, PROJECT_FILE, PROJECT_SUFFIX, follow_link, refuse_other_files,
+    refuse_part_of_project, replace_folder,
 };
 pub use temporary::{remove_stray_files, temporary_file_in, temporary_folder_in};
 pub use way_out::way_out;
@@ -32,5 +35,7 @@ use std::path::Path;
 /// The folder that a path lies in.
 #[must_use]
 pub fn folder_of(path: &Path) -> &Path {
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+    path.parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(Path::new("."))
 }

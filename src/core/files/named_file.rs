@@ -1,4 +1,5 @@
-//! Files that a person names: links are followed, but what is behind them must be a file, and not a larger one than expected.
+//! Files that a person names: links are followed, but what is behind them must be a file, and not a
+//! larger one than expected.
 
 use super::not_readable::NotReadable;
 use super::regular_file::kind_of;
@@ -39,7 +40,11 @@ pub fn read_named(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let mut content = Vec::with_capacity(bytes as usize);
     file.take(limit + 1).read_to_end(&mut content)?;
     // It may have grown meanwhile.
-    if content.len() as u64 > limit { Err(refuse(content.len() as u64)) } else { Ok(content) }
+    if content.len() as u64 > limit {
+        Err(refuse(content.len() as u64))
+    } else {
+        Ok(content)
+    }
 }
 
 /// Reads a text of at most so many bytes, without a byte order mark.
@@ -50,11 +55,16 @@ pub fn read_named_text(path: &Path, limit: u64) -> io::Result<String> {
     let not_utf8 = |offset| io::Error::other(NotReadable::NotUtf8 { offset });
     let text = String::from_utf8(read_named(path, limit)?);
     let text = text.map_err(|error| not_utf8(error.utf8_error().valid_up_to()))?;
-    Ok(text.strip_prefix('\u{feff}').map(ToOwned::to_owned).unwrap_or(text))
+    Ok(text
+        .strip_prefix('\u{feff}')
+        .map(ToOwned::to_owned)
+        .unwrap_or(text))
 }
 
 fn refuse_kind(file_type: FileType) -> io::Result<()> {
-    kind_of(file_type).map_or(Ok(()), |found| Err(io::Error::other(NotReadable::Kind { found })))
+    kind_of(file_type).map_or(Ok(()), |found| {
+        Err(io::Error::other(NotReadable::Kind { found }))
+    })
 }
 
 #[cfg(test)]
@@ -70,14 +80,27 @@ mod tests {
         std::os::unix::fs::symlink(at("file"), at("link")).unwrap();
         std::os::unix::fs::symlink("/dev/zero", at("endless")).unwrap();
         std::os::unix::fs::symlink(at("circle"), at("circle")).unwrap();
-        assert!(std::process::Command::new("mkfifo").arg(at("pipe")).status().unwrap().success());
+        assert!(
+            std::process::Command::new("mkfifo")
+                .arg(at("pipe"))
+                .status()
+                .unwrap()
+                .success()
+        );
         assert_eq!(read_named_text(&at("link"), 100).unwrap(), "text");
         let refusal = |name: &str| read_named(&at(name), 100).unwrap_err().to_string();
         assert_eq!(refusal("pipe"), "it is a pipe, not a file");
         assert_eq!(refusal("endless"), "it is a device, not a file");
         assert_eq!(refusal("."), "it is a folder, not a file");
-        assert!(refusal("circle").contains("symbolic links"), "{}", refusal("circle"));
-        assert_eq!(read_named(&at("missing"), 100).unwrap_err().kind(), io::ErrorKind::NotFound);
+        assert!(
+            refusal("circle").contains("symbolic links"),
+            "{}",
+            refusal("circle")
+        );
+        assert_eq!(
+            read_named(&at("missing"), 100).unwrap_err().kind(),
+            io::ErrorKind::NotFound
+        );
     }
 
     #[test]
@@ -88,7 +111,10 @@ mod tests {
         assert_eq!(read_named(&path, 4).unwrap(), b"abc\xff");
         let refusal = read_named(&path, 3).unwrap_err().to_string();
         assert_eq!(refusal, "it has 4 bytes, and 3 are read at most");
-        assert_eq!(read_named_text(&path, 4).unwrap_err().to_string(), "it is not UTF-8 text (byte 3)");
+        assert_eq!(
+            read_named_text(&path, 4).unwrap_err().to_string(),
+            "it is not UTF-8 text (byte 3)"
+        );
         // A file whose size claims far more than there is takes no memory.
         File::create(&path).unwrap().set_len(1 << 40).unwrap();
         assert!(read_named(&path, 1 << 20).is_err());

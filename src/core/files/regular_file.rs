@@ -1,7 +1,9 @@
-//! Opens files in a folder that may come from an untrusted source: regular files only, and no symbolic links.
+//! Opens files in a folder that may come from an untrusted source: regular files only, and no
+//! symbolic links.
 //!
-//! A project from somebody else may contain a link where the program keeps its own files; writing through it would destroy
-//! one of the user's files. A pipe would block the program for ever, a device would receive what is written.
+//! A project from somebody else may contain a link where the program keeps its own files; writing
+//! through it would destroy one of the user's files. A pipe would block the program for ever, a
+//! device would receive what is written.
 
 use super::not_readable::NotReadable;
 use std::fs::{self, File, FileType, OpenOptions};
@@ -74,22 +76,35 @@ pub fn read_regular_within(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     Ok(content)
 }
 
-/// Refuses a link, or anything else that is no folder, where a folder of the program's own is or will be.
+/// Refuses a link, or anything else that is no folder, where a folder of the program's own is or
+/// will be.
 ///
 /// # Errors
 /// [`WrongKind`], as the inner error. That nothing is there is no error.
 pub fn refuse_linked_folder(path: &Path) -> io::Result<()> {
-    let Ok(metadata) = fs::symlink_metadata(path) else { return Ok(()) };
+    let Ok(metadata) = fs::symlink_metadata(path) else {
+        return Ok(());
+    };
     if metadata.is_dir() {
         return Ok(());
     }
     let found = kind_of(metadata.file_type()).unwrap_or("a file");
-    Err(io::Error::other(WrongKind { path: path.to_path_buf(), found, wanted: "a folder" }))
+    Err(io::Error::other(WrongKind {
+        path: path.to_path_buf(),
+        found,
+        wanted: "a folder",
+    }))
 }
 
 fn refuse_irregular(path: &Path, file_type: FileType) -> io::Result<()> {
-    let Some(found) = kind_of(file_type) else { return Ok(()) };
-    Err(io::Error::other(WrongKind { path: path.to_path_buf(), found, wanted: "a regular file" }))
+    let Some(found) = kind_of(file_type) else {
+        return Ok(());
+    };
+    Err(io::Error::other(WrongKind {
+        path: path.to_path_buf(),
+        found,
+        wanted: "a regular file",
+    }))
 }
 
 /// What is no regular file, in words.
@@ -122,7 +137,9 @@ mod tests {
     use std::os::unix::fs::symlink;
 
     fn refusal(path: &Path) -> String {
-        open_regular(path, OpenOptions::new().read(true).write(true).create(true)).unwrap_err().to_string()
+        open_regular(path, OpenOptions::new().read(true).write(true).create(true))
+            .unwrap_err()
+            .to_string()
     }
 
     #[test]
@@ -134,7 +151,13 @@ mod tests {
         symlink(at("nothing"), at("dangling")).unwrap();
         symlink("/dev/null", at("to a device")).unwrap();
         std::fs::create_dir(at("folder")).unwrap();
-        assert!(std::process::Command::new("mkfifo").arg(at("pipe")).status().unwrap().success());
+        assert!(
+            std::process::Command::new("mkfifo")
+                .arg(at("pipe"))
+                .status()
+                .unwrap()
+                .success()
+        );
         for (name, found) in [
             ("link", "a symbolic link"),
             ("dangling", "a symbolic link"),
@@ -142,13 +165,19 @@ mod tests {
             ("folder", "a folder"),
             ("pipe", "a pipe"),
         ] {
-            let expected = format!("{} is {found}, not a regular file; move it away", at(name).display());
+            let expected = format!(
+                "{} is {found}, not a regular file; move it away",
+                at(name).display()
+            );
             assert_eq!(refusal(&at(name)), expected);
             assert!(WrongKind::behind(&read_regular(&at(name)).unwrap_err()).is_some());
         }
         assert!(refusal(Path::new("/dev/null")).contains("is a device"));
         assert_eq!(std::fs::read_to_string(at("victim")).unwrap(), "precious");
-        assert!(!at("nothing").exists(), "nothing is made through a dangling link");
+        assert!(
+            !at("nothing").exists(),
+            "nothing is made through a dangling link"
+        );
     }
 
     #[test]
@@ -166,7 +195,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let link = folder.path().join("link");
         symlink(folder.path(), &link).unwrap();
-        assert!(refuse_linked_folder(&link).unwrap_err().to_string().contains("is a symbolic link, not a folder"));
+        assert!(
+            refuse_linked_folder(&link)
+                .unwrap_err()
+                .to_string()
+                .contains("is a symbolic link, not a folder")
+        );
         assert!(refuse_linked_folder(folder.path()).is_ok());
         assert!(refuse_linked_folder(&folder.path().join("missing")).is_ok());
     }

@@ -1,9 +1,11 @@
-//! What `--force` may replace: files under the names that are written again. Nothing else in a folder goes.
+//! What `--force` may replace: files under the names that are written again. Nothing else in a
+//! folder goes.
 //!
-//! A folder of results is written beside its place and renamed onto it, so that it is there whole or not at all. The folder that it
-//! replaces may hold anything by then: a project, somebody's notes, labels that another program added. [`refuse_other_files`] names the first
-//! file that would be lost; [`replace_folder`] asks again when the result is ready, and even then deletes only files that
-//! are replaced.
+//! A folder of results is written beside its place and renamed onto it, so that it is there whole
+//! or not at all. The folder that it replaces may hold anything by then: a project, somebody's
+//! notes, labels that another program added. [`refuse_other_files`] names the first file that would
+//! be lost; [`replace_folder`] asks again when the result is ready, and even then deletes only
+//! files that are replaced.
 
 use super::way_out::way_out;
 use std::fs::{self, DirEntry};
@@ -14,14 +16,16 @@ use thiserror::Error;
 
 /// The document's file in a project folder.
 pub const PROJECT_FILE: &str = "project.json";
-/// What a folder of frames or a video gives its project's name: `match.mp4` lies beside `match.mp4.touchline/`.
+/// What a folder of frames or a video gives its project's name: `match.mp4` lies beside
+/// `match.mp4.touchline/`.
 pub const PROJECT_SUFFIX: &str = ".touchline";
 /// What the program keeps beside a document, by the ending that is added to its name.
 const BESIDE_DOCUMENT: [&str; 3] = [".journal", ".history", ".lock"];
 /// What file managers put into every folder. It neither hinders a replacement nor goes with it.
 const OF_FILE_MANAGERS: [&str; 3] = [".DS_Store", "Thumbs.db", "desktop.ini"];
 
-/// Whether a file of a folder is replaced, by its name from the folder with `/` between the parts, and its path.
+/// Whether a file of a folder is replaced, by its name from the folder with `/` between the parts,
+/// and its path.
 pub type IsReplaced<'a> = &'a dyn Fn(&str, &Path) -> bool;
 
 /// Why a result is not put where it was to go. Nothing was changed then.
@@ -66,7 +70,8 @@ pub enum NotReplaced {
     },
 }
 
-/// Refuses to replace a file that a project keeps: its document, or what lies beside a document. Only the store writes these.
+/// Refuses to replace a file that a project keeps: its document, or what lies beside a document.
+/// Only the store writes these.
 ///
 /// # Errors
 /// It is one.
@@ -78,29 +83,50 @@ pub fn refuse_part_of_project(path: &Path) -> Result<(), NotReplaced> {
     Ok(())
 }
 
-/// Refuses to replace a folder that holds a project or any file that is not replaced. That nothing is there is no error.
+/// Refuses to replace a folder that holds a project or any file that is not replaced. That nothing
+/// is there is no error.
 ///
 /// # Errors
 /// It holds one, which is named; or it is a file, or cannot be looked into.
 pub fn refuse_other_files(folder: &Path, is_replaced: IsReplaced) -> Result<(), NotReplaced> {
-    let failed = |source| NotReplaced::Io { path: folder.to_path_buf(), source };
-    let Ok(metadata) = fs::metadata(folder) else { return Ok(()) };
+    let failed = |source| NotReplaced::Io {
+        path: folder.to_path_buf(),
+        source,
+    };
+    let Ok(metadata) = fs::metadata(folder) else {
+        return Ok(());
+    };
     if !metadata.is_dir() {
-        return Err(NotReplaced::File { path: folder.to_path_buf() });
+        return Err(NotReplaced::File {
+            path: folder.to_path_buf(),
+        });
     }
-    let Some(other) = find_other_file(folder, "", is_replaced).map_err(failed)? else { return Ok(()) };
+    let Some(other) = find_other_file(folder, "", is_replaced).map_err(failed)? else {
+        return Ok(());
+    };
     let (folder, name) = (folder.to_path_buf(), other.name);
-    Err(if other.is_project { NotReplaced::Project { folder, name } } else { NotReplaced::OtherFile { folder, name } })
+    Err(if other.is_project {
+        NotReplaced::Project { folder, name }
+    } else {
+        NotReplaced::OtherFile { folder, name }
+    })
 }
 
-/// Puts a finished temporary folder, which lies beside `path`, in the place of the folder at `path`. Files of the old one that are
-/// not replaced move into the new one.
+/// Puts a finished temporary folder, which lies beside `path`, in the place of the folder at
+/// `path`. Files of the old one that are not replaced move into the new one.
 ///
 /// # Errors
 /// As [`refuse_other_files`], or the system refuses.
-pub fn replace_folder(new: TempDir, path: &Path, is_replaced: IsReplaced) -> Result<(), NotReplaced> {
+pub fn replace_folder(
+    new: TempDir,
+    path: &Path,
+    is_replaced: IsReplaced,
+) -> Result<(), NotReplaced> {
     refuse_other_files(path, is_replaced)?;
-    let failed = |source| NotReplaced::Io { path: path.to_path_buf(), source };
+    let failed = |source| NotReplaced::Io {
+        path: path.to_path_buf(),
+        source,
+    };
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -120,15 +146,23 @@ pub fn replace_folder(new: TempDir, path: &Path, is_replaced: IsReplaced) -> Res
         return Err(failed(error));
     }
     let _ = new.keep();
-    // From here on what cannot be moved stays where it is, and is not deleted with the temporary folder.
+    // From here on what cannot be moved stays where it is, and is not deleted with the temporary
+    // folder.
     let aside = aside.keep();
-    empty_folder(&old, path, "", is_replaced).and_then(|()| fs::remove_dir(aside)).map_err(failed)
+    empty_folder(&old, path, "", is_replaced)
+        .and_then(|()| fs::remove_dir(aside))
+        .map_err(failed)
 }
 
-/// The path behind a link; any other path as it is. What is written to a link goes to what it leads to.
+/// The path behind a link; any other path as it is. What is written to a link goes to what it leads
+/// to.
 #[must_use]
 pub fn follow_link(path: &Path) -> PathBuf {
-    let target = if path.is_symlink() { fs::canonicalize(path).ok() } else { None };
+    let target = if path.is_symlink() {
+        fs::canonicalize(path).ok()
+    } else {
+        None
+    };
     target.unwrap_or_else(|| path.to_path_buf())
 }
 
@@ -138,8 +172,13 @@ struct OtherFile {
     is_project: bool,
 }
 
-/// The first file of a folder that is not replaced. Links are not followed, and are files of their own.
-fn find_other_file(folder: &Path, prefix: &str, is_replaced: IsReplaced) -> io::Result<Option<OtherFile>> {
+/// The first file of a folder that is not replaced. Links are not followed, and are files of their
+/// own.
+fn find_other_file(
+    folder: &Path,
+    prefix: &str,
+    is_replaced: IsReplaced,
+) -> io::Result<Option<OtherFile>> {
     for entry in sorted_entries(folder)? {
         let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
         let file_type = entry.file_type()?;
@@ -158,13 +197,19 @@ fn find_other_file(folder: &Path, prefix: &str, is_replaced: IsReplaced) -> io::
     Ok(None)
 }
 
-/// Deletes the files of a folder that are replaced, moves the others into `new`, and deletes the empty folder.
+/// Deletes the files of a folder that are replaced, moves the others into `new`, and deletes the
+/// empty folder.
 fn empty_folder(old: &Path, new: &Path, prefix: &str, is_replaced: IsReplaced) -> io::Result<()> {
     for entry in sorted_entries(old)? {
         let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
         let file_type = entry.file_type()?;
         if file_type.is_dir() {
-            empty_folder(&entry.path(), &new.join(entry.file_name()), &format!("{name}/"), is_replaced)?;
+            empty_folder(
+                &entry.path(),
+                &new.join(entry.file_name()),
+                &format!("{name}/"),
+                is_replaced,
+            )?;
         } else if file_type.is_file() && is_replaced(&name, &entry.path()) {
             fs::remove_file(entry.path())?;
         } else {
@@ -182,14 +227,20 @@ fn sorted_entries(folder: &Path) -> io::Result<Vec<DirEntry>> {
 }
 
 fn is_of_file_manager(entry: &DirEntry) -> bool {
-    OF_FILE_MANAGERS.iter().any(|name| entry.file_name() == *name)
+    OF_FILE_MANAGERS
+        .iter()
+        .any(|name| entry.file_name() == *name)
 }
 
 /// Whether a file is a project's document, or lies beside a document under its name.
 fn is_part_of_project(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let is_of_project = name.strip_prefix(PROJECT_FILE).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-    let document = BESIDE_DOCUMENT.iter().find_map(|ending| name.strip_suffix(ending));
+    let is_of_project = name
+        .strip_prefix(PROJECT_FILE)
+        .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+    let document = BESIDE_DOCUMENT
+        .iter()
+        .find_map(|ending| name.strip_suffix(ending));
     is_of_project || document.is_some_and(|document| path.with_file_name(document).is_file())
 }
 
@@ -222,23 +273,40 @@ mod tests {
         replace_folder(new, &out, &is_a).unwrap();
         assert_eq!(fs::read_to_string(out.join("a.txt")).unwrap(), "new");
         assert!(!out.join("stale").exists());
-        assert_eq!(fs::read_to_string(out.join(".DS_Store")).unwrap(), "old", "it moved over");
+        assert_eq!(
+            fs::read_to_string(out.join(".DS_Store")).unwrap(),
+            "old",
+            "it moved over"
+        );
         assert_eq!(fs::read_dir(place.path()).unwrap().count(), 1);
     }
 
     #[test]
     fn another_file_is_named_and_stays() {
         for (name, says) in [
-            ("sub/notes.txt", "holds sub/notes.txt, which would be lost; move it away, or give another folder"),
-            ("project.json", "holds a project (project.json); give another folder"),
-            ("project.json.journal", "holds a project (project.json.journal); give another folder"),
+            (
+                "sub/notes.txt",
+                "holds sub/notes.txt, which would be lost; move it away, or give another folder",
+            ),
+            (
+                "project.json",
+                "holds a project (project.json); give another folder",
+            ),
+            (
+                "project.json.journal",
+                "holds a project (project.json.journal); give another folder",
+            ),
         ] {
             let (place, new) = place(&["a.txt", name]);
             let out = place.path().join("out");
             let refusal = replace_folder(new, &out, &is_a).unwrap_err().to_string();
             assert!(refusal.ends_with(says), "{refusal}");
             assert_eq!(fs::read_to_string(out.join("a.txt")).unwrap(), "old");
-            assert_eq!(fs::read_dir(place.path()).unwrap().count(), 1, "nothing temporary is left");
+            assert_eq!(
+                fs::read_dir(place.path()).unwrap().count(),
+                1,
+                "nothing temporary is left"
+            );
         }
     }
 
@@ -248,17 +316,36 @@ mod tests {
         let (out, new) = (place.path().join("out"), place.path().join("new"));
         fs::create_dir(&new).unwrap();
         empty_folder(&out, &new, "", &is_a).unwrap();
-        assert_eq!(fs::read_to_string(new.join("late/notes.txt")).unwrap(), "old");
+        assert_eq!(
+            fs::read_to_string(new.join("late/notes.txt")).unwrap(),
+            "old"
+        );
         assert!(!out.exists());
     }
 
     #[test]
     fn what_a_project_keeps_is_known_by_its_name() {
-        let (place, _new) =
-            place(&["doc.json", "doc.json.journal", "project.json.bak", "own.journal", "project.jsonl"]);
-        let is_refused = |name: &str| refuse_part_of_project(&place.path().join("out").join(name)).is_err();
-        let refused = ["doc.json.journal", "project.json.bak", "doc.json", "own.journal", "project.jsonl", "missing"];
-        assert_eq!(refused.map(is_refused), [true, true, false, false, false, false]);
+        let (place, _new) = place(&[
+            "doc.json",
+            "doc.json.journal",
+            "project.json.bak",
+            "own.journal",
+            "project.jsonl",
+        ]);
+        let is_refused =
+            |name: &str| refuse_part_of_project(&place.path().join("out").join(name)).is_err();
+        let refused = [
+            "doc.json.journal",
+            "project.json.bak",
+            "doc.json",
+            "own.journal",
+            "project.jsonl",
+            "missing",
+        ];
+        assert_eq!(
+            refused.map(is_refused),
+            [true, true, false, false, false, false]
+        );
     }
 
     #[cfg(unix)]
@@ -272,7 +359,12 @@ mod tests {
         assert!(refuse_part_of_project(&link.join("project.json")).is_err());
         fs::remove_file(place.path().join("out/project.json")).unwrap();
         symlink(new.path().join("a.txt"), place.path().join("out/stale")).unwrap();
-        let refusal = refuse_other_files(&follow_link(&link), &is_a).unwrap_err().to_string();
-        assert!(refusal.contains("out holds stale, which would be lost"), "{refusal}");
+        let refusal = refuse_other_files(&follow_link(&link), &is_a)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            refusal.contains("out holds stale, which would be lost"),
+            "{refusal}"
+        );
     }
 }

@@ -23,7 +23,9 @@ pub fn temporary_file_in(folder: &Path) -> io::Result<NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder).map_err(|error| without_name(&error))
+    builder
+        .tempfile_in(folder)
+        .map_err(|error| without_name(&error))
 }
 
 /// Makes a temporary folder in a folder.
@@ -31,7 +33,11 @@ pub fn temporary_file_in(folder: &Path) -> io::Result<NamedTempFile> {
 /// # Errors
 /// As [`temporary_file_in`].
 pub fn temporary_folder_in(folder: &Path) -> io::Result<TempDir> {
-    Builder::new().prefix(NAME.0).suffix(NAME.1).tempdir_in(folder).map_err(|error| without_name(&error))
+    Builder::new()
+        .prefix(NAME.0)
+        .suffix(NAME.1)
+        .tempdir_in(folder)
+        .map_err(|error| without_name(&error))
 }
 
 /// An error of the crate `tempfile` without the path that it appends.
@@ -41,16 +47,22 @@ fn without_name(error: &io::Error) -> io::Error {
     io::Error::new(error.kind(), said)
 }
 
-/// Takes away temporary files that a program left in a folder when it was killed. What cannot be looked at stays, and so do
-/// temporary folders: one may hold the only copy of a dataset that was being replaced.
+/// Takes away temporary files that a program left in a folder when it was killed. What cannot be
+/// looked at stays, and so do temporary folders: one may hold the only copy of a dataset that was
+/// being replaced.
 pub fn remove_stray_files(folder: &Path) {
-    let Ok(entries) = fs::read_dir(folder) else { return };
+    let Ok(entries) = fs::read_dir(folder) else {
+        return;
+    };
     for entry in entries.flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         let is_ours = name.starts_with(NAME.0) && name.ends_with(NAME.1);
         let is_stray = |metadata: &Metadata| {
-            let age = metadata.modified().ok().and_then(|modified| modified.elapsed().ok());
+            let age = metadata
+                .modified()
+                .ok()
+                .and_then(|modified| modified.elapsed().ok());
             metadata.is_file() && age.is_some_and(|age| age > STRAY)
         };
         // Of a link this is the link itself, which is no file.
@@ -70,21 +82,34 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         let old = std::time::SystemTime::now() - 2 * STRAY;
-        for (name, is_old) in [(".touchline-a.tmp", true), (".touchline-b.tmp", false), ("touchline-c.tmp", true)] {
+        for (name, is_old) in [
+            (".touchline-a.tmp", true),
+            (".touchline-b.tmp", false),
+            ("touchline-c.tmp", true),
+        ] {
             fs::write(at(name), "x").unwrap();
             if is_old {
-                File::options().write(true).open(at(name)).unwrap().set_modified(old).unwrap();
+                File::options()
+                    .write(true)
+                    .open(at(name))
+                    .unwrap()
+                    .set_modified(old)
+                    .unwrap();
             }
         }
         remove_stray_files(folder.path());
-        let left = [".touchline-a.tmp", ".touchline-b.tmp", "touchline-c.tmp"].map(|name| at(name).exists());
+        let left = [".touchline-a.tmp", ".touchline-b.tmp", "touchline-c.tmp"]
+            .map(|name| at(name).exists());
         assert_eq!(left, [false, true, true]);
     }
 
     #[test]
     fn a_refusal_does_not_say_the_temporary_name() {
         let missing = Path::new("/no/such/folder");
-        for error in [temporary_file_in(missing).unwrap_err(), temporary_folder_in(missing).unwrap_err()] {
+        for error in [
+            temporary_file_in(missing).unwrap_err(),
+            temporary_folder_in(missing).unwrap_err(),
+        ] {
             assert_eq!(error.kind(), io::ErrorKind::NotFound);
             assert!(!error.to_string().contains("touchline-"), "{error}");
         }

@@ -2,7 +2,8 @@
 
 use std::io::{Error, ErrorKind};
 
-/// The end of a message about what could not be written; nothing where the system's reason says it all.
+/// The end of a message about what could not be written; nothing where the system's reason says it
+/// all.
 #[must_use]
 pub fn way_out(error: &Error) -> &'static str {
     match error.kind() {

@@ -22,7 +22,9 @@ impl Angle {
     pub const ZERO: Self = Self { radians: 0.0 };
 
     /// One whole turn.
-    pub const TURN: Self = Self { radians: std::f64::consts::TAU };
+    pub const TURN: Self = Self {
+        radians: std::f64::consts::TAU,
+    };
 
     /// An angle from radians.
     #[must_use]
@@ -33,7 +35,9 @@ impl Angle {
     /// An angle from degrees.
     #[must_use]
     pub const fn from_degrees(degrees: f64) -> Self {
-        Self { radians: degrees.to_radians() }
+        Self {
+            radians: degrees.to_radians(),
+        }
     }
 
     /// The angle in radians.
@@ -56,7 +60,9 @@ impl Angle {
             return self;
         }
         let turned = self.radians.rem_euclid(TAU);
-        Self { radians: if turned > PI { turned - TAU } else { turned } }
+        Self {
+            radians: if turned > PI { turned - TAU } else { turned },
+        }
     }
 
     /// The shortest turn from another direction to this one, within (−π, π].
@@ -74,7 +80,9 @@ impl Angle {
     /// The angle without its sign.
     #[must_use]
     pub const fn abs(self) -> Self {
-        Self { radians: self.radians.abs() }
+        Self {
+            radians: self.radians.abs(),
+        }
     }
 
     /// Neither NaN nor infinite.
@@ -94,28 +102,36 @@ impl fmt::Display for Angle {
 impl Add for Angle {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self { radians: self.radians + other.radians }
+        Self {
+            radians: self.radians + other.radians,
+        }
     }
 }
 
 impl Sub for Angle {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        Self { radians: self.radians - other.radians }
+        Self {
+            radians: self.radians - other.radians,
+        }
     }
 }
 
 impl Neg for Angle {
     type Output = Self;
     fn neg(self) -> Self {
-        Self { radians: -self.radians }
+        Self {
+            radians: -self.radians,
+        }
     }
 }
 
 impl Mul<f64> for Angle {
     type Output = Self;
     fn mul(self, factor: f64) -> Self {
-        Self { radians: self.radians * factor }
+        Self {
+            radians: self.radians * factor,
+        }
     }
 }
 
@@ -126,15 +142,29 @@ mod tests {
 
     #[test]
     fn wrapping_keeps_the_direction_within_half_a_turn() {
-        for (degrees, wrapped) in [(0.0, 0.0), (180.0, 180.0), (-180.0, 180.0), (190.0, -170.0), (725.0, 5.0)] {
-            assert!((Angle::from_degrees(degrees).wrapped().degrees() - wrapped).abs() < 1e-12, "{degrees}");
+        for (degrees, wrapped) in [
+            (0.0, 0.0),
+            (180.0, 180.0),
+            (-180.0, 180.0),
+            (190.0, -170.0),
+            (725.0, 5.0),
+        ] {
+            assert!(
+                (Angle::from_degrees(degrees).wrapped().degrees() - wrapped).abs() < 1e-12,
+                "{degrees}"
+            );
         }
         assert!(Angle::from_radians(-PI).wrapped().radians() > 0.0);
     }
 
     #[test]
     fn the_turn_between_directions_is_the_shorter_one() {
-        for (to, from, turn) in [(10.0, 4.0, 6.0), (-179.0, 179.0, 2.0), (178.0, -177.0, -5.0), (90.0, -90.0, 180.0)] {
+        for (to, from, turn) in [
+            (10.0, 4.0, 6.0),
+            (-179.0, 179.0, 2.0),
+            (178.0, -177.0, -5.0),
+            (90.0, -90.0, 180.0),
+        ] {
             let found = Angle::from_degrees(to).turn_from(Angle::from_degrees(from));
             assert!((found.degrees() - turn).abs() < 1e-12, "{to} from {from}");
         }

@@ -1,14 +1,14 @@
 //! Arcs of directions. Pan wraps at ±180°, and this is the only place that knows it.
 //!
-//! The minimum and maximum of wrapped angles do not give a range: 179° and −179° are two degrees apart, as a camera on the far
-//! side shows.
+//! The minimum and maximum of wrapped angles do not give a range: 179° and −179° are two degrees
+//! apart, as a camera on the far side shows.
 
 use super::{Angle, Directions};
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
-/// An arc of the circle: from its start in the positive sense (for a pan: to the right) to its end, both included; at most the
-/// whole circle.
+/// An arc of the circle: from its start in the positive sense (for a pan: to the right) to its end,
+/// both included; at most the whole circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngleRange {
     /// Within (−π, π], or −π for the whole circle.
@@ -19,10 +19,13 @@ pub struct AngleRange {
 
 impl AngleRange {
     /// Every direction, from −180° to 180°.
-    pub const FULL: Self = Self { start: Angle::from_radians(-PI), end: Angle::from_radians(PI) };
+    pub const FULL: Self = Self {
+        start: Angle::from_radians(-PI),
+        end: Angle::from_radians(PI),
+    };
 
-    /// The arc from `start` in the positive sense to `end`; an end below the start lies beyond the seam. From one whole turn
-    /// on it is the full circle.
+    /// The arc from `start` in the positive sense to `end`; an end below the start lies beyond the
+    /// seam. From one whole turn on it is the full circle.
     #[must_use]
     pub fn new(start: Angle, end: Angle) -> Self {
         let width = end - start;
@@ -31,18 +34,34 @@ impl AngleRange {
         }
         let wrapped = start.wrapped();
         // An angle that needs no wrapping must stay exactly equal.
-        let end = if wrapped == start { end } else { wrapped + width };
-        Self { start: wrapped, end: if end < wrapped { end + Angle::TURN } else { end } }
+        let end = if wrapped == start {
+            end
+        } else {
+            wrapped + width
+        };
+        Self {
+            start: wrapped,
+            end: if end < wrapped {
+                end + Angle::TURN
+            } else {
+                end
+            },
+        }
     }
 
     /// The arc around a direction, to either side.
     #[must_use]
     pub fn around(centre: Angle, half_width: Angle) -> Self {
-        if half_width.radians() < PI { Self::new(centre - half_width, centre + half_width) } else { Self::FULL }
+        if half_width.radians() < PI {
+            Self::new(centre - half_width, centre + half_width)
+        } else {
+            Self::FULL
+        }
     }
 
-    /// The smallest arc that contains all of some directions: the complement of the largest gap between them. None without any. If
-    /// several gaps are equally large, the one that contains ±180° is left out, or else the first above it.
+    /// The smallest arc that contains all of some directions: the complement of the largest gap
+    /// between them. None without any. If several gaps are equally large, the one that contains
+    /// ±180° is left out, or else the first above it.
     #[must_use]
     pub fn smallest(angles: impl IntoIterator<Item = Angle>) -> Option<Self> {
         Self::smallest_of(&angles.into_iter().collect())
@@ -51,19 +70,26 @@ impl AngleRange {
     /// The smallest arc that contains all of a set of directions; none without any.
     #[must_use]
     pub fn smallest_of(directions: &Directions) -> Option<Self> {
-        directions.smallest_arc().map(|[start, end]| Self { start, end })
+        directions
+            .smallest_arc()
+            .map(|[start, end]| Self { start, end })
     }
 
     /// The same with one of the directions left out.
     #[must_use]
     pub fn smallest_without(directions: &Directions, left_out: Angle) -> Option<Self> {
-        directions.smallest_arc_without(left_out).map(|[start, end]| Self { start, end })
+        directions
+            .smallest_arc_without(left_out)
+            .map(|[start, end]| Self { start, end })
     }
 
-    /// The places of some directions in the order in which the smallest arc runs through them; equal ones as they come.
+    /// The places of some directions in the order in which the smallest arc runs through them;
+    /// equal ones as they come.
     #[must_use]
     pub fn along_smallest(angles: &[Angle]) -> Vec<usize> {
-        let Some(arc) = Self::smallest(angles.iter().copied()) else { return Vec::new() };
+        let Some(arc) = Self::smallest(angles.iter().copied()) else {
+            return Vec::new();
+        };
         let from_start = |place: &usize| arc.unwrapped(angles[*place]).radians();
         let mut order: Vec<usize> = (0..angles.len()).collect();
         order.sort_by(|a, b| from_start(a).total_cmp(&from_start(b)));
@@ -76,7 +102,8 @@ impl AngleRange {
         self.start
     }
 
-    /// Where it ends: not below the start, so above π where the arc holds the seam. [`Angle::wrapped`] makes it a direction.
+    /// Where it ends: not below the start, so above π where the arc holds the seam.
+    /// [`Angle::wrapped`] makes it a direction.
     #[must_use]
     pub const fn end(&self) -> Angle {
         self.end
@@ -104,7 +131,11 @@ impl AngleRange {
     #[must_use]
     pub fn contains(&self, angle: Angle) -> bool {
         let wrapped = angle.wrapped();
-        let above_start = if wrapped < self.start { wrapped + Angle::TURN } else { wrapped };
+        let above_start = if wrapped < self.start {
+            wrapped + Angle::TURN
+        } else {
+            wrapped
+        };
         self.is_full() || above_start <= self.end
     }
 
@@ -114,8 +145,13 @@ impl AngleRange {
         if self.contains(angle) {
             return Angle::ZERO;
         }
-        let [from_start, from_end] = [self.start, self.end].map(|border| angle.turn_from(border).abs());
-        if from_start < from_end { from_start } else { from_end }
+        let [from_start, from_end] =
+            [self.start, self.end].map(|border| angle.turn_from(border).abs());
+        if from_start < from_end {
+            from_start
+        } else {
+            from_end
+        }
     }
 
     /// The arc that reaches farther by a margin on either side.
@@ -128,12 +164,16 @@ impl AngleRange {
         }
     }
 
-    /// A direction as the angle within half a turn of the arc's middle: what lies in the arc runs from its start to its end
-    /// without a jump.
+    /// A direction as the angle within half a turn of the arc's middle: what lies in the arc runs
+    /// from its start to its end without a jump.
     #[must_use]
     pub fn unwrapped(&self, angle: Angle) -> Angle {
         let turns = ((self.middle() - angle).radians() / TAU).round();
-        if turns == 0.0 { angle } else { angle + Angle::TURN * turns }
+        if turns == 0.0 {
+            angle
+        } else {
+            angle + Angle::TURN * turns
+        }
     }
 
     /// The angle at a share of the way from the start (0) to the end (1), without a jump.
@@ -142,8 +182,8 @@ impl AngleRange {
         self.start + self.width() * share
     }
 
-    /// Where a direction lies on the way from the start (0) to the end (1); outside of these if it is not in the arc, not
-    /// finite if the arc is a single direction.
+    /// Where a direction lies on the way from the start (0) to the end (1); outside of these if it
+    /// is not in the arc, not finite if the arc is a single direction.
     #[must_use]
     pub fn share(&self, angle: Angle) -> f64 {
         (self.unwrapped(angle) - self.start).radians() / self.width().radians()
@@ -159,7 +199,11 @@ impl fmt::Display for AngleRange {
     /// Both ends as directions: "170.00° to -175.00°".
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let digits = f.precision().unwrap_or(2);
-        let end = if self.is_full() { self.end } else { self.end.wrapped() };
+        let end = if self.is_full() {
+            self.end
+        } else {
+            self.end.wrapped()
+        };
         write!(f, "{:.digits$} to {end:.digits$}", self.start)
     }
 }
@@ -195,15 +239,23 @@ mod tests {
             (&[0.0, 120.0, -120.0], -120.0, 120.0),
         ] {
             let found = smallest(of);
-            assert!((found.start().degrees() - start).abs() < 1e-12, "{of:?}: {found:?}");
-            assert!((found.end().degrees() - end).abs() < 1e-12, "{of:?}: {found:?}");
+            assert!(
+                (found.start().degrees() - start).abs() < 1e-12,
+                "{of:?}: {found:?}"
+            );
+            assert!(
+                (found.end().degrees() - end).abs() < 1e-12,
+                "{of:?}: {found:?}"
+            );
         }
         assert_eq!(AngleRange::smallest([]), None);
     }
 
     #[test]
     fn directions_are_ordered_along_the_smallest_arc() {
-        let along = |of: &[f64]| AngleRange::along_smallest(&of.iter().copied().map(degrees).collect::<Vec<_>>());
+        let along = |of: &[f64]| {
+            AngleRange::along_smallest(&of.iter().copied().map(degrees).collect::<Vec<_>>())
+        };
         assert_eq!(along(&[10.0, -20.0, 5.0, -20.0]), [1, 3, 2, 0]);
         assert_eq!(along(&[-178.0, 176.0, 179.0]), [1, 2, 0], "over the seam");
         assert_eq!(along(&[]), [0_usize; 0]);
@@ -218,9 +270,18 @@ mod tests {
             assert!(far_side.contains(degrees(within)), "{within}");
             assert_eq!(far_side.distance(degrees(within)), Angle::ZERO);
         }
-        for (outside, distance) in [(169.0, 1.0), (-159.0, 1.0), (0.0, 160.0), (5.0, 165.0), (-10.0, 150.0)] {
+        for (outside, distance) in [
+            (169.0, 1.0),
+            (-159.0, 1.0),
+            (0.0, 160.0),
+            (5.0, 165.0),
+            (-10.0, 150.0),
+        ] {
             assert!(!far_side.contains(degrees(outside)), "{outside}");
-            assert!((far_side.distance(degrees(outside)).degrees() - distance).abs() < 1e-9, "{outside}");
+            assert!(
+                (far_side.distance(degrees(outside)).degrees() - distance).abs() < 1e-9,
+                "{outside}"
+            );
         }
         assert_eq!(format!("{far_side:.1}"), "170.0° to -160.0°");
     }
@@ -228,12 +289,21 @@ mod tests {
     #[test]
     fn a_margin_widens_an_arc_up_to_the_full_circle() {
         let wide = arc(175.0, 178.0).extended(degrees(10.0));
-        assert!((wide.start().degrees() - 165.0).abs() < 1e-9 && (wide.end().degrees() - 188.0).abs() < 1e-9);
+        assert!(
+            (wide.start().degrees() - 165.0).abs() < 1e-9
+                && (wide.end().degrees() - 188.0).abs() < 1e-9
+        );
         assert!(wide.contains(degrees(-172.5)) && !wide.contains(degrees(-171.5)));
         assert!(arc(-100.0, 100.0).extended(degrees(79.0)).width().degrees() < 360.0);
         assert_eq!(arc(-100.0, 100.0).extended(degrees(80.0)), AngleRange::FULL);
-        assert_eq!((arc(-180.0, 180.0), arc(0.0, 400.0)), (AngleRange::FULL, AngleRange::FULL));
-        assert_eq!(AngleRange::around(degrees(90.0), degrees(180.0)), AngleRange::FULL);
+        assert_eq!(
+            (arc(-180.0, 180.0), arc(0.0, 400.0)),
+            (AngleRange::FULL, AngleRange::FULL)
+        );
+        assert_eq!(
+            AngleRange::around(degrees(90.0), degrees(180.0)),
+            AngleRange::FULL
+        );
         assert!(AngleRange::FULL.is_full() && AngleRange::FULL.contains(degrees(-180.0)));
         assert_eq!(format!("{:.0}", AngleRange::FULL), "-180° to 180°");
     }
@@ -241,13 +311,26 @@ mod tests {
     #[test]
     fn directions_run_through_an_arc_without_a_jump() {
         let far_side = arc(150.0, -150.0);
-        for (direction, along) in [(150.0, 150.0), (179.0, 179.0), (-179.0, 181.0), (-150.0, 210.0), (-100.0, 260.0)] {
-            assert!((far_side.unwrapped(degrees(direction)).degrees() - along).abs() < 1e-9, "{direction}");
+        for (direction, along) in [
+            (150.0, 150.0),
+            (179.0, 179.0),
+            (-179.0, 181.0),
+            (-150.0, 210.0),
+            (-100.0, 260.0),
+        ] {
+            assert!(
+                (far_side.unwrapped(degrees(direction)).degrees() - along).abs() < 1e-9,
+                "{direction}"
+            );
         }
         assert!((far_side.share(degrees(-165.0)) - 0.75).abs() < 1e-12);
         assert!((far_side.at(0.75).wrapped().degrees() + 165.0).abs() < 1e-9);
         let near_side = degrees(12.3);
-        assert_eq!(arc(-40.0, 40.0).unwrapped(near_side), near_side, "what needs no turn keeps its bits");
+        assert_eq!(
+            arc(-40.0, 40.0).unwrapped(near_side),
+            near_side,
+            "what needs no turn keeps its bits"
+        );
     }
 
     proptest! {

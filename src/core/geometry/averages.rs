@@ -1,4 +1,5 @@
-//! The mean, the quantiles, and the two medians: between the two in the middle, or the greater of them.
+//! The mean, the quantiles, and the two medians: between the two in the middle, or the greater of
+//! them.
 
 /// The mean; none without any.
 #[must_use]
@@ -6,33 +7,48 @@ pub fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// A quantile of ascending numbers, interpolated between the two nearest (type 7 of Hyndman and Fan 1996, the usual one);
-/// NaN without any.
+/// A quantile of ascending numbers, interpolated between the two nearest (type 7 of Hyndman and Fan
+/// 1996, the usual one); NaN without any.
 #[must_use]
 pub fn quantile(ascending: &[f64], share: f64) -> f64 {
-    let Some(last) = ascending.len().checked_sub(1) else { return f64::NAN };
+    let Some(last) = ascending.len().checked_sub(1) else {
+        return f64::NAN;
+    };
     let at = share.clamp(0.0, 1.0) * last as f64;
-    let (below, above) = (ascending[at.floor() as usize], ascending[at.ceil() as usize]);
+    let (below, above) = (
+        ascending[at.floor() as usize],
+        ascending[at.ceil() as usize],
+    );
     // Equal neighbours need no step between them: two infinities have none.
-    if below == above { below } else { below + (above - below) * at.fract() }
+    if below == above {
+        below
+    } else {
+        below + (above - below) * at.fract()
+    }
 }
 
-/// The median of numbers in any order, which it reorders: of two in the middle their mean. None without any.
+/// The median of numbers in any order, which it reorders: of two in the middle their mean. None
+/// without any.
 #[must_use]
 pub fn median(values: &mut [f64]) -> Option<f64> {
     let odd = values.len() % 2 == 1;
     let (below, at) = split_at_middle(values)?;
-    Some(if odd { at } else { f64::midpoint(below.iter().copied().fold(f64::NEG_INFINITY, f64::max), at) })
+    Some(if odd {
+        at
+    } else {
+        f64::midpoint(below.iter().copied().fold(f64::NEG_INFINITY, f64::max), at)
+    })
 }
 
-/// The high median of numbers in any order, which it reorders: of two in the middle the greater, so that it is always one
-/// of the numbers. None without any.
+/// The high median of numbers in any order, which it reorders: of two in the middle the greater, so
+/// that it is always one of the numbers. None without any.
 #[must_use]
 pub fn median_high(values: &mut [f64]) -> Option<f64> {
     split_at_middle(values).map(|(_, at)| at)
 }
 
-/// The number in the middle, the greater of two, with those that are no greater; quicker than sorting all.
+/// The number in the middle, the greater of two, with those that are no greater; quicker than
+/// sorting all.
 fn split_at_middle(values: &mut [f64]) -> Option<(&[f64], f64)> {
     if values.is_empty() {
         return None;

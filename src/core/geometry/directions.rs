@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 
 /// A set of directions; the same one may be in it more than once.
 ///
-/// The smallest arc is the complement of the widest gap between neighbours. Leaving one direction out joins the two gaps beside
-/// it, so only the widest three gaps have to be known.
+/// The smallest arc is the complement of the widest gap between neighbours. Leaving one direction
+/// out joins the two gaps beside it, so only the widest three gaps have to be known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Directions {
     /// rad within (−π, π], ascending.
@@ -19,7 +19,8 @@ pub struct Directions {
 /// The number of known gaps: enough that the widest gap not beside a given direction is among them.
 const KNOWN: usize = 3;
 
-/// A gap between one direction and the next, by their places; the gap that holds ±180° leads from the last to the first.
+/// A gap between one direction and the next, by their places; the gap that holds ±180° leads from
+/// the last to the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Gap {
     width: f64,
@@ -29,18 +30,28 @@ struct Gap {
 }
 
 impl Gap {
-    /// Whether this gap is left out rather than another: the wider one; if equal, the one at ±180°, or else the first.
+    /// Whether this gap is left out rather than another: the wider one; if equal, the one at ±180°,
+    /// or else the first.
     fn precedes(&self, other: &Self) -> bool {
         let rank = |gap: &Self| (gap.holds_seam, Reverse(gap.from));
-        self.width.total_cmp(&other.width).then_with(|| rank(self).cmp(&rank(other))).is_gt()
+        self.width
+            .total_cmp(&other.width)
+            .then_with(|| rank(self).cmp(&rank(other)))
+            .is_gt()
     }
 }
 
 impl FromIterator<Angle> for Directions {
     fn from_iter<I: IntoIterator<Item = Angle>>(angles: I) -> Self {
-        let mut sorted: Vec<f64> = angles.into_iter().map(|angle| angle.wrapped().radians()).collect();
+        let mut sorted: Vec<f64> = angles
+            .into_iter()
+            .map(|angle| angle.wrapped().radians())
+            .collect();
         sorted.sort_unstable_by(f64::total_cmp);
-        let mut directions = Self { sorted, widest: Vec::new() };
+        let mut directions = Self {
+            sorted,
+            widest: Vec::new(),
+        };
         directions.find_widest();
         directions
     }
@@ -60,7 +71,11 @@ impl Directions {
     }
 
     /// Adds some directions and removes others; removing one that is not in the set has no effect.
-    pub fn change(&mut self, added: impl IntoIterator<Item = Angle>, removed: impl IntoIterator<Item = Angle>) {
+    pub fn change(
+        &mut self,
+        added: impl IntoIterator<Item = Angle>,
+        removed: impl IntoIterator<Item = Angle>,
+    ) {
         for angle in removed {
             if let Ok(place) = self.place_of(angle) {
                 self.sorted.remove(place);
@@ -73,36 +88,54 @@ impl Directions {
         self.find_widest();
     }
 
-    /// The ends of the smallest arc that holds all of them, the second not below the first; none without any. Of gaps of one size
-    /// the one that holds ±180° is left out, or else the first above it.
+    /// The ends of the smallest arc that holds all of them, the second not below the first; none
+    /// without any. Of gaps of one size the one that holds ±180° is left out, or else the first
+    /// above it.
     #[must_use]
     pub fn smallest_arc(&self) -> Option<[Angle; 2]> {
         self.widest.first().map(|gap| self.arc_without(gap))
     }
 
-    /// The ends of the smallest arc that holds all but one of them; all of them if that one is not there.
+    /// The ends of the smallest arc that holds all but one of them; all of them if that one is not
+    /// there.
     #[must_use]
     pub fn smallest_arc_without(&self, angle: Angle) -> Option<[Angle; 2]> {
-        let Ok(left_out) = self.place_of(angle) else { return self.smallest_arc() };
+        let Ok(left_out) = self.place_of(angle) else {
+            return self.smallest_arc();
+        };
         let count = self.sorted.len();
         if count < 2 {
             return None;
         }
         let joined = self.gap((left_out + count - 1) % count, (left_out + 1) % count);
         let beside = |gap: &&Gap| gap.from == left_out || gap.to == left_out;
-        let other = self.widest.iter().find(|gap| !beside(gap)).filter(|other| other.precedes(&joined));
+        let other = self
+            .widest
+            .iter()
+            .find(|gap| !beside(gap))
+            .filter(|other| other.precedes(&joined));
         Some(self.arc_without(other.unwrap_or(&joined)))
     }
 
     fn place_of(&self, angle: Angle) -> Result<usize, usize> {
-        self.sorted.binary_search_by(|known| known.total_cmp(&angle.wrapped().radians()))
+        self.sorted
+            .binary_search_by(|known| known.total_cmp(&angle.wrapped().radians()))
     }
 
     /// From one direction to a later one, or across ±180° to one that is not later.
     fn gap(&self, from: usize, to: usize) -> Gap {
         let holds_seam = to <= from;
         let (start, end) = (self.sorted[from], self.sorted[to]);
-        Gap { width: if holds_seam { end + TAU - start } else { end - start }, from, to, holds_seam }
+        Gap {
+            width: if holds_seam {
+                end + TAU - start
+            } else {
+                end - start
+            },
+            from,
+            to,
+            holds_seam,
+        }
     }
 
     fn arc_without(&self, gap: &Gap) -> [Angle; 2] {
@@ -115,7 +148,11 @@ impl Directions {
         let count = self.sorted.len();
         for from in 0..count {
             let gap = self.gap(from, (from + 1) % count);
-            let place = self.widest.iter().position(|known| gap.precedes(known)).unwrap_or(self.widest.len());
+            let place = self
+                .widest
+                .iter()
+                .position(|known| gap.precedes(known))
+                .unwrap_or(self.widest.len());
             if place < KNOWN {
                 self.widest.truncate(KNOWN - 1);
                 self.widest.insert(place, gap);
@@ -136,12 +173,23 @@ mod tests {
     #[test]
     fn what_is_left_out_does_not_hold_the_arc_open() {
         let of = directions(&[170.0, -175.0, -178.0, 20.0]);
-        let rounded = |arc: Option<[Angle; 2]>| arc.map(|ends| ends.map(|end| end.degrees().round()));
+        let rounded =
+            |arc: Option<[Angle; 2]>| arc.map(|ends| ends.map(|end| end.degrees().round()));
         let all = of.smallest_arc();
         assert_eq!(rounded(all), Some([20.0, 185.0]));
-        assert_eq!(rounded(of.smallest_arc_without(Angle::from_degrees(20.0))), Some([170.0, 185.0]));
-        assert_eq!(of.smallest_arc_without(Angle::from_degrees(21.0)), all, "it is not there");
-        assert_eq!(directions(&[5.0]).smallest_arc_without(Angle::from_degrees(5.0)), None);
+        assert_eq!(
+            rounded(of.smallest_arc_without(Angle::from_degrees(20.0))),
+            Some([170.0, 185.0])
+        );
+        assert_eq!(
+            of.smallest_arc_without(Angle::from_degrees(21.0)),
+            all,
+            "it is not there"
+        );
+        assert_eq!(
+            directions(&[5.0]).smallest_arc_without(Angle::from_degrees(5.0)),
+            None
+        );
         assert_eq!(directions(&[]).smallest_arc(), None);
     }
 

@@ -4,8 +4,9 @@ use super::Vec2;
 use nalgebra::{Matrix2, SymmetricEigen};
 use std::f64::consts::TAU;
 
-/// The 1-σ ellipse of a covariance as offsets from its centre, in the unit of the covariance's root: `corners` points, evenly spread
-/// in the angle of the unit circle that the ellipse is the image of. Where rounding left a variance below zero it counts as zero.
+/// The 1-σ ellipse of a covariance as offsets from its centre, in the unit of the covariance's
+/// root: `corners` points, evenly spread in the angle of the unit circle that the ellipse is the
+/// image of. Where rounding left a variance below zero it counts as zero.
 #[must_use]
 pub fn covariance_ellipse(covariance: Matrix2<f64>, corners: u32) -> Vec<Vec2> {
     let axes = SymmetricEigen::new(covariance);
@@ -26,7 +27,10 @@ mod tests {
         let covariance = Matrix2::new(4.0, 1.2, 1.2, 0.9);
         let inverse = covariance.try_inverse().unwrap();
         for corner in covariance_ellipse(covariance, 48) {
-            assert!((corner.dot(&(inverse * corner)) - 1.0).abs() < 1e-12, "{corner:?}");
+            assert!(
+                (corner.dot(&(inverse * corner)) - 1.0).abs() < 1e-12,
+                "{corner:?}"
+            );
         }
     }
 
@@ -34,6 +38,9 @@ mod tests {
     fn a_covariance_of_rank_one_is_a_line() {
         let flat = covariance_ellipse(Matrix2::new(9.0, 0.0, 0.0, -1e-18), 8);
         assert!(flat.iter().all(|corner| corner.y == 0.0));
-        assert!(flat.iter().any(|corner| (corner.x.abs() - 3.0).abs() < 1e-12));
+        assert!(
+            flat.iter()
+                .any(|corner| (corner.x.abs() - 3.0).abs() < 1e-12)
+        );
     }
 }

@@ -4,7 +4,8 @@ use super::{Mat3, Vec2, Vec3};
 use nalgebra::{SMatrix, SVector, SymmetricEigen};
 use thiserror::Error;
 
-/// Points on one line, or nearly so, show up as a second solution: its share of the largest eigenvalue.
+/// Points on one line, or nearly so, show up as a second solution: its share of the largest
+/// eigenvalue.
 const MIN_SECOND_EIGENVALUE: f64 = 1e-9;
 
 /// Why point pairs give no homography.
@@ -25,8 +26,9 @@ pub enum HomographyError {
     },
 }
 
-/// The homography that takes `from` to `to`, by the normalised direct linear transform (Hartley and Zisserman, Multiple View
-/// Geometry, algorithm 4.2): exact for exact pairs, a start for refinement otherwise.
+/// The homography that takes `from` to `to`, by the normalised direct linear transform (Hartley and
+/// Zisserman, Multiple View Geometry, algorithm 4.2): exact for exact pairs, a start for refinement
+/// otherwise.
 ///
 /// # Errors
 /// Fewer than four pairs, or points on one line.
@@ -57,7 +59,9 @@ pub fn homography(pairs: &[(Vec2, Vec2)]) -> Result<Mat3, HomographyError> {
     }
     let h = eigen.eigenvectors.column(order[0]);
     let normalised = Mat3::new(h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8]);
-    let back = to_normal.try_inverse().ok_or(HomographyError::Degenerate { share: 0.0 })?;
+    let back = to_normal
+        .try_inverse()
+        .ok_or(HomographyError::Degenerate { share: 0.0 })?;
     Ok(back * normalised * from_normal)
 }
 
@@ -66,8 +70,22 @@ fn normalisation(points: impl Iterator<Item = Vec2> + Clone) -> Mat3 {
     let count = points.clone().count() as f64;
     let mean = points.clone().fold(Vec2::zeros(), |sum, point| sum + point) / count;
     let spread = points.map(|point| (point - mean).norm()).sum::<f64>() / count;
-    let scale = if spread > 0.0 { std::f64::consts::SQRT_2 / spread } else { 1.0 };
-    Mat3::new(scale, 0.0, -scale * mean.x, 0.0, scale, -scale * mean.y, 0.0, 0.0, 1.0)
+    let scale = if spread > 0.0 {
+        std::f64::consts::SQRT_2 / spread
+    } else {
+        1.0
+    };
+    Mat3::new(
+        scale,
+        0.0,
+        -scale * mean.x,
+        0.0,
+        scale,
+        -scale * mean.y,
+        0.0,
+        0.0,
+        1.0,
+    )
 }
 
 #[cfg(test)]
@@ -82,9 +100,17 @@ mod tests {
     #[test]
     fn exact_pairs_come_back() {
         let truth = Mat3::new(12.0, -3.0, 960.0, 0.4, -7.0, 500.0, 1e-4, -4e-3, 1.0);
-        let points = [[-20.0, 3.0], [15.0, -30.0], [40.0, 25.0], [0.0, 10.0], [33.0, -2.0]];
-        let pairs: Vec<(Vec2, Vec2)> =
-            points.map(|[x, y]| Vec2::new(x, y)).map(|point| (point, apply(&truth, point))).to_vec();
+        let points = [
+            [-20.0, 3.0],
+            [15.0, -30.0],
+            [40.0, 25.0],
+            [0.0, 10.0],
+            [33.0, -2.0],
+        ];
+        let pairs: Vec<(Vec2, Vec2)> = points
+            .map(|[x, y]| Vec2::new(x, y))
+            .map(|point| (point, apply(&truth, point)))
+            .to_vec();
         for pairs in [&pairs[..4], &pairs[..]] {
             let found = homography(pairs).unwrap();
             for (from, to) in pairs {
@@ -95,11 +121,22 @@ mod tests {
 
     #[test]
     fn degenerate_pairs_are_named() {
-        let line: Vec<(Vec2, Vec2)> =
-            (0..6).map(f64::from).map(|x| (Vec2::new(x, 2.0 * x), Vec2::new(30.0 * x, 5.0 * x))).collect();
-        assert!(matches!(homography(&line), Err(HomographyError::Degenerate { .. })));
-        assert_eq!(homography(&line[..3]), Err(HomographyError::TooFewPairs { pairs: 3 }));
+        let line: Vec<(Vec2, Vec2)> = (0..6)
+            .map(f64::from)
+            .map(|x| (Vec2::new(x, 2.0 * x), Vec2::new(30.0 * x, 5.0 * x)))
+            .collect();
+        assert!(matches!(
+            homography(&line),
+            Err(HomographyError::Degenerate { .. })
+        ));
+        assert_eq!(
+            homography(&line[..3]),
+            Err(HomographyError::TooFewPairs { pairs: 3 })
+        );
         let same = vec![(Vec2::new(1.0, 1.0), Vec2::new(2.0, 2.0)); 5];
-        assert!(matches!(homography(&same), Err(HomographyError::Degenerate { .. })));
+        assert!(matches!(
+            homography(&same),
+            Err(HomographyError::Degenerate { .. })
+        ));
     }
 }

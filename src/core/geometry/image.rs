@@ -92,7 +92,12 @@ impl ImageSize {
     /// Reads `1920x1080` or `1920 × 1080`; none where that is no size of a picture.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
-        let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| Self::is_side_px(f64::from(*side)));
+        let side = |text: &str| {
+            text.trim()
+                .parse::<u32>()
+                .ok()
+                .filter(|side| Self::is_side_px(f64::from(*side)))
+        };
         let (width, height) = text.split_once(['x', '×'])?;
         Some(Self::new(side(width)?, side(height)?))
     }
@@ -118,7 +123,10 @@ impl ImageSize {
     /// Whether a point lies in the picture, its border included.
     #[must_use]
     pub fn contains(self, point: ImagePoint) -> bool {
-        point.x >= 0.0 && point.y >= 0.0 && point.x <= f64::from(self.width) && point.y <= f64::from(self.height)
+        point.x >= 0.0
+            && point.y >= 0.0
+            && point.x <= f64::from(self.width)
+            && point.y <= f64::from(self.height)
     }
 
     /// The factor from px at the reference width of 1920 px to px of this picture.
@@ -145,13 +153,21 @@ impl PixelBox {
     /// Whether a point lies in the box, its left and top border included.
     #[must_use]
     pub fn contains(&self, point: ImagePoint) -> bool {
-        point.x >= self.x && point.y >= self.y && point.x < self.x + self.width && point.y < self.y + self.height
+        point.x >= self.x
+            && point.y >= self.y
+            && point.x < self.x + self.width
+            && point.y < self.y + self.height
     }
 
     /// The same box in a picture of another scale.
     #[must_use]
     pub fn scaled(&self, by: f64) -> Self {
-        Self { x: self.x * by, y: self.y * by, width: self.width * by, height: self.height * by }
+        Self {
+            x: self.x * by,
+            y: self.y * by,
+            width: self.width * by,
+            height: self.height * by,
+        }
     }
 
     /// Its middle.

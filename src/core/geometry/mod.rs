@@ -1,7 +1,7 @@
 //! Angles and arcs of them, image points and sizes, mask boxes, rotations and their derivatives.
 //!
-//! Everything here is `f64`. Angles are radians inside and degrees in files ([`Angle`]). Frames, signs, units and the
-//! corner convention of pixels: [`crate::conventions`].
+//! Everything here is `f64`. Angles are radians inside and degrees in files ([`Angle`]). Frames,
+//! signs, units and the corner convention of pixels: [`crate::conventions`].
 
 mod angle;
 mod angle_range;

@@ -17,25 +17,45 @@ pub fn from_rotation_vector(w: Vec3) -> Mat3 {
     *nalgebra::Rotation3::from_scaled_axis(w).matrix()
 }
 
-/// The rotation vector of a rotation matrix, radians. Accurate for all angles: at 0 (where the arc cosine of the trace may be NaN
-/// by rounding) and at π (where the sine vanishes and the axis is taken from the symmetric part).
+/// The rotation vector of a rotation matrix, radians. Accurate for all angles: at 0 (where the arc
+/// cosine of the trace may be NaN by rounding) and at π (where the sine vanishes and the axis is
+/// taken from the symmetric part).
 #[must_use]
 pub fn rotation_vector(rotation: &Mat3) -> Vec3 {
     let r = rotation;
-    let sine_axis = Vec3::new(r[(2, 1)] - r[(1, 2)], r[(0, 2)] - r[(2, 0)], r[(1, 0)] - r[(0, 1)]) * 0.5;
+    let sine_axis = Vec3::new(
+        r[(2, 1)] - r[(1, 2)],
+        r[(0, 2)] - r[(2, 0)],
+        r[(1, 0)] - r[(0, 1)],
+    ) * 0.5;
     let sine = sine_axis.norm();
     let cosine = 0.5 * (r.trace() - 1.0);
     let angle = sine.atan2(cosine);
     if cosine > -0.9 {
-        return if sine > 0.0 { sine_axis * (angle / sine) } else { Vec3::zeros() };
+        return if sine > 0.0 {
+            sine_axis * (angle / sine)
+        } else {
+            Vec3::zeros()
+        };
     }
     // R + Rᵀ = 2 cos θ + 2 (1 − cos θ) a aᵀ: its longest column is along the axis.
     let outer = (r + r.transpose()) * 0.5 - Mat3::identity() * cosine;
-    let longest = (0..3).map(|i| Vec3::from(outer.column(i))).fold(Vec3::zeros(), |longest, column| {
-        if column.norm_squared() > longest.norm_squared() { column } else { longest }
-    });
+    let longest =
+        (0..3)
+            .map(|i| Vec3::from(outer.column(i)))
+            .fold(Vec3::zeros(), |longest, column| {
+                if column.norm_squared() > longest.norm_squared() {
+                    column
+                } else {
+                    longest
+                }
+            });
     let axis = longest.normalize();
-    axis * if axis.dot(&sine_axis) < 0.0 { -angle } else { angle }
+    axis * if axis.dot(&sine_axis) < 0.0 {
+        -angle
+    } else {
+        angle
+    }
 }
 
 /// The angle between two rotations.
@@ -51,7 +71,8 @@ pub fn angle_between(a: &Mat3, b: &Mat3) -> Angle {
     Angle::from_radians(sine.atan2(difference.trace() - 1.0))
 }
 
-/// How far a matrix is from being a rotation: the largest entry of `RᵀR` − 1, or infinity for a reflection or NaN.
+/// How far a matrix is from being a rotation: the largest entry of `RᵀR` − 1, or infinity for a
+/// reflection or NaN.
 #[must_use]
 pub fn distance_from_rotation(matrix: &Mat3) -> f64 {
     if !matrix.iter().all(|x| x.is_finite()) || matrix.determinant() <= 0.0 {
@@ -64,7 +85,9 @@ pub fn distance_from_rotation(matrix: &Mat3) -> f64 {
 #[must_use]
 pub fn nearest_rotation(matrix: &Mat3) -> Mat3 {
     let svd = matrix.svd(true, true);
-    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Mat3::identity() };
+    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
+        return Mat3::identity();
+    };
     let sign = (u * v_t).determinant().signum();
     u * Mat3::from_diagonal(&Vec3::new(1.0, 1.0, sign)) * v_t
 }
@@ -93,15 +116,27 @@ mod tests {
         let w = Vec3::new(0.3, -1.1, 0.7);
         assert!((rotation_vector(&from_rotation_vector(w)) - w).norm() < 1e-12);
         for angle in [0.0, 1e-12, 1e-6, 0.3, 2.0, 3.0, PI - 1e-6, PI] {
-            for axis in [Vec3::x(), -Vec3::y(), w.normalize(), Vec3::new(-1.0, 1e-3, 0.0).normalize()] {
+            for axis in [
+                Vec3::x(),
+                -Vec3::y(),
+                w.normalize(),
+                Vec3::new(-1.0, 1e-3, 0.0).normalize(),
+            ] {
                 let again = rotation_vector(&from_rotation_vector(axis * angle));
                 // A rotation by π about an axis equals that about the opposite axis.
-                let opposite = if angle > PI - 1e-5 { (again + axis * angle).norm() } else { f64::INFINITY };
+                let opposite = if angle > PI - 1e-5 {
+                    (again + axis * angle).norm()
+                } else {
+                    f64::INFINITY
+                };
                 let error = (again - axis * angle).norm().min(opposite);
                 assert!(error < 1e-7, "{angle} about {axis:?}: {again:?}");
             }
         }
-        assert_eq!(rotation_vector(&(Mat3::identity() * (1.0 + 4.0 * f64::EPSILON))), Vec3::zeros());
+        assert_eq!(
+            rotation_vector(&(Mat3::identity() * (1.0 + 4.0 * f64::EPSILON))),
+            Vec3::zeros()
+        );
         assert!((skew(w) * Vec3::x() - w.cross(&Vec3::x())).norm() < 1e-15);
     }
 

@@ -26,23 +26,31 @@ pub fn counted(number: usize, singular: &str) -> String {
 /// Bytes in lower-case hexadecimal digits, two each.
 #[must_use]
 pub fn hex(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut text, byte| {
-        // Writing to a string cannot fail.
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
+    bytes
+        .iter()
+        .fold(String::with_capacity(2 * bytes.len()), |mut text, byte| {
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{byte:02x}");
+            text
+        })
 }
 
 /// Whether a spreadsheet would calculate a cell, or would if apostrophes were taken from its front.
 #[must_use]
 pub fn is_formula(cell: &str) -> bool {
-    cell.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
+    cell.trim_start_matches('\'')
+        .starts_with(['=', '+', '-', '@', '\t', '\r'])
 }
 
-/// A cell of somebody's words. One that a spreadsheet would take for a formula and calculate gets an apostrophe in front.
+/// A cell of somebody's words. One that a spreadsheet would take for a formula and calculate gets
+/// an apostrophe in front.
 #[must_use]
 pub fn text_cell(text: &str) -> String {
-    if is_formula(text) { format!("'{text}") } else { text.to_owned() }
+    if is_formula(text) {
+        format!("'{text}")
+    } else {
+        text.to_owned()
+    }
 }
 
 #[cfg(test)]

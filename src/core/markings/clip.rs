@@ -1,5 +1,5 @@
-//! Straight pieces cut to what can be seen: in `cam` at the near plane, the window's sides and the fold, in `image` at
-//! the frame.
+//! Straight pieces cut to what can be seen: in `cam` at the near plane, the window's sides and the
+//! fold, in `image` at the frame.
 
 use super::window::{NEAR_M, Window};
 use crate::geometry::{ImagePoint, Vec3};
@@ -15,7 +15,10 @@ pub struct Span {
 
 impl Span {
     /// All of it.
-    pub const WHOLE: Self = Self { start: 0.0, end: 1.0 };
+    pub const WHOLE: Self = Self {
+        start: 0.0,
+        end: 1.0,
+    };
 
     /// Keeps where `at_0 + (at_1 − at_0) t` is not negative.
     fn keep(self, at_0: f64, at_1: f64) -> Option<Self> {
@@ -27,15 +30,22 @@ impl Span {
         }
         let crossing = at_0 / (at_0 - at_1);
         let kept = if at_0 < 0.0 {
-            Self { start: self.start.max(crossing), ..self }
+            Self {
+                start: self.start.max(crossing),
+                ..self
+            }
         } else {
-            Self { end: self.end.min(crossing), ..self }
+            Self {
+                end: self.end.min(crossing),
+                ..self
+            }
         };
         (kept.start <= kept.end).then_some(kept)
     }
 }
 
-/// The part of the piece from `a` to `b` (`cam`, m) that lies in the window's pyramid widened by `slack_m` all around.
+/// The part of the piece from `a` to `b` (`cam`, m) that lies in the window's pyramid widened by
+/// `slack_m` all around.
 pub fn within_pyramid(window: &Window, a: Vec3, b: Vec3, slack_m: f64) -> Option<Span> {
     let mut span = Span::WHOLE.keep(a.z - NEAR_M + slack_m, b.z - NEAR_M + slack_m)?;
     // A side through the camera: x = bound · z; its distance is (x − bound z) / √(1 + bound²).
@@ -64,28 +74,42 @@ pub fn within_cone(window: &Window, a: Vec3, b: Vec3, span: Span) -> Option<Span
     if inside(span.start) && inside(span.end) {
         return Some(span);
     }
-    // The cone before the camera is convex: what is left is one span between the roots of a quadratic.
+    // The cone before the camera is convex: what is left is one span between the roots of a
+    // quadratic.
     let (square, half_linear, constant) = (form(along, along), form(a, along), form(a, a));
     let discriminant = half_linear * half_linear - square * constant;
     if !(discriminant >= 0.0) || square == 0.0 {
         return None;
     }
     let root = discriminant.sqrt();
-    let (first, second) = ((-half_linear - root) / square, (-half_linear + root) / square);
+    let (first, second) = (
+        (-half_linear - root) / square,
+        (-half_linear + root) / square,
+    );
     let (first, second) = (first.min(second), first.max(second));
     let kept = if square < 0.0 {
-        Span { start: span.start.max(first), end: span.end.min(second) }
+        Span {
+            start: span.start.max(first),
+            end: span.end.min(second),
+        }
     } else if inside(span.start) {
-        Span { end: span.end.min(first), ..span }
+        Span {
+            end: span.end.min(first),
+            ..span
+        }
     } else if inside(span.end) {
-        Span { start: span.start.max(second), ..span }
+        Span {
+            start: span.start.max(second),
+            ..span
+        }
     } else {
         return None;
     };
     (kept.start <= kept.end).then_some(kept)
 }
 
-/// The part of the piece from `a` to `b` (`image`, px) that lies in the window's frame (Liang, Barsky 1984).
+/// The part of the piece from `a` to `b` (`image`, px) that lies in the window's frame (Liang,
+/// Barsky 1984).
 pub fn within_frame(window: &Window, a: ImagePoint, b: ImagePoint) -> Option<Span> {
     Span::WHOLE
         .keep(a.x - window.min.x, b.x - window.min.x)?

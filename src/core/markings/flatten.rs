@@ -29,7 +29,12 @@ struct Knot {
 }
 
 impl<'a> Flattener<'a> {
-    pub fn new(field: &'a FieldModel, camera: &PtzCamera, window: &'a Window, tolerance_px: f64) -> Self {
+    pub fn new(
+        field: &'a FieldModel,
+        camera: &PtzCamera,
+        window: &'a Window,
+        tolerance_px: f64,
+    ) -> Self {
         let radius_squared = window.ideal_radius * window.ideal_radius;
         let stretch = camera.lens().slope(radius_squared).max(1.0);
         Self {
@@ -42,14 +47,16 @@ impl<'a> Flattener<'a> {
         }
     }
 
-    /// Gives `piece` the straight pieces of a curve that can be seen, in order: their ends in `cam`, m.
+    /// Gives `piece` the straight pieces of a curve that can be seen, in order: their ends in
+    /// `cam`, m.
     pub fn flatten(&self, curve: &Curve, piece: &mut impl FnMut(Vec3, Vec3)) {
-        // A circle's chord from 0 to 1 is a point, and half a circle may bend away from its chord: begin with quarters.
+        // A circle's chord from 0 to 1 is a point, and half a circle may bend away from its chord:
+        // begin with quarters.
         let parts = match curve {
             Curve::Segment { .. } => 1,
-            Curve::Arc { sweep, .. } => {
-                (sweep.radians().abs() / std::f64::consts::FRAC_PI_2).ceil().clamp(1.0, 8.0) as u32
-            }
+            Curve::Arc { sweep, .. } => (sweep.radians().abs() / std::f64::consts::FRAC_PI_2)
+                .ceil()
+                .clamp(1.0, 8.0) as u32,
         };
         let mut from = self.knot(curve, 0.0);
         for part in 1..=parts {
@@ -62,15 +69,33 @@ impl<'a> Flattener<'a> {
     fn knot(&self, curve: &Curve, t: f64) -> Knot {
         let nominal = curve.point_at(t);
         let in_world = self.field.world_from_nominal(nominal);
-        Knot { t, nominal_y_m: nominal.y, in_cam: self.cam_from_world * in_world + self.origin_in_cam }
+        Knot {
+            t,
+            nominal_y_m: nominal.y,
+            in_cam: self.cam_from_world * in_world + self.origin_in_cam,
+        }
     }
 
-    fn halve(&self, curve: &Curve, a: Knot, b: Knot, depth: u32, piece: &mut impl FnMut(Vec3, Vec3)) {
-        if !a.in_cam.iter().chain(b.in_cam.iter()).all(|x| x.is_finite()) {
+    fn halve(
+        &self,
+        curve: &Curve,
+        a: Knot,
+        b: Knot,
+        depth: u32,
+        piece: &mut impl FnMut(Vec3, Vec3),
+    ) {
+        if !a
+            .in_cam
+            .iter()
+            .chain(b.in_cam.iter())
+            .all(|x| x.is_finite())
+        {
             return;
         }
         let bend_m = self.bend_m(curve, a, b);
-        let Some(span) = within_pyramid(self.window, a.in_cam, b.in_cam, bend_m) else { return };
+        let Some(span) = within_pyramid(self.window, a.in_cam, b.in_cam, bend_m) else {
+            return;
+        };
         let depth_at = |t: f64| a.in_cam.z + (b.in_cam.z - a.in_cam.z) * t;
         let nearest_m = (depth_at(span.start).min(depth_at(span.end)) - bend_m).max(NEAR_M);
         if depth == 0 || bend_m / nearest_m * self.px_per_radian <= self.tolerance_px {
@@ -82,16 +107,19 @@ impl<'a> Flattener<'a> {
         self.halve(curve, middle, b, depth - 1, piece);
     }
 
-    /// How far the curve can be from its chord at most, m: (Δt)²/8 · max |second derivative|, and more where the crown
-    /// ends within the piece and the ground has an edge.
+    /// How far the curve can be from its chord at most, m: (Δt)²/8 · max |second derivative|, and
+    /// more where the crown ends within the piece and the ground has an edge.
     fn bend_m(&self, curve: &Curve, a: Knot, b: Knot) -> f64 {
         let width_m = self.field.width_m;
         let crown_m = self.field.crown_m.abs();
         let (round, across_m) = match *curve {
             Curve::Segment { .. } => (0.0, (b.nominal_y_m - a.nominal_y_m).abs()),
-            Curve::Arc { radius_m, sweep, .. } => {
+            Curve::Arc {
+                radius_m, sweep, ..
+            } => {
                 let turn = (sweep.radians() * (b.t - a.t)).abs();
-                let second = radius_m + 8.0 * crown_m / (width_m * width_m) * radius_m * (radius_m + width_m / 2.0);
+                let second = radius_m
+                    + 8.0 * crown_m / (width_m * width_m) * radius_m * (radius_m + width_m / 2.0);
                 (second * turn * turn / 8.0, radius_m * turn)
             }
         };
@@ -102,6 +130,12 @@ impl<'a> Flattener<'a> {
         let reach = |y_m: f64| (y_m.abs() - edge_m).abs() <= across_m;
         let at_the_edge = reach(a.nominal_y_m) || reach(b.nominal_y_m);
         let crown = crown_m * (across_m / width_m).powi(2);
-        round + crown + if at_the_edge { crown_m * across_m / width_m } else { 0.0 }
+        round
+            + crown
+            + if at_the_edge {
+                crown_m * across_m / width_m
+            } else {
+                0.0
+            }
     }
 }

@@ -7,13 +7,18 @@ use crate::geometry::{ImagePoint, ImageSize, Vec3};
 /// Points on each edge of the picture: enough to follow an edge that distortion bends.
 const POINTS_PER_EDGE: u32 = 24;
 
-/// The border of the ground that a picture shows, as points of `world` (m) in the order of the picture's corners, from the
-/// top left clockwise.
+/// The border of the ground that a picture shows, as points of `world` (m) in the order of the
+/// picture's corners, from the top left clockwise.
 ///
-/// Where the picture shows the horizon or the sky the border runs `reach_m` away from the camera. Empty where no border
-/// of the picture shows ground within that reach.
+/// Where the picture shows the horizon or the sky the border runs `reach_m` away from the camera.
+/// Empty where no border of the picture shows ground within that reach.
 #[must_use]
-pub fn visible_ground(field: &FieldModel, camera: &PtzCamera, size: ImageSize, reach_m: f64) -> Vec<Vec3> {
+pub fn visible_ground(
+    field: &FieldModel,
+    camera: &PtzCamera,
+    size: ImageSize,
+    reach_m: f64,
+) -> Vec<Vec3> {
     let mut border = Vec::with_capacity(4 * POINTS_PER_EDGE as usize);
     let mut sees_ground = false;
     let corners = size.corners();
@@ -34,9 +39,15 @@ pub fn visible_ground(field: &FieldModel, camera: &PtzCamera, size: ImageSize, r
 }
 
 /// Where the ray of an image point meets the crowned ground, within `reach_m` of the camera.
-fn ground_from_image(field: &FieldModel, camera: &PtzCamera, point: ImagePoint, reach_m: f64) -> Option<Vec3> {
+fn ground_from_image(
+    field: &FieldModel,
+    camera: &PtzCamera,
+    point: ImagePoint,
+    reach_m: f64,
+) -> Option<Vec3> {
     let mut ground = camera.plane_from_image(point, 0.0)?;
-    // The crown is a few centimetres over tens of metres: each step shrinks the error tenfold, at grazing angles less.
+    // The crown is a few centimetres over tens of metres: each step shrinks the error tenfold, at
+    // grazing angles less.
     for _ in 0..12 {
         ground = camera.plane_from_image(point, field.ground_z(ground.y))?;
     }
@@ -44,13 +55,20 @@ fn ground_from_image(field: &FieldModel, camera: &PtzCamera, point: ImagePoint, 
     (away.x.hypot(away.y) <= reach_m).then_some(ground)
 }
 
-/// The ground `reach_m` away from the camera, in the direction of an image point; none straight up or down.
+/// The ground `reach_m` away from the camera, in the direction of an image point; none straight up
+/// or down.
 fn far_away(camera: &PtzCamera, point: ImagePoint, reach_m: f64) -> Option<Vec3> {
     let direction = camera.world_direction_from_image(point).ok()?;
     let horizontal = direction.x.hypot(direction.y);
     let position = camera.base().position_m;
     let scale = reach_m / horizontal;
-    scale.is_finite().then(|| Vec3::new(position.x + direction.x * scale, position.y + direction.y * scale, 0.0))
+    scale.is_finite().then(|| {
+        Vec3::new(
+            position.x + direction.x * scale,
+            position.y + direction.y * scale,
+            0.0,
+        )
+    })
 }
 
 #[cfg(test)]
@@ -63,12 +81,19 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     fn camera(tilt_deg: f64, focal_px: f64) -> PtzCamera {
-        let base = CameraBase::new(Vec3::new(3.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        let base = CameraBase::new(
+            Vec3::new(3.0, -60.0, 18.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        );
         PtzCamera::new(base, Ptz::from_degrees(-10.0, tilt_deg, focal_px))
     }
 
     fn field(crown_m: f64) -> FieldModel {
-        builtin("soccer").unwrap().model(&BTreeMap::new(), crown_m).unwrap()
+        builtin("soccer")
+            .unwrap()
+            .model(&BTreeMap::new(), crown_m)
+            .unwrap()
     }
 
     #[test]
@@ -79,7 +104,11 @@ mod tests {
         for point in border {
             assert!((point.z - field.ground_z(point.y)).abs() < 1e-6);
             let image = camera.image_from_world(point).unwrap();
-            let inside = image.x.min(image.y).min(1280.0 - image.x).min(720.0 - image.y);
+            let inside = image
+                .x
+                .min(image.y)
+                .min(1280.0 - image.x)
+                .min(720.0 - image.y);
             assert!(inside.abs() < 1e-6, "{image:?} is {inside} px inside");
         }
     }
@@ -88,9 +117,16 @@ mod tests {
     fn beyond_the_horizon_the_border_keeps_its_distance_and_the_sky_shows_no_ground() {
         let (field, level) = (field(0.0), camera(-2.0, 1500.0));
         let border = visible_ground(&field, &level, SIZE, 300.0);
-        let distances = border.iter().map(|p| (p - level.base().position_m).xy().norm());
+        let distances = border
+            .iter()
+            .map(|p| (p - level.base().position_m).xy().norm());
         assert!(border.len() == 96 && distances.clone().all(|distance| distance <= 300.0 + 1e-9));
-        assert!(distances.filter(|distance| (distance - 300.0).abs() < 1e-9).count() > 24);
+        assert!(
+            distances
+                .filter(|distance| (distance - 300.0).abs() < 1e-9)
+                .count()
+                > 24
+        );
         assert!(visible_ground(&field, &camera(60.0, 1500.0), SIZE, 300.0).is_empty());
     }
 }

@@ -12,13 +12,17 @@ use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 pub struct MarkingOptions {
     /// How far a polyline may be from the exact curve, px. Default 0.1.
     pub tolerance_px: f64,
-    /// How far lines go on beyond the picture's border, px, so that wide strokes end outside. Default 16.
+    /// How far lines go on beyond the picture's border, px, so that wide strokes end outside.
+    /// Default 16.
     pub margin_px: f64,
 }
 
 impl Default for MarkingOptions {
     fn default() -> Self {
-        Self { tolerance_px: 0.1, margin_px: 16.0 }
+        Self {
+            tolerance_px: 0.1,
+            margin_px: 16.0,
+        }
     }
 }
 
@@ -33,7 +37,8 @@ pub struct MarkingPolyline {
 
 /// Every visible part of every line of a field, in the field's order.
 ///
-/// All points are finite and within the picture and its margin. A camera with NaN or infinite parameters sees nothing.
+/// All points are finite and within the picture and its margin. A camera with NaN or infinite
+/// parameters sees nothing.
 #[must_use]
 pub fn project_lines(
     field: &FieldModel,
@@ -41,10 +46,17 @@ pub fn project_lines(
     size: ImageSize,
     options: &MarkingOptions,
 ) -> Vec<MarkingPolyline> {
-    let Some(window) = Window::new(camera, size, options.margin_px) else { return Vec::new() };
+    let Some(window) = Window::new(camera, size, options.margin_px) else {
+        return Vec::new();
+    };
     let half_tolerance_px = options.tolerance_px.max(1e-6) / 2.0;
     let flattener = Flattener::new(field, camera, &window, half_tolerance_px);
-    let mut pen = Pen { camera, window: &window, tolerance_px: half_tolerance_px, polylines: Vec::new() };
+    let mut pen = Pen {
+        camera,
+        window: &window,
+        tolerance_px: half_tolerance_px,
+        polylines: Vec::new(),
+    };
     for (line, field_line) in field.lines.iter().enumerate() {
         let first = pen.polylines.len();
         flattener.flatten(&field_line.curve, &mut |a, b| pen.piece(line, first, a, b));
@@ -63,24 +75,38 @@ struct Pen<'a> {
 impl Pen<'_> {
     /// Draws the piece from `a` to `b` (`cam`, m) of a line whose polylines begin at index `first`.
     fn piece(&mut self, line: usize, first: usize, a: Vec3, b: Vec3) {
-        let Some(span) = within_pyramid(self.window, a, b, 0.0) else { return };
-        let Some(span) = within_cone(self.window, a, b, span) else { return };
+        let Some(span) = within_pyramid(self.window, a, b, 0.0) else {
+            return;
+        };
+        let Some(span) = within_cone(self.window, a, b, span) else {
+            return;
+        };
         let ideal = |t: f64| {
             let p = if t == 0.0 { a } else { a + (b - a) * t };
             let p = if t == 1.0 { b } else { p };
             Vec2::new(p.x / p.z, p.y / p.z)
         };
         let (start, end) = (ideal(span.start), ideal(span.end));
-        // Straight before distortion: uniform steps, as many as its curvature of at most (6 |k₁| r + 20 |k₂| r³) f asks for.
+        // Straight before distortion: uniform steps, as many as its curvature of at most (6 |k₁| r
+        // + 20 |k₂| r³) f asks for.
         let (lens, radius) = (self.camera.lens(), start.norm().max(end.norm()));
         let curvature = radius * (6.0 * lens.k1.abs() + 20.0 * lens.k2.abs() * radius * radius);
         let bend_px = curvature * self.camera.ptz().focal_px / 8.0 * (end - start).norm_squared();
-        let steps = (bend_px / self.tolerance_px).sqrt().ceil().clamp(1.0, 4096.0);
+        let steps = (bend_px / self.tolerance_px)
+            .sqrt()
+            .ceil()
+            .clamp(1.0, 4096.0);
         let image = |ideal: Vec2| self.camera.image_from_cam(Vec3::new(ideal.x, ideal.y, 1.0));
         let Ok(mut from) = image(start) else { return };
         for step in 1..=steps as u32 {
             let share = f64::from(step) / steps;
-            let Ok(to) = image(if share == 1.0 { end } else { start + (end - start) * share }) else { return };
+            let Ok(to) = image(if share == 1.0 {
+                end
+            } else {
+                start + (end - start) * share
+            }) else {
+                return;
+            };
             self.stroke(line, first, from, to);
             from = to;
         }
@@ -88,8 +114,11 @@ impl Pen<'_> {
 
     /// Draws from `from` to `to` (`image`, px), as far as the frame shows it.
     fn stroke(&mut self, line: usize, first: usize, from: ImagePoint, to: ImagePoint) {
-        let Some(span) = within_frame(self.window, from, to) else { return };
-        // Rounding may leave a cut point slightly outside; points inside are not moved by the clamp.
+        let Some(span) = within_frame(self.window, from, to) else {
+            return;
+        };
+        // Rounding may leave a cut point slightly outside; points inside are not moved by the
+        // clamp.
         let held = |point: ImagePoint| {
             ImagePoint::new(
                 point.x.clamp(self.window.min.x, self.window.max.x),
@@ -97,15 +126,28 @@ impl Pen<'_> {
             )
         };
         let at = |t: f64| held(from.moved(to.offset_from(from) * t));
-        let start = if span.start == 0.0 { held(from) } else { at(span.start) };
-        let end = if span.end == 1.0 { held(to) } else { at(span.end) };
+        let start = if span.start == 0.0 {
+            held(from)
+        } else {
+            at(span.start)
+        };
+        let end = if span.end == 1.0 {
+            held(to)
+        } else {
+            at(span.end)
+        };
         if start == end {
             return;
         }
-        let goes_on = self.polylines[first..].last().is_some_and(|last| last.points.last() == Some(&start));
+        let goes_on = self.polylines[first..]
+            .last()
+            .is_some_and(|last| last.points.last() == Some(&start));
         match self.polylines.last_mut() {
             Some(last) if goes_on => last.points.push(end),
-            _ => self.polylines.push(MarkingPolyline { line, points: vec![start, end] }),
+            _ => self.polylines.push(MarkingPolyline {
+                line,
+                points: vec![start, end],
+            }),
         }
     }
 }
@@ -122,7 +164,10 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     fn soccer(crown_m: f64) -> FieldModel {
-        builtin("soccer").unwrap().model(&BTreeMap::new(), crown_m).unwrap()
+        builtin("soccer")
+            .unwrap()
+            .model(&BTreeMap::new(), crown_m)
+            .unwrap()
     }
 
     fn camera(position_m: [f64; 3], pan: f64, tilt: f64, focal_px: f64, k1: f64) -> PtzCamera {
@@ -134,9 +179,15 @@ mod tests {
         PtzCamera::new(base, Ptz::from_degrees(pan, tilt, focal_px))
     }
 
-    /// The distance from an image point to the exact projection of a curve, px: the least of all local minima, by angle
-    /// (which is even where the picture is steep) and by px (which is even at the fold).
-    fn distance_px(field: &FieldModel, camera: &PtzCamera, curve: &Curve, point: ImagePoint) -> f64 {
+    /// The distance from an image point to the exact projection of a curve, px: the least of all
+    /// local minima, by angle (which is even where the picture is steep) and by px (which is even
+    /// at the fold).
+    fn distance_px(
+        field: &FieldModel,
+        camera: &PtzCamera,
+        curve: &Curve,
+        point: ImagePoint,
+    ) -> f64 {
         const STEPS: i32 = 400;
         let direction = camera.world_direction_from_image(point).unwrap();
         let world = |t: f64| field.world_from_nominal(curve.point_at(t));
@@ -146,12 +197,18 @@ mod tests {
         };
         // Where there is no image, the angle leads to where there is one.
         let miss = |t: f64| {
-            camera.image_from_world(world(t)).map_or_else(|_| 1e6 * (1.0 + angle(t)), |image| image.distance_px(point))
+            camera
+                .image_from_world(world(t))
+                .map_or_else(|_| 1e6 * (1.0 + angle(t)), |image| image.distance_px(point))
         };
         let refined = |mut low: f64, mut high: f64| {
             for _ in 0..60 {
                 let (left, right) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-                if miss(left) < miss(right) { high = right } else { low = left }
+                if miss(left) < miss(right) {
+                    high = right
+                } else {
+                    low = left
+                }
             }
             miss(low.midpoint(high))
         };
@@ -169,7 +226,10 @@ mod tests {
         least(&angle).min(least(&miss))
     }
 
-    fn distance_to_polylines_px<'a>(polylines: impl Iterator<Item = &'a MarkingPolyline>, point: ImagePoint) -> f64 {
+    fn distance_to_polylines_px<'a>(
+        polylines: impl Iterator<Item = &'a MarkingPolyline>,
+        point: ImagePoint,
+    ) -> f64 {
         polylines
             .flat_map(|polyline| polyline.points.windows(2))
             .map(|ends| point.distance_from_segment_px(ends[0], ends[1]))
@@ -235,9 +295,16 @@ mod tests {
         // 2 m of a 105 m touchline fill the picture.
         let field = soccer(0.1);
         let camera = camera([0.0, -60.0, 18.0], 20.0, -30.0, 40_000.0, 0.0);
-        let seen = camera.plane_from_image(SIZE.centre(), field.ground_z(-34.0)).unwrap();
-        assert!((seen.y + 34.0).abs() < 6.0, "the view is near the touchline: {seen}");
-        let tilt = (18.0 + 0.1_f64).atan2(26.0 / 20.0_f64.to_radians().cos()).to_degrees();
+        let seen = camera
+            .plane_from_image(SIZE.centre(), field.ground_z(-34.0))
+            .unwrap();
+        assert!(
+            (seen.y + 34.0).abs() < 6.0,
+            "the view is near the touchline: {seen}"
+        );
+        let tilt = (18.0 + 0.1_f64)
+            .atan2(26.0 / 20.0_f64.to_radians().cos())
+            .to_degrees();
         let camera = PtzCamera::new(*camera.base(), Ptz::from_degrees(20.0, -tilt, 40_000.0));
         let polylines = project_lines(&field, &camera, SIZE, &MarkingOptions::default());
         assert_eq!(polylines.len(), 1);
@@ -247,11 +314,25 @@ mod tests {
     #[test]
     fn a_camera_looking_away_sees_nothing() {
         let away = camera([0.0, -60.0, 18.0], 180.0, -10.0, 2000.0, -0.1);
-        assert_eq!(project_lines(&soccer(0.0), &away, SIZE, &MarkingOptions::default()), []);
+        assert_eq!(
+            project_lines(&soccer(0.0), &away, SIZE, &MarkingOptions::default()),
+            []
+        );
         let broken = camera([f64::NAN, -60.0, 18.0], 0.0, -10.0, 2000.0, 0.0);
-        assert_eq!(project_lines(&soccer(0.0), &broken, SIZE, &MarkingOptions::default()), []);
+        assert_eq!(
+            project_lines(&soccer(0.0), &broken, SIZE, &MarkingOptions::default()),
+            []
+        );
         let beyond_numbers = camera([1e308, -1e308, 1e308], 0.0, -10.0, 2000.0, 0.3);
-        assert_eq!(project_lines(&soccer(0.1), &beyond_numbers, SIZE, &MarkingOptions::default()), []);
+        assert_eq!(
+            project_lines(
+                &soccer(0.1),
+                &beyond_numbers,
+                SIZE,
+                &MarkingOptions::default()
+            ),
+            []
+        );
     }
 
     #[test]
@@ -259,8 +340,15 @@ mod tests {
         let field = soccer(0.0);
         let camera = camera([0.0, -60.0, 18.0], 0.0, -16.5, 2000.0, 0.0);
         let polylines = project_lines(&field, &camera, SIZE, &MarkingOptions::default());
-        let circle = field.lines.iter().position(|line| line.id.as_str() == "centre_circle").unwrap();
-        let of_circle: Vec<_> = polylines.iter().filter(|polyline| polyline.line == circle).collect();
+        let circle = field
+            .lines
+            .iter()
+            .position(|line| line.id.as_str() == "centre_circle")
+            .unwrap();
+        let of_circle: Vec<_> = polylines
+            .iter()
+            .filter(|polyline| polyline.line == circle)
+            .collect();
         assert_eq!(of_circle.len(), 1);
         let points = &of_circle[0].points;
         assert!(points[0].distance_px(points[points.len() - 1]) < 1e-9);

@@ -1,4 +1,5 @@
-//! Points along the painted lines as a camera sees them: where, across which direction, how wide the paint is.
+//! Points along the painted lines as a camera sees them: where, across which direction, how wide
+//! the paint is.
 
 use crate::camera::PtzCamera;
 use crate::field::{Curve, FieldModel};
@@ -9,13 +10,17 @@ use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 pub struct SampleOptions {
     /// The distance between neighbouring samples of a line, px. Default 8.
     pub spacing_px: f64,
-    /// Samples this near to the picture's border are left out, px; a negative number takes samples beyond it. Default 2.
+    /// Samples this near to the picture's border are left out, px; a negative number takes samples
+    /// beyond it. Default 2.
     pub border_px: f64,
 }
 
 impl Default for SampleOptions {
     fn default() -> Self {
-        Self { spacing_px: 8.0, border_px: 2.0 }
+        Self {
+            spacing_px: 8.0,
+            border_px: 2.0,
+        }
     }
 }
 
@@ -32,12 +37,13 @@ pub struct LineSample {
     pub normal: Vec2,
     /// How wide the paint is along the normal, px.
     pub width_px: f64,
-    /// Which way leads out of the playing area: 1 along the normal, −1 against it, 0 where both sides belong to it.
+    /// Which way leads out of the playing area: 1 along the normal, −1 against it, 0 where both
+    /// sides belong to it.
     pub outward: f64,
 }
 
-/// A step outside the picture never passes more than this share of a line, so that no part that the picture shows is
-/// stepped over.
+/// A step outside the picture never passes more than this share of a line, so that no part that the
+/// picture shows is stepped over.
 const MAX_STEP: f64 = 1.0 / 128.0;
 
 /// A step outside the picture passes at least this share of a line.
@@ -48,8 +54,8 @@ const BESIDE_M: f64 = 0.5;
 
 /// Samples at even distances in the picture along every painted line, in the field's order.
 ///
-/// They lie on the middle of the paint ([`crate::field::FieldLine::paint_centre`]), not on the nominal line. A camera
-/// with NaN or infinite parameters sees none.
+/// They lie on the middle of the paint ([`crate::field::FieldLine::paint_centre`]), not on the
+/// nominal line. A camera with NaN or infinite parameters sees none.
 #[must_use]
 pub fn sample_lines(
     field: &FieldModel,
@@ -108,7 +114,11 @@ impl Projected {
             at.x.abs() > field.length_m / 2.0 || at.y.abs() > field.width_m / 2.0
         };
         let sign = f64::from(i8::from(beyond(1.0)) - i8::from(beyond(-1.0)));
-        if self.px_across_per_m < 0.0 { -sign } else { sign }
+        if self.px_across_per_m < 0.0 {
+            -sign
+        } else {
+            sign
+        }
     }
 }
 
@@ -128,12 +138,23 @@ fn project(field: &FieldModel, camera: &PtzCamera, curve: &Curve, t: f64) -> Opt
     let normal = Vec2::new(along.y, -along.x) / px_per_t;
     let across = Vec3::new(-tangent.y, tangent.x, 0.0).try_normalize(0.0)?;
     let px_across_per_m = normal.dot(&(here.by_world * across));
-    Some(Projected { at, image: here.point, normal, px_per_t, across, px_across_per_m })
+    Some(Projected {
+        at,
+        image: here.point,
+        normal,
+        px_per_t,
+        across,
+        px_across_per_m,
+    })
 }
 
 /// How far a point lies outside the picture less its border, px; 0 inside.
 fn outside_px(point: ImagePoint, size: ImageSize, border_px: f64) -> f64 {
-    let beyond = |x: f64, extent: u32| (border_px - x).max(x - (f64::from(extent) - border_px)).max(0.0);
+    let beyond = |x: f64, extent: u32| {
+        (border_px - x)
+            .max(x - (f64::from(extent) - border_px))
+            .max(0.0)
+    };
     beyond(point.x, size.width).max(beyond(point.y, size.height))
 }
 
@@ -147,13 +168,20 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     fn soccer() -> FieldModel {
-        builtin("soccer").unwrap().model(&BTreeMap::new(), 0.15).unwrap()
+        builtin("soccer")
+            .unwrap()
+            .model(&BTreeMap::new(), 0.15)
+            .unwrap()
     }
 
     fn camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
         let base = CameraBase {
             distortion: FocalCurve::constant(-0.05),
-            ..CameraBase::new(Vec3::new(2.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+            ..CameraBase::new(
+                Vec3::new(2.0, -60.0, 18.0),
+                BaseAngles::default().base_from_world(),
+                SIZE.centre(),
+            )
         };
         PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
     }
@@ -161,19 +189,35 @@ mod tests {
     #[test]
     fn every_part_of_the_paint_that_the_picture_shows_has_a_sample_near_by() {
         let field = soccer();
-        let options = SampleOptions { spacing_px: 10.0, border_px: 0.0 };
-        for camera in [camera(0.0, -14.0, 2000.0), camera(-40.0, -9.0, 3500.0), camera(25.0, -25.0, 9000.0)] {
+        let options = SampleOptions {
+            spacing_px: 10.0,
+            border_px: 0.0,
+        };
+        for camera in [
+            camera(0.0, -14.0, 2000.0),
+            camera(-40.0, -9.0, 3500.0),
+            camera(25.0, -25.0, 9000.0),
+        ] {
             let samples = sample_lines(&field, &camera, SIZE, &options);
             for (line, of) in field.lines.iter().enumerate().filter(|(_, of)| of.painted) {
                 for step in 0..=400 {
-                    let at = field.world_from_nominal(of.paint_centre.point_at(f64::from(step) / 400.0));
-                    let Ok(image) = camera.image_from_world(at) else { continue };
+                    let at =
+                        field.world_from_nominal(of.paint_centre.point_at(f64::from(step) / 400.0));
+                    let Ok(image) = camera.image_from_world(at) else {
+                        continue;
+                    };
                     if outside_px(image, SIZE, 1.0) > 0.0 {
                         continue;
                     }
                     let mine = samples.iter().filter(|sample| sample.line == line);
-                    let nearest = mine.map(|sample| sample.image.distance_px(image)).fold(f64::INFINITY, f64::min);
-                    assert!(nearest <= 12.0, "{}: no sample within {nearest} px of {image:?}", of.id);
+                    let nearest = mine
+                        .map(|sample| sample.image.distance_px(image))
+                        .fold(f64::INFINITY, f64::min);
+                    assert!(
+                        nearest <= 12.0,
+                        "{}: no sample within {nearest} px of {image:?}",
+                        of.id
+                    );
                 }
             }
         }
@@ -186,14 +230,32 @@ mod tests {
         assert!(samples.len() > 300, "{}", samples.len());
         for sample in &samples {
             assert!((sample.normal.norm() - 1.0).abs() < 1e-12);
-            assert!(camera.image_from_world(sample.at).unwrap().distance_px(sample.image) < 1e-9);
+            assert!(
+                camera
+                    .image_from_world(sample.at)
+                    .unwrap()
+                    .distance_px(sample.image)
+                    < 1e-9
+            );
             assert!(outside_px(sample.image, SIZE, 2.0) == 0.0);
         }
-        let halfway = field.lines.iter().position(|line| line.id.as_str() == "halfway_line").unwrap();
+        let halfway = field
+            .lines
+            .iter()
+            .position(|line| line.id.as_str() == "halfway_line")
+            .unwrap();
         for sample in samples.iter().filter(|sample| sample.line == halfway) {
-            let edge = |side: f64| camera.image_from_world(sample.at + Vec3::new(0.06 * side, 0.0, 0.0)).unwrap();
+            let edge = |side: f64| {
+                camera
+                    .image_from_world(sample.at + Vec3::new(0.06 * side, 0.0, 0.0))
+                    .unwrap()
+            };
             let width_px = sample.normal.dot(&edge(1.0).offset_from(edge(-1.0))).abs();
-            assert!((sample.width_px / width_px - 1.0).abs() < 1e-4, "{} is not {width_px}", sample.width_px);
+            assert!(
+                (sample.width_px / width_px - 1.0).abs() < 1e-4,
+                "{} is not {width_px}",
+                sample.width_px
+            );
             assert!(sample.outward == 0.0);
         }
     }
@@ -202,8 +264,15 @@ mod tests {
     fn beyond_the_touchlines_the_ground_may_end() {
         let (field, camera) = (soccer(), camera(0.0, -14.0, 1500.0));
         let samples = sample_lines(&field, &camera, SIZE, &SampleOptions::default());
-        let far = field.lines.iter().position(|line| line.id.as_str() == "touchline_far").unwrap();
-        let mut far = samples.iter().filter(|sample| sample.line == far).peekable();
+        let far = field
+            .lines
+            .iter()
+            .position(|line| line.id.as_str() == "touchline_far")
+            .unwrap();
+        let mut far = samples
+            .iter()
+            .filter(|sample| sample.line == far)
+            .peekable();
         assert!(far.peek().is_some());
         for sample in far {
             // The far side is up in the picture.
@@ -213,9 +282,19 @@ mod tests {
 
     #[test]
     fn a_camera_that_looks_away_has_no_samples() {
-        let samples = sample_lines(&soccer(), &camera(180.0, -10.0, 2000.0), SIZE, &SampleOptions::default());
+        let samples = sample_lines(
+            &soccer(),
+            &camera(180.0, -10.0, 2000.0),
+            SIZE,
+            &SampleOptions::default(),
+        );
         assert!(samples.is_empty());
-        let broken = sample_lines(&soccer(), &camera(f64::NAN, -10.0, 2000.0), SIZE, &SampleOptions::default());
+        let broken = sample_lines(
+            &soccer(),
+            &camera(f64::NAN, -10.0, 2000.0),
+            SIZE,
+            &SampleOptions::default(),
+        );
         assert!(broken.is_empty());
     }
 }

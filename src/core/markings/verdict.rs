@@ -18,7 +18,8 @@ pub enum LineVerdict {
 }
 
 impl LineVerdict {
-    /// What a score, the probability that the camera is right by the paint alone, says with this many open places.
+    /// What a score, the probability that the camera is right by the paint alone, says with this
+    /// many open places.
     #[must_use]
     pub fn of(score: f64, open: usize) -> Self {
         match score {

@@ -34,22 +34,34 @@ impl Window {
             return None;
         }
         let min = ImagePoint::new(-margin_px, -margin_px);
-        let max = ImagePoint::new(f64::from(size.width) + margin_px, f64::from(size.height) + margin_px);
+        let max = ImagePoint::new(
+            f64::from(size.width) + margin_px,
+            f64::from(size.height) + margin_px,
+        );
         if !(min.x < max.x && min.y < max.y) {
             return None;
         }
-        // The lens scales a radius by a factor that depends on it alone, so the extremes of an edge are its two ends, its point
-        // nearest to the principal point, and the points where that factor is least.
+        // The lens scales a radius by a factor that depends on it alone, so the extremes of an edge
+        // are its two ends, its point nearest to the principal point, and the points where that
+        // factor is least.
         let principal = camera.base().principal_point;
-        let (near_x, near_y) = (principal.x.clamp(min.x, max.x), principal.y.clamp(min.y, max.y));
+        let (near_x, near_y) = (
+            principal.x.clamp(min.x, max.x),
+            principal.y.clamp(min.y, max.y),
+        );
         let on_edges = [min.y, near_y, max.y]
             .into_iter()
             .flat_map(|y| [ImagePoint::new(min.x, y), ImagePoint::new(max.x, y)])
             .chain([min.y, max.y].map(|y| ImagePoint::new(near_x, y)))
             .chain(most_shrunk(camera, min, max));
         let fold = camera.fold_radius() * FOLD_SHARE;
-        let mut window =
-            Self { min, max, ideal_min: Vec2::repeat(0.0), ideal_max: Vec2::repeat(0.0), ideal_radius: 0.0 };
+        let mut window = Self {
+            min,
+            max,
+            ideal_min: Vec2::repeat(0.0),
+            ideal_max: Vec2::repeat(0.0),
+            ideal_radius: 0.0,
+        };
         let (mut low, mut high) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
         for point in on_edges {
             if let Ok(ideal) = camera.cam_plane_from_image(point) {
@@ -67,11 +79,18 @@ impl Window {
     }
 }
 
-/// The points on a box's edges at the radius at which the lens shrinks most; none where there is no such radius.
-fn most_shrunk(camera: &PtzCamera, min: ImagePoint, max: ImagePoint) -> impl Iterator<Item = ImagePoint> {
+/// The points on a box's edges at the radius at which the lens shrinks most; none where there is no
+/// such radius.
+fn most_shrunk(
+    camera: &PtzCamera,
+    min: ImagePoint,
+    max: ImagePoint,
+) -> impl Iterator<Item = ImagePoint> {
     let (lens, principal) = (camera.lens(), camera.base().principal_point);
     let squared = lens.narrowest_radius_squared();
-    let radius_px = squared.map_or(f64::NAN, |squared| squared.sqrt() * lens.stretch(squared) * camera.ptz().focal_px);
+    let radius_px = squared.map_or(f64::NAN, |squared| {
+        squared.sqrt() * lens.stretch(squared) * camera.ptz().focal_px
+    });
     // NaN where the circle does not reach the edge; it lies in no range.
     let half_chord = move |offset: f64| (radius_px * radius_px - offset * offset).sqrt();
     let upright = [min.x, max.x].into_iter().flat_map(move |x| {
@@ -82,7 +101,9 @@ fn most_shrunk(camera: &PtzCamera, min: ImagePoint, max: ImagePoint) -> impl Ite
         let half = half_chord(y - principal.y);
         [principal.x - half, principal.x + half].map(|x| ImagePoint::new(x, y))
     });
-    upright.chain(level).filter(move |p| (min.x..=max.x).contains(&p.x) && (min.y..=max.y).contains(&p.y))
+    upright
+        .chain(level)
+        .filter(move |p| (min.x..=max.x).contains(&p.x) && (min.y..=max.y).contains(&p.y))
 }
 
 #[cfg(test)]
@@ -92,25 +113,52 @@ mod tests {
     use crate::geometry::Vec3;
 
     fn camera(distortion: FocalCurve, focal_px: f64) -> PtzCamera {
-        let base =
-            CameraBase::new(Vec3::zeros(), BaseAngles::default().base_from_world(), ImagePoint::new(960.0, 540.0));
-        PtzCamera::new(CameraBase { distortion, ..base }, Ptz::from_degrees(0.0, 0.0, focal_px))
+        let base = CameraBase::new(
+            Vec3::zeros(),
+            BaseAngles::default().base_from_world(),
+            ImagePoint::new(960.0, 540.0),
+        );
+        PtzCamera::new(
+            CameraBase { distortion, ..base },
+            Ptz::from_degrees(0.0, 0.0, focal_px),
+        )
     }
 
     #[test]
     fn the_window_holds_every_point_of_the_picture() {
         let without_k2 = [(0.0, 2000.0), (-0.1, 1500.0), (0.3, 1500.0), (-0.4, 900.0)];
         let with_k2 = [(-0.25, 900.0, 2.0), (-0.25, 900.0, 0.5), (0.3, 1500.0, 2.0)];
-        for (k1, focal_px, k2_per_k1_squared) in without_k2.map(|(k1, px)| (k1, px, 0.0)).into_iter().chain(with_k2) {
-            let camera = camera(FocalCurve { k2_per_k1_squared, ..FocalCurve::constant(k1) }, focal_px);
+        for (k1, focal_px, k2_per_k1_squared) in without_k2
+            .map(|(k1, px)| (k1, px, 0.0))
+            .into_iter()
+            .chain(with_k2)
+        {
+            let camera = camera(
+                FocalCurve {
+                    k2_per_k1_squared,
+                    ..FocalCurve::constant(k1)
+                },
+                focal_px,
+            );
             let window = Window::new(&camera, ImageSize::new(1920, 1080), 4.0).unwrap();
             for step in 0..4000 {
                 let (x, y) = (f64::from(step % 80) * 24.3, f64::from(step / 80) * 22.0);
-                let Ok(ideal) = camera.cam_plane_from_image(ImagePoint::new(x, y)) else { continue };
-                assert!(ideal.norm() <= window.ideal_radius + 1e-12 || k1 < 0.0, "k1 {k1}: {ideal}");
+                let Ok(ideal) = camera.cam_plane_from_image(ImagePoint::new(x, y)) else {
+                    continue;
+                };
+                assert!(
+                    ideal.norm() <= window.ideal_radius + 1e-12 || k1 < 0.0,
+                    "k1 {k1}: {ideal}"
+                );
                 if ideal.norm() <= window.ideal_radius {
-                    assert!(ideal >= window.ideal_min - Vec2::repeat(1e-12), "k1 {k1}: {ideal}");
-                    assert!(ideal <= window.ideal_max + Vec2::repeat(1e-12), "k1 {k1}: {ideal}");
+                    assert!(
+                        ideal >= window.ideal_min - Vec2::repeat(1e-12),
+                        "k1 {k1}: {ideal}"
+                    );
+                    assert!(
+                        ideal <= window.ideal_max + Vec2::repeat(1e-12),
+                        "k1 {k1}: {ideal}"
+                    );
                 }
             }
         }
@@ -118,8 +166,25 @@ mod tests {
 
     #[test]
     fn a_camera_of_nan_has_no_window() {
-        assert_eq!(Window::new(&camera(FocalCurve::constant(f64::NAN), 2000.0), ImageSize::new(1920, 1080), 4.0), None);
-        assert_eq!(Window::new(&camera(FocalCurve::NONE, f64::NAN), ImageSize::new(1920, 1080), 4.0), None);
-        assert_eq!(Window::new(&camera(FocalCurve::NONE, 2000.0), ImageSize::new(0, 0), 0.0), None);
+        assert_eq!(
+            Window::new(
+                &camera(FocalCurve::constant(f64::NAN), 2000.0),
+                ImageSize::new(1920, 1080),
+                4.0
+            ),
+            None
+        );
+        assert_eq!(
+            Window::new(
+                &camera(FocalCurve::NONE, f64::NAN),
+                ImageSize::new(1920, 1080),
+                4.0
+            ),
+            None
+        );
+        assert_eq!(
+            Window::new(&camera(FocalCurve::NONE, 2000.0), ImageSize::new(0, 0), 0.0),
+            None
+        );
     }
 }

@@ -1,7 +1,8 @@
 //! How far a long function has come, and whether it is cancelled.
 //!
-//! A long function takes a `&Progress` and reports each step to it. The caller decides at each report whether to go on, and
-//! `&Progress::default()` is for a caller who does not care. What a step looks like is up to the function: a share, or an event.
+//! A long function takes a `&Progress` and reports each step to it. The caller decides at each
+//! report whether to go on, and `&Progress::default()` is for a caller who does not care. What a
+//! step looks like is up to the function: a share, or an event.
 
 mod panic_message;
 
@@ -25,7 +26,11 @@ impl Share {
     /// From 0 to 1.
     #[must_use]
     pub fn fraction(self) -> f32 {
-        if self.of == 0 { 0.0 } else { (self.done as f32 / self.of as f32).min(1.0) }
+        if self.of == 0 {
+            0.0
+        } else {
+            (self.done as f32 / self.of as f32).min(1.0)
+        }
     }
 
     /// In whole percent.
@@ -46,7 +51,10 @@ impl<'a, S> Progress<'a, S> {
     /// A progress that hands each step to `receive`. A break cancels the function.
     #[must_use]
     pub fn new(receive: impl Fn(S) -> ControlFlow<()> + Sync + 'a) -> Self {
-        Self { receive: Box::new(receive), is_cancelled: Arc::default() }
+        Self {
+            receive: Box::new(receive),
+            is_cancelled: Arc::default(),
+        }
     }
 
     /// Reports a step. A break tells the function to return early; it stays one after the first.
@@ -59,22 +67,29 @@ impl<'a, S> Progress<'a, S> {
 
     /// Whether to go on, without a report.
     pub fn check(&self) -> ControlFlow<()> {
-        if self.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.is_cancelled() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     }
 
-    /// Whether a report was answered with a break. Threads that work side by side ask this before they begin another step.
+    /// Whether a report was answered with a break. Threads that work side by side ask this before
+    /// they begin another step.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.is_cancelled.load(Ordering::Relaxed)
     }
 
-    /// A progress with the same receiver for another run of the function, which begins uncancelled even if this one was cancelled.
+    /// A progress with the same receiver for another run of the function, which begins uncancelled
+    /// even if this one was cancelled.
     #[must_use]
     pub fn renew(&self) -> Progress<'_, S> {
         Progress::new(|step| (self.receive)(step))
     }
 
-    /// The progress of a part of the function. Each step of the part becomes one of the whole; both are cancelled together.
+    /// The progress of a part of the function. Each step of the part becomes one of the whole; both
+    /// are cancelled together.
     #[must_use]
     pub fn part<'p, P>(&'p self, step_of_whole: impl Fn(P) -> S + Sync + 'p) -> Progress<'p, P> {
         Progress {
@@ -93,7 +108,9 @@ impl<S> Default for Progress<'_, S> {
 
 impl<S> fmt::Debug for Progress<'_, S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Progress").field("is_cancelled", &self.is_cancelled()).finish_non_exhaustive()
+        f.debug_struct("Progress")
+            .field("is_cancelled", &self.is_cancelled())
+            .finish_non_exhaustive()
     }
 }
 
@@ -107,14 +124,24 @@ mod tests {
         let received = Mutex::new(Vec::new());
         let whole = Progress::new(|step: usize| {
             received.lock().unwrap().push(step);
-            if step == 20 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if step == 20 {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         });
-        let (first, second) = (whole.part(|step: usize| 10 * step), whole.part(|step: usize| 100 * step));
+        let (first, second) = (
+            whole.part(|step: usize| 10 * step),
+            whole.part(|step: usize| 100 * step),
+        );
         assert!(first.report(1).is_continue());
         assert!(!whole.is_cancelled());
         assert!(first.report(2).is_break());
         assert!(whole.is_cancelled() && second.check().is_break());
-        assert!(second.report(3).is_break(), "a later step is received, but does not revive the function");
+        assert!(
+            second.report(3).is_break(),
+            "a later step is received, but does not revive the function"
+        );
         assert_eq!(*received.lock().unwrap(), [10, 20, 300]);
     }
 
@@ -122,7 +149,11 @@ mod tests {
     fn another_run_begins_uncancelled() {
         let patience = AtomicBool::new(false);
         let first = Progress::new(|()| {
-            if patience.load(Ordering::Relaxed) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            if patience.load(Ordering::Relaxed) {
+                ControlFlow::Continue(())
+            } else {
+                ControlFlow::Break(())
+            }
         });
         assert!(first.report(()).is_break());
         patience.store(true, Ordering::Relaxed);

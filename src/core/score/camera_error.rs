@@ -8,7 +8,8 @@ use serde::Serialize;
 /// What an estimated camera's numbers err by: estimate less truth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CameraError {
-    /// The angle between the two rotations from `world` to `cam`; never negative. Roll counts as well.
+    /// The angle between the two rotations from `world` to `cam`; never negative. Roll counts as
+    /// well.
     #[serde(rename = "rotation_deg")]
     pub rotation: Angle,
     /// Pan of the optical axis, both seen in the truth's base: bases may differ.
@@ -29,9 +30,11 @@ pub struct CameraError {
 #[must_use]
 pub fn camera_error(truth: &PtzCamera, estimate: &PtzCamera) -> CameraError {
     let axis = PanTilt::from_direction(
-        truth.base().base_from_world * (estimate.cam_from_world().transpose() * Vec3::new(0.0, 0.0, 1.0)),
+        truth.base().base_from_world
+            * (estimate.cam_from_world().transpose() * Vec3::new(0.0, 0.0, 1.0)),
     );
-    let true_axis = PanTilt::from_direction(truth.cam_from_base().transpose() * Vec3::new(0.0, 0.0, 1.0));
+    let true_axis =
+        PanTilt::from_direction(truth.cam_from_base().transpose() * Vec3::new(0.0, 0.0, 1.0));
     let focal_px = estimate.ptz().focal_px - truth.ptz().focal_px;
     CameraError {
         rotation: angle_between(&truth.cam_from_world(), &estimate.cam_from_world()),
@@ -56,8 +59,15 @@ mod tests {
     use crate::geometry::ImagePoint;
 
     fn base(heading_deg: f64) -> CameraBase {
-        let angles = BaseAngles { heading: Angle::from_degrees(heading_deg), ..BaseAngles::default() };
-        CameraBase::new(Vec3::new(0.0, -60.0, 15.0), angles.base_from_world(), ImagePoint::new(640.0, 360.0))
+        let angles = BaseAngles {
+            heading: Angle::from_degrees(heading_deg),
+            ..BaseAngles::default()
+        };
+        CameraBase::new(
+            Vec3::new(0.0, -60.0, 15.0),
+            angles.base_from_world(),
+            ImagePoint::new(640.0, 360.0),
+        )
     }
 
     #[test]
@@ -67,10 +77,17 @@ mod tests {
         let error = camera_error(&truth, &estimate);
         assert!((error.pan.degrees() - 0.5).abs() < 1e-12);
         assert!((error.tilt.degrees() + 0.25).abs() < 1e-12);
-        assert!((error.focal_px - 100.0).abs() < 1e-12 && (error.focal_percent - 5.0).abs() < 1e-12);
+        assert!(
+            (error.focal_px - 100.0).abs() < 1e-12 && (error.focal_percent - 5.0).abs() < 1e-12
+        );
         assert!(error.position_m == 0.0);
-        // A turn of 0.5° at tilt −8° moves the axis by 0.495°, and rolls: all of 0.5° and the tilt count.
-        assert!((error.rotation.degrees() - 0.5f64.hypot(0.25)).abs() < 1e-3, "{}", error.rotation.degrees());
+        // A turn of 0.5° at tilt −8° moves the axis by 0.495°, and rolls: all of 0.5° and the tilt
+        // count.
+        assert!(
+            (error.rotation.degrees() - 0.5f64.hypot(0.25)).abs() < 1e-3,
+            "{}",
+            error.rotation.degrees()
+        );
     }
 
     #[test]

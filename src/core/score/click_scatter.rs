@@ -1,15 +1,17 @@
 //! How far an annotator's clicks scatter, from independent clicks on the same spots.
 //!
-//! The input is differences scaled so that each coordinate has the variance σ² of a single click: for two clicks a and b,
-//! (a − b) / √2. Their mean is assumed to be 0.
+//! The input is differences scaled so that each coordinate has the variance σ² of a single click:
+//! for two clicks a and b, (a − b) / √2. Their mean is assumed to be 0.
 //!
-//! 1. A first scale from the median of |d| (the MAD about 0). A pair farther out than 5 times this scale (its uncertainty
-//!    allowed for) shows another spot, not noise: it is set aside and counted.
-//! 2. Huber's M-estimate of scale ("proposal 2" with a known centre): mean of min(d² / σ², 4) = 0.9205, what a normal
-//!    distribution has. Its efficiency on normal noise is 89 %, where the MAD's is 37 %: the same interval needs less than
-//!    half the clicks.
-//! 3. The interval is that of a χ² variable with n / (2 V) degrees of freedom, where V is the larger of the variance for
-//!    normal noise and the variance that the pairs show, both coordinates of a pair together.
+//! 1. A first scale from the median of |d| (the MAD about 0). A pair farther out than 5 times this
+//!    scale (its uncertainty allowed for) shows another spot, not noise: it is set aside and
+//!    counted.
+//! 2. Huber's M-estimate of scale ("proposal 2" with a known centre): mean of min(d² / σ², 4) =
+//!    0.9205, what a normal distribution has. Its efficiency on normal noise is 89 %, where the
+//!    MAD's is 37 %: the same interval needs less than half the clicks.
+//! 3. The interval is that of a χ² variable with n / (2 V) degrees of freedom, where V is the
+//!    larger of the variance for normal noise and the variance that the pairs show, both
+//!    coordinates of a pair together.
 
 use super::{chi_squared_quantile, median_normal_size};
 use crate::geometry::Vec2;
@@ -28,7 +30,8 @@ const BEND: f64 = 2.0;
 const EXPECTED: f64 = 0.920_536_925_636_323;
 /// n times the variance of the estimate over σ², on normal noise.
 const NORMAL_VARIANCE: f64 = 0.564_855_397_115_199;
-/// The fewest degrees of freedom assumed for any estimate: intervals are then a factor of seven wide.
+/// The fewest degrees of freedom assumed for any estimate: intervals are then a factor of seven
+/// wide.
 const LEAST_FREEDOM: f64 = 3.0;
 
 /// How far an annotator's clicks scatter.
@@ -48,18 +51,25 @@ pub struct ClickScatter {
 }
 
 impl ClickScatter {
-    /// The noise that differences show, x and y together; none from fewer than five pairs, and where half of the
-    /// differences and more are exactly 0 (copies, not clicks).
+    /// The noise that differences show, x and y together; none from fewer than five pairs, and
+    /// where half of the differences and more are exactly 0 (copies, not clicks).
     #[must_use]
     pub fn of(differences: &[Vec2]) -> Option<Self> {
-        let pairs: Vec<[f64; 2]> = differences.iter().map(|difference| [difference.x, difference.y]).collect();
+        let pairs: Vec<[f64; 2]> = differences
+            .iter()
+            .map(|difference| [difference.x, difference.y])
+            .collect();
         Self::of_groups(&pairs)
     }
 
     /// The same along one axis.
     #[must_use]
     pub fn along(differences: impl Iterator<Item = f64>) -> Option<Self> {
-        Self::of_groups(&differences.map(|difference| [difference]).collect::<Vec<_>>())
+        Self::of_groups(
+            &differences
+                .map(|difference| [difference])
+                .collect::<Vec<_>>(),
+        )
     }
 
     fn of_groups<const N: usize>(all: &[[f64; N]]) -> Option<Self> {
@@ -72,7 +82,8 @@ impl ClickScatter {
         if first <= 0.0 {
             return None;
         }
-        let limit = ANOTHER_SPOT * first * (1.0 + FIRST_SCALE_2_SIGMA / (sizes.len() as f64).sqrt());
+        let limit =
+            ANOTHER_SPOT * first * (1.0 + FIRST_SCALE_2_SIGMA / (sizes.len() as f64).sqrt());
         let near = |pair: &&[f64; N]| pair.iter().all(|value| value.abs() <= limit);
         let kept: Vec<[f64; N]> = all.iter().filter(near).copied().collect();
         if kept.len() < MIN_PAIRS {
@@ -98,7 +109,11 @@ fn scale<const N: usize>(pairs: &[[f64; N]], first: f64) -> f64 {
     let count = (pairs.len() * N) as f64;
     let mut sigma = first;
     for _ in 0..STEPS {
-        let bent: f64 = pairs.iter().flatten().map(|value| (value / sigma).powi(2).min(BEND * BEND)).sum();
+        let bent: f64 = pairs
+            .iter()
+            .flatten()
+            .map(|value| (value / sigma).powi(2).min(BEND * BEND))
+            .sum();
         let factor = (bent / count / EXPECTED).sqrt();
         sigma *= factor;
         if (factor - 1.0).abs() < 1e-12 {
@@ -113,8 +128,16 @@ fn variance<const N: usize>(pairs: &[[f64; N]], sigma: f64) -> f64 {
     let (mut squares, mut slope) = (0.0, 0.0);
     for pair in pairs {
         let squared = pair.map(|value| (value / sigma).powi(2));
-        squares += squared.iter().map(|z| z.min(BEND * BEND) - EXPECTED).sum::<f64>().powi(2);
-        slope += squared.iter().filter(|z| **z < BEND * BEND).map(|z| 2.0 * z).sum::<f64>();
+        squares += squared
+            .iter()
+            .map(|z| z.min(BEND * BEND) - EXPECTED)
+            .sum::<f64>()
+            .powi(2);
+        slope += squared
+            .iter()
+            .filter(|z| **z < BEND * BEND)
+            .map(|z| 2.0 * z)
+            .sum::<f64>();
     }
     let count = (pairs.len() * N) as f64;
     (squares / count) / (slope / count).powi(2)
@@ -128,7 +151,9 @@ mod tests {
     use rand_pcg::Pcg64Mcg;
 
     fn drawn(rng: &mut Pcg64Mcg, pairs: usize, sigma: f64) -> Vec<Vec2> {
-        (0..pairs).map(|_| Vec2::from_fn(|_, _| sigma * rng.sample::<f64, _>(StandardNormal))).collect()
+        (0..pairs)
+            .map(|_| Vec2::from_fn(|_, _| sigma * rng.sample::<f64, _>(StandardNormal)))
+            .collect()
     }
 
     #[test]
@@ -141,7 +166,11 @@ mod tests {
             let bent = (z * z).min(BEND * BEND);
             expected += weight * bent;
             fourth += weight * bent * bent;
-            slope += if z.abs() < BEND { weight * 2.0 * z * z } else { 0.0 };
+            slope += if z.abs() < BEND {
+                weight * 2.0 * z * z
+            } else {
+                0.0
+            };
         }
         assert!((expected - EXPECTED).abs() < 1e-6, "{expected}");
         assert!(((fourth - expected * expected) / (slope * slope) - NORMAL_VARIANCE).abs() < 1e-6);
@@ -178,9 +207,14 @@ mod tests {
         assert_eq!((found.pairs, found.set_aside), (45, 5));
         assert!((found.sigma - clean.sigma).abs() < 1e-9);
         let fat = StudentT::new(3.0).unwrap();
-        let tails: Vec<Vec2> = (0..200).map(|_| Vec2::from_fn(|_, _| rng.sample(fat))).collect();
+        let tails: Vec<Vec2> = (0..200)
+            .map(|_| Vec2::from_fn(|_, _| rng.sample(fat)))
+            .collect();
         let found = ClickScatter::of(&tails).unwrap();
-        assert!(found.freedom < 0.8 * clean.freedom / 45.0 * found.pairs as f64, "{found:?}");
+        assert!(
+            found.freedom < 0.8 * clean.freedom / 45.0 * found.pairs as f64,
+            "{found:?}"
+        );
     }
 
     #[test]

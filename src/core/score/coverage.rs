@@ -7,8 +7,8 @@ use serde::Serialize;
 /// The share of a normal number within 1 σ.
 const ONE_SIGMA: f64 = 0.682_689_492_137_086;
 
-/// The square of an error in its own sigmas, eᵀ Σ⁻¹ e (Mahalanobis): 3 on average where Σ is right. None where the
-/// covariance cannot be inverted.
+/// The square of an error in its own sigmas, eᵀ Σ⁻¹ e (Mahalanobis): 3 on average where Σ is right.
+/// None where the covariance cannot be inverted.
 #[must_use]
 pub fn squared_sigmas(error: Vec3, covariance: &Mat3) -> Option<f64> {
     // In units of the sigmas, so that degrees and px do not spoil the inverse.
@@ -29,7 +29,8 @@ pub struct SigmaCoverage {
     pub within_68: f64,
     /// The share within the 95 % ellipsoid.
     pub within_95: f64,
-    /// How many times larger than stated errors are: the root of the mean χ² over 3. 1 where the statement is right.
+    /// How many times larger than stated errors are: the root of the mean χ² over 3. 1 where the
+    /// statement is right.
     pub error_over_sigma: f64,
 }
 
@@ -38,7 +39,9 @@ impl SigmaCoverage {
     #[must_use]
     pub fn of(squared_sigmas: &[f64]) -> Option<Self> {
         let count = squared_sigmas.len();
-        let share = |limit: f64| squared_sigmas.iter().filter(|s| **s <= limit).count() as f64 / count as f64;
+        let share = |limit: f64| {
+            squared_sigmas.iter().filter(|s| **s <= limit).count() as f64 / count as f64
+        };
         (count > 0).then(|| Self {
             count,
             within_68: share(chi_squared_quantile(3.0, ONE_SIGMA)),
@@ -69,11 +72,16 @@ mod tests {
         let root = Mat3::new(0.02, 0.0, 0.0, 0.01, 0.03, 0.0, 4.0, -3.0, 6.0);
         let covariance = root * root.transpose();
         let mut draw = || root * Vec3::from_fn(|_, _| rng.sample::<f64, _>(StandardNormal));
-        let squared: Vec<f64> = (0..20_000).map(|_| squared_sigmas(draw(), &covariance).unwrap()).collect();
+        let squared: Vec<f64> = (0..20_000)
+            .map(|_| squared_sigmas(draw(), &covariance).unwrap())
+            .collect();
         let coverage = SigmaCoverage::of(&squared).unwrap();
         assert!((coverage.within_68 - 0.6827).abs() < 0.01, "{coverage:?}");
         assert!((coverage.within_95 - 0.95).abs() < 0.005, "{coverage:?}");
-        assert!((coverage.error_over_sigma - 1.0).abs() < 0.02, "{coverage:?}");
+        assert!(
+            (coverage.error_over_sigma - 1.0).abs() < 0.02,
+            "{coverage:?}"
+        );
         assert_eq!(SigmaCoverage::of(&[]), None);
     }
 }

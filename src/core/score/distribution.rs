@@ -2,7 +2,8 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-/// The quantile of a χ² distribution with a number of degrees of freedom; NaN if there is no such distribution.
+/// The quantile of a χ² distribution with a number of degrees of freedom; NaN if there is no such
+/// distribution.
 #[must_use]
 pub fn chi_squared_quantile(freedom: f64, share: f64) -> f64 {
     ChiSquared::new(freedom).map_or(f64::NAN, |chi_squared| chi_squared.inverse_cdf(share))
@@ -14,17 +15,21 @@ pub fn median_normal_size() -> f64 {
     Normal::standard().inverse_cdf(0.75)
 }
 
-/// The median distance of a point whose two coordinates scatter alike (Rayleigh's distribution), in sigmas of one coordinate.
+/// The median distance of a point whose two coordinates scatter alike (Rayleigh's distribution), in
+/// sigmas of one coordinate.
 #[must_use]
 pub fn median_rayleigh() -> f64 {
     // Half of the squares, which are χ² of two degrees of freedom, lie below 2 ln 2.
     (2.0 * std::f64::consts::LN_2).sqrt()
 }
 
-/// The share of points within a distance, in sigmas of one coordinate, where both coordinates scatter alike.
+/// The share of points within a distance, in sigmas of one coordinate, where both coordinates
+/// scatter alike.
 #[must_use]
 pub fn rayleigh_share(distance_sigmas: f64) -> f64 {
-    ChiSquared::new(2.0).map_or(f64::NAN, |squared| squared.cdf(distance_sigmas * distance_sigmas))
+    ChiSquared::new(2.0).map_or(f64::NAN, |squared| {
+        squared.cdf(distance_sigmas * distance_sigmas)
+    })
 }
 
 #[cfg(test)]
@@ -34,11 +39,20 @@ mod tests {
     #[test]
     fn published_quantiles() {
         // Tables of χ² at 2.5 % and 97.5 %.
-        for (freedom, low, high) in
-            [(3.0, 0.216, 9.348), (5.0, 0.831, 12.833), (20.0, 9.591, 34.170), (100.0, 74.222, 129.561)]
-        {
-            assert!((chi_squared_quantile(freedom, 0.025) - low).abs() < 6e-4, "{freedom}");
-            assert!((chi_squared_quantile(freedom, 0.975) - high).abs() < 6e-4, "{freedom}");
+        for (freedom, low, high) in [
+            (3.0, 0.216, 9.348),
+            (5.0, 0.831, 12.833),
+            (20.0, 9.591, 34.170),
+            (100.0, 74.222, 129.561),
+        ] {
+            assert!(
+                (chi_squared_quantile(freedom, 0.025) - low).abs() < 6e-4,
+                "{freedom}"
+            );
+            assert!(
+                (chi_squared_quantile(freedom, 0.975) - high).abs() < 6e-4,
+                "{freedom}"
+            );
         }
         assert!((chi_squared_quantile(3.0, 0.95) - 7.814_728).abs() < 1e-6);
         assert!(chi_squared_quantile(-1.0, 0.5).is_nan());

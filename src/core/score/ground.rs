@@ -7,7 +7,8 @@ use crate::geometry::{ImageSize, Vec2, Vec3};
 
 /// Nothing nearer to the camera's plane than this is seen, m.
 const NEAR_M: f64 = 0.05;
-/// Points on each edge of a picture whose border distortion bends: the chords leave 10⁻⁴ of the bend.
+/// Points on each edge of a picture whose border distortion bends: the chords leave 10⁻⁴ of the
+/// bend.
 const POINTS_PER_EDGE: u32 = 64;
 /// The picture ends this far before the fold of the distortion model, as a share of its radius.
 const FOLD_SHARE: f64 = 1.0 - 1e-6;
@@ -15,14 +16,20 @@ const FOLD_SHARE: f64 = 1.0 - 1e-6;
 /// The corners of the field on the plane z = 0, m.
 pub(super) fn field_corners(field: &FieldModel) -> [Vec2; 4] {
     let (x, y) = (0.5 * field.length_m, 0.5 * field.width_m);
-    [Vec2::new(-x, -y), Vec2::new(x, -y), Vec2::new(x, y), Vec2::new(-x, y)]
+    [
+        Vec2::new(-x, -y),
+        Vec2::new(x, -y),
+        Vec2::new(x, y),
+        Vec2::new(-x, y),
+    ]
 }
 
-/// The part of the field (its playing area on the plane z = 0, m) that a picture shows: polygons that do not overlap, none
-/// where it shows nothing of it.
+/// The part of the field (its playing area on the plane z = 0, m) that a picture shows: polygons
+/// that do not overlap, none where it shows nothing of it.
 ///
-/// Exact for a lens without distortion. With it the picture's bent border is followed in 256 steps, and pixels beyond the
-/// fold of the model show nothing. The crown of a few centimetres is left out.
+/// Exact for a lens without distortion. With it the picture's bent border is followed in 256 steps,
+/// and pixels beyond the fold of the model show nothing. The crown of a few centimetres is left
+/// out.
 #[must_use]
 pub fn seen_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Vec<Vec2>> {
     let border = ideal_border(camera, size);
@@ -33,25 +40,47 @@ pub fn seen_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Ve
     if !(low.x < high.x && low.y < high.y) {
         return Vec::new();
     }
-    let corners = field_corners(field).map(|corner| camera.cam_from_world_point(Vec3::new(corner.x, corner.y, 0.0)));
+    let corners = field_corners(field)
+        .map(|corner| camera.cam_from_world_point(Vec3::new(corner.x, corner.y, 0.0)));
     // In `cam` the picture's bounding box is a pyramid: x ≥ low z and so on.
-    let sides: [&dyn Fn(&Vec3) -> f64; 5] =
-        [&|p| p.z - NEAR_M, &|p| p.x - low.x * p.z, &|p| high.x * p.z - p.x, &|p| p.y - low.y * p.z, &|p| {
-            high.y * p.z - p.y
-        }];
-    let seen = sides.iter().fold(corners.to_vec(), |polygon, side| cut(&polygon, side));
-    let ideal: Ring = seen.iter().map(|p| Vec2::new(p.x / p.z, p.y / p.z)).collect();
+    let sides: [&dyn Fn(&Vec3) -> f64; 5] = [
+        &|p| p.z - NEAR_M,
+        &|p| p.x - low.x * p.z,
+        &|p| high.x * p.z - p.x,
+        &|p| p.y - low.y * p.z,
+        &|p| high.y * p.z - p.y,
+    ];
+    let seen = sides
+        .iter()
+        .fold(corners.to_vec(), |polygon, side| cut(&polygon, side));
+    let ideal: Ring = seen
+        .iter()
+        .map(|p| Vec2::new(p.x / p.z, p.y / p.z))
+        .collect();
     if ideal.len() < 3 {
         return Vec::new();
     }
-    let ideal = if camera.lens().is_none() { vec![ideal] } else { shared(&[ideal], &[border]) };
-    let on_ground = |ring: &Ring| ring.iter().map(|point| ground_from_ideal(camera, *point)).collect::<Option<Ring>>();
+    let ideal = if camera.lens().is_none() {
+        vec![ideal]
+    } else {
+        shared(&[ideal], &[border])
+    };
+    let on_ground = |ring: &Ring| {
+        ring.iter()
+            .map(|point| ground_from_ideal(camera, *point))
+            .collect::<Option<Ring>>()
+    };
     ideal.iter().filter_map(on_ground).collect()
 }
 
-/// The picture's border on the plane z = 1 of `cam`, before distortion: its corners, or points along its bent edges.
+/// The picture's border on the plane z = 1 of `cam`, before distortion: its corners, or points
+/// along its bent edges.
 fn ideal_border(camera: &PtzCamera, size: ImageSize) -> Ring {
-    let steps = if camera.lens().is_none() { 1 } else { POINTS_PER_EDGE };
+    let steps = if camera.lens().is_none() {
+        1
+    } else {
+        POINTS_PER_EDGE
+    };
     let corners = size.corners();
     let principal = camera.base().principal_point;
     let focal_px = camera.ptz().focal_px;
@@ -61,9 +90,19 @@ fn ideal_border(camera: &PtzCamera, size: ImageSize) -> Ring {
     for (i, from) in corners.iter().enumerate() {
         let along = corners[(i + 1) % corners.len()].offset_from(*from);
         for step in 0..steps {
-            let offset = from.moved(along * (f64::from(step) / f64::from(steps))).offset_from(principal);
-            let shrink = if fold.is_finite() { (fold_px / offset.norm()).min(1.0) } else { 1.0 };
-            border.extend(camera.cam_plane_from_image(principal.moved(offset * shrink)).ok());
+            let offset = from
+                .moved(along * (f64::from(step) / f64::from(steps)))
+                .offset_from(principal);
+            let shrink = if fold.is_finite() {
+                (fold_px / offset.norm()).min(1.0)
+            } else {
+                1.0
+            };
+            border.extend(
+                camera
+                    .cam_plane_from_image(principal.moved(offset * shrink))
+                    .ok(),
+            );
         }
     }
     border
@@ -93,10 +132,17 @@ mod tests {
 
     /// A camera straight above the middle, 100 m up: the top of the picture is +y.
     fn from_above(focal_px: f64, k1: f64) -> PtzCamera {
-        let down = BaseAngles { pitch: Angle::from_degrees(-90.0), ..BaseAngles::default() };
+        let down = BaseAngles {
+            pitch: Angle::from_degrees(-90.0),
+            ..BaseAngles::default()
+        };
         let base = CameraBase {
             distortion: FocalCurve::constant(k1),
-            ..CameraBase::new(Vec3::new(0.0, 0.0, 100.0), down.base_from_world(), ImagePoint::new(640.0, 360.0))
+            ..CameraBase::new(
+                Vec3::new(0.0, 0.0, 100.0),
+                down.base_from_world(),
+                ImagePoint::new(640.0, 360.0),
+            )
         };
         PtzCamera::new(base, Ptz::from_degrees(0.0, 0.0, focal_px))
     }
@@ -110,18 +156,25 @@ mod tests {
         let seen = seen_field(&soccer(), &from_above(320.0, 0.0), SIZE);
         assert!((area(&seen) - 105.0 * 68.0).abs() < 1e-9);
         // f 1000: 128 m by 72 m, wider and higher than the field.
-        assert!((area(&seen_field(&soccer(), &from_above(1000.0, 0.0), SIZE)) - 7140.0).abs() < 1e-9);
+        assert!(
+            (area(&seen_field(&soccer(), &from_above(1000.0, 0.0), SIZE)) - 7140.0).abs() < 1e-9
+        );
     }
 
     #[test]
     fn a_barrel_shows_more_and_its_bent_border_is_followed() {
-        // On the x axis x_d = x (1 + k₁ x²): at k₁ = −0.5 the right edge, x_d = 0.2, shows x = 0.20442…
+        // On the x axis x_d = x (1 + k₁ x²): at k₁ = −0.5 the right edge, x_d = 0.2, shows x =
+        // 0.20442…
         let straight = area(&seen_field(&soccer(), &from_above(3200.0, 0.0), SIZE));
         let bent = area(&seen_field(&soccer(), &from_above(3200.0, -0.5), SIZE));
-        // The area element of the ideal plane by the distorted one, to first order 1 − 4 k₁ r²; ∫ over the picture by hand:
-        // A (1 − 4 k₁ (a² + b²) / 3) with half sides a = 0.2 and b = 0.1125.
+        // The area element of the ideal plane by the distorted one, to first order 1 − 4 k₁ r²; ∫
+        // over the picture by hand: A (1 − 4 k₁ (a² + b²) / 3) with half sides a = 0.2 and b =
+        // 0.1125.
         let by_hand = straight * (1.0 + 4.0 * 0.5 * (0.2f64.powi(2) + 0.1125f64.powi(2)) / 3.0);
-        assert!((bent - by_hand).abs() < 0.005 * straight, "{bent} {by_hand}");
+        assert!(
+            (bent - by_hand).abs() < 0.005 * straight,
+            "{bent} {by_hand}"
+        );
     }
 
     #[test]
@@ -140,13 +193,18 @@ mod tests {
     fn the_sky_shows_no_field_and_the_horizon_no_infinity() {
         let camera = |tilt: f64| {
             let level = BaseAngles::default().base_from_world();
-            let base = CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, ImagePoint::new(640.0, 360.0));
+            let base = CameraBase::new(
+                Vec3::new(0.0, -60.0, 15.0),
+                level,
+                ImagePoint::new(640.0, 360.0),
+            );
             PtzCamera::new(base, Ptz::from_degrees(0.0, tilt, 1000.0))
         };
         assert!(seen_field(&soccer(), &camera(60.0), SIZE).is_empty());
         let level = area(&seen_field(&soccer(), &camera(0.0), SIZE));
-        // The lower edge, 0.36 below the axis, meets the ground 41.7 m ahead: y = −18.3. From there to the far touchline,
-        // y = 34, the sides open by 0.64 to each side: a trapezium 53.3 m and, cut at the goal lines, 105 m wide.
+        // The lower edge, 0.36 below the axis, meets the ground 41.7 m ahead: y = −18.3. From there
+        // to the far touchline, y = 34, the sides open by 0.64 to each side: a trapezium 53.3 m
+        // and, cut at the goal lines, 105 m wide.
         let [near, far, full] = [15.0 / 0.36, 94.0, 52.5 / 0.64];
         let by_hand = 0.64 * (full * full - near * near) + 105.0 * (far - full);
         assert!((level - by_hand).abs() < 1e-8, "{level} {by_hand}");

@@ -11,17 +11,27 @@ use crate::markings::project_landmarks;
 pub struct LandmarkError {
     /// Which landmark of the true field, by its number.
     pub landmark: usize,
-    /// The distance between its images by the two cameras, px; none where the estimate gives it no image.
+    /// The distance between its images by the two cameras, px; none where the estimate gives it no
+    /// image.
     pub image_px: Option<f64>,
-    /// How far from it the estimate puts the pixel that shows it, on the ground, m; none for landmarks above the ground, and
-    /// where the estimate sees no ground at that pixel.
+    /// How far from it the estimate puts the pixel that shows it, on the ground, m; none for
+    /// landmarks above the ground, and where the estimate sees no ground at that pixel.
     pub ground_m: Option<f64>,
 }
 
-/// The errors of all landmarks that the picture shows by the true camera and both fields have, in the true field's order.
+/// The errors of all landmarks that the picture shows by the true camera and both fields have, in
+/// the true field's order.
 #[must_use]
-pub fn landmark_errors(truth: FieldView, estimate: FieldView, size: ImageSize) -> Vec<LandmarkError> {
-    let twins = same_names(&truth.field.landmarks, &estimate.field.landmarks, |landmark| landmark.id.as_str());
+pub fn landmark_errors(
+    truth: FieldView,
+    estimate: FieldView,
+    size: ImageSize,
+) -> Vec<LandmarkError> {
+    let twins = same_names(
+        &truth.field.landmarks,
+        &estimate.field.landmarks,
+        |landmark| landmark.id.as_str(),
+    );
     project_landmarks(truth.field, truth.camera, size, 0.0)
         .into_iter()
         .filter_map(|shown| {
@@ -30,18 +40,28 @@ pub fn landmark_errors(truth: FieldView, estimate: FieldView, size: ImageSize) -
             let ground_m = || ground_error_m(estimate.camera, shown.image, at);
             Some(LandmarkError {
                 landmark: shown.landmark,
-                image_px: estimate.camera.image_from_world(at).ok().map(|image| image.distance_px(shown.image)),
-                ground_m: if landmark.nominal_m.z == 0.0 { ground_m() } else { None },
+                image_px: estimate
+                    .camera
+                    .image_from_world(at)
+                    .ok()
+                    .map(|image| image.distance_px(shown.image)),
+                ground_m: if landmark.nominal_m.z == 0.0 {
+                    ground_m()
+                } else {
+                    None
+                },
             })
         })
         .collect()
 }
 
-/// How far from a point of the ground a camera puts the pixel that shows it, m, on the level of that point; none where it
-/// sees no ground there.
+/// How far from a point of the ground a camera puts the pixel that shows it, m, on the level of
+/// that point; none where it sees no ground there.
 #[must_use]
 pub fn ground_error_m(camera: &PtzCamera, image: ImagePoint, at: Vec3) -> Option<f64> {
-    camera.plane_from_image(image, at.z).map(|ground| (ground - at).norm())
+    camera
+        .plane_from_image(image, at.z)
+        .map(|ground| (ground - at).norm())
 }
 
 #[cfg(test)]
@@ -55,14 +75,28 @@ mod tests {
     fn a_view_from_above_that_is_a_metre_off() {
         let size = ImageSize::new(1280, 720);
         let field = builtin("soccer").unwrap().default_model().unwrap();
-        let down = BaseAngles { pitch: Angle::from_degrees(-90.0), ..BaseAngles::default() }.base_from_world();
+        let down = BaseAngles {
+            pitch: Angle::from_degrees(-90.0),
+            ..BaseAngles::default()
+        }
+        .base_from_world();
         let at = |x_m: f64| {
-            let base = CameraBase::new(Vec3::new(x_m, 0.0, 100.0), down, ImagePoint::new(640.0, 360.0));
+            let base = CameraBase::new(
+                Vec3::new(x_m, 0.0, 100.0),
+                down,
+                ImagePoint::new(640.0, 360.0),
+            );
             PtzCamera::new(base, Ptz::from_degrees(0.0, 0.0, 2000.0))
         };
         let errors = landmark_errors(
-            FieldView { field: &field, camera: &at(0.0) },
-            FieldView { field: &field, camera: &at(1.0) },
+            FieldView {
+                field: &field,
+                camera: &at(0.0),
+            },
+            FieldView {
+                field: &field,
+                camera: &at(1.0),
+            },
             size,
         );
         // 64 m × 36 m around the centre mark: it, and the four marks of the circle.
@@ -76,12 +110,23 @@ mod tests {
     #[test]
     fn what_the_estimate_does_not_see_has_no_number() {
         let level = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, ImagePoint::new(640.0, 360.0));
+        let base = CameraBase::new(
+            Vec3::new(0.0, -60.0, 15.0),
+            level,
+            ImagePoint::new(640.0, 360.0),
+        );
         let field = builtin("soccer").unwrap().default_model().unwrap();
-        let [truth, away] = [0.0, 180.0].map(|pan| PtzCamera::new(base, Ptz::from_degrees(pan, -10.0, 1500.0)));
+        let [truth, away] =
+            [0.0, 180.0].map(|pan| PtzCamera::new(base, Ptz::from_degrees(pan, -10.0, 1500.0)));
         let errors = landmark_errors(
-            FieldView { field: &field, camera: &truth },
-            FieldView { field: &field, camera: &away },
+            FieldView {
+                field: &field,
+                camera: &truth,
+            },
+            FieldView {
+                field: &field,
+                camera: &away,
+            },
             ImageSize::new(1280, 720),
         );
         assert!(!errors.is_empty() && errors.iter().all(|error| error.image_px.is_none()));

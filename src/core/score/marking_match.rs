@@ -1,13 +1,16 @@
 //! Markings found within some pixels: the measure of the `SoccerNet` camera calibration task.
 //!
-//! A marking is one thing: it is found (TP) if the estimate shows it and every annotated point of it lies nearer than t px
-//! to its projection. One that the estimate shows but that was not annotated, and one that is farther off, is a false positive; one
-//! that was annotated and the estimate does not show a false negative. `JaC@t` = TP / (TP + FP + FN), in px of a picture 960 px
-//! wide. Of the names as they are and turned by half a turn about the field's middle the better counts, at every threshold for
-//! itself: the task runs once for each. A marking that leaves the picture and comes back, as a circle at its edge does, is one polyline:
-//! the task joins where it leaves to where it comes back by a straight piece, and a point near that piece counts as near the
-//! marking. Completeness is the share of frames that have a camera at all, and the task's score `JaC@5` (mean over those) times
-//! completeness. (The task's own `evaluate_camera.py`, 2023: `get_polylines`, `evaluate_camera_prediction`.)
+//! A marking is one thing: it is found (TP) if the estimate shows it and every annotated point of
+//! it lies nearer than t px to its projection. One that the estimate shows but that was not
+//! annotated, and one that is farther off, is a false positive; one that was annotated and the
+//! estimate does not show a false negative. `JaC@t` = TP / (TP + FP + FN), in px of a picture 960
+//! px wide. Of the names as they are and turned by half a turn about the field's middle the better
+//! counts, at every threshold for itself: the task runs once for each. A marking that leaves the
+//! picture and comes back, as a circle at its edge does, is one polyline: the task joins where it
+//! leaves to where it comes back by a straight piece, and a point near that piece counts as near
+//! the marking. Completeness is the share of frames that have a camera at all, and the task's score
+//! `JaC@5` (mean over those) times completeness. (The task's own `evaluate_camera.py`, 2023:
+//! `get_polylines`, `evaluate_camera_prediction`.)
 
 use super::FieldView;
 use super::view::same_names;
@@ -44,8 +47,8 @@ pub struct MarkingMatch {
 /// How the markings of one picture were found by one choice of names.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NamedMatch {
-    /// For each marking that is annotated and shown by the estimate: the largest distance of its points, px at
-    /// `JACCARD_WIDTH_PX`.
+    /// For each marking that is annotated and shown by the estimate: the largest distance of its
+    /// points, px at `JACCARD_WIDTH_PX`.
     pub worst_px: Vec<f64>,
     /// Markings that the estimate shows and that were not annotated.
     pub only_estimated: usize,
@@ -57,7 +60,10 @@ pub struct NamedMatch {
 type Seen = Vec<Vec<Vec<ImagePoint>>>;
 
 fn seen_lines(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Seen {
-    let options = MarkingOptions { margin_px: 0.0, ..MarkingOptions::default() };
+    let options = MarkingOptions {
+        margin_px: 0.0,
+        ..MarkingOptions::default()
+    };
     let mut seen: Seen = vec![Vec::new(); field.lines.len()];
     for polyline in project_lines(field, camera, size, &options) {
         if counts(field, polyline.line) {
@@ -71,17 +77,27 @@ fn counts(field: &FieldModel, line: usize) -> bool {
     field.lines[line].curve.length_m() >= MIN_LENGTH_M
 }
 
-/// What an annotator would place on a picture by this camera: the two ends of what is seen of each straight marking,
-/// nine points along what is seen of each round one.
+/// What an annotator would place on a picture by this camera: the two ends of what is seen of each
+/// straight marking, nine points along what is seen of each round one.
 #[must_use]
-pub fn annotated_lines(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<AnnotatedLine> {
+pub fn annotated_lines(
+    field: &FieldModel,
+    camera: &PtzCamera,
+    size: ImageSize,
+) -> Vec<AnnotatedLine> {
     let seen = seen_lines(field, camera, size);
-    let shown = seen.iter().enumerate().filter(|(_, parts)| !parts.is_empty());
+    let shown = seen
+        .iter()
+        .enumerate()
+        .filter(|(_, parts)| !parts.is_empty());
     shown
         .map(|(line, parts)| {
             let points = match field.lines[line].curve {
                 Curve::Segment { .. } => {
-                    let (first, last) = (parts.first().and_then(|p| p.first()), parts.last().and_then(|p| p.last()));
+                    let (first, last) = (
+                        parts.first().and_then(|p| p.first()),
+                        parts.last().and_then(|p| p.last()),
+                    );
                     first.into_iter().chain(last).copied().collect()
                 }
                 Curve::Arc { .. } => spread_along(parts),
@@ -93,7 +109,12 @@ pub fn annotated_lines(field: &FieldModel, camera: &PtzCamera, size: ImageSize) 
 
 /// Points at even distances along some polylines, both ends included.
 fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
-    let pieces = || parts.iter().flat_map(|part| part.windows(2)).map(|pair| (pair[0], pair[1]));
+    let pieces = || {
+        parts
+            .iter()
+            .flat_map(|part| part.windows(2))
+            .map(|pair| (pair[0], pair[1]))
+    };
     let whole: f64 = pieces().map(|(from, to)| from.distance_px(to)).sum();
     let mut points = Vec::with_capacity(POINTS_PER_ARC);
     let mut passed = 0.0;
@@ -104,28 +125,43 @@ fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
             if due > passed + length {
                 break;
             }
-            let share = if length > 0.0 { (due - passed) / length } else { 0.0 };
+            let share = if length > 0.0 {
+                (due - passed) / length
+            } else {
+                0.0
+            };
             points.push(from.moved(to.offset_from(from) * share));
         }
         passed += length;
     }
     // Rounding may leave out the last point.
-    if let (Some(end), true) = (parts.last().and_then(|part| part.last()), points.len() < POINTS_PER_ARC) {
+    if let (Some(end), true) = (
+        parts.last().and_then(|part| part.last()),
+        points.len() < POINTS_PER_ARC,
+    ) {
         points.push(*end);
     }
     points
 }
 
 impl MarkingMatch {
-    /// Compares markings that were annotated on one field with those that a camera shows of its own; a line that is too
-    /// short to count is passed over.
+    /// Compares markings that were annotated on one field with those that a camera shows of its
+    /// own; a line that is too short to count is passed over.
     #[must_use]
-    pub fn of(field: &FieldModel, annotated: &[AnnotatedLine], estimate: FieldView, size: ImageSize) -> Self {
+    pub fn of(
+        field: &FieldModel,
+        annotated: &[AnnotatedLine],
+        estimate: FieldView,
+        size: ImageSize,
+    ) -> Self {
         let mut of_estimate = seen_lines(estimate.field, estimate.camera, size);
         let twins = same_names(&field.lines, &estimate.field.lines, |line| line.id.as_str());
         let seen: Seen = twins
             .iter()
-            .map(|twin| twin.map(|line| std::mem::take(&mut of_estimate[line])).unwrap_or_default())
+            .map(|twin| {
+                twin.map(|line| std::mem::take(&mut of_estimate[line]))
+                    .unwrap_or_default()
+            })
             .collect();
         let plain = NamedMatch::of(field, annotated, &seen, size, Some);
         let turned = NamedMatch::of(field, annotated, &seen, size, |line| {
@@ -135,11 +171,13 @@ impl MarkingMatch {
         Self { plain, turned }
     }
 
-    /// `JaC@t`: the share of markings found within t px at `JACCARD_WIDTH_PX`, of all that are annotated or shown, by the names
-    /// that find more; 0 where there is none.
+    /// `JaC@t`: the share of markings found within t px at `JACCARD_WIDTH_PX`, of all that are
+    /// annotated or shown, by the names that find more; 0 where there is none.
     #[must_use]
     pub fn jaccard(&self, threshold_px: f64) -> f64 {
-        self.plain.jaccard(threshold_px).max(self.turned.jaccard(threshold_px))
+        self.plain
+            .jaccard(threshold_px)
+            .max(self.turned.jaccard(threshold_px))
     }
 }
 
@@ -154,7 +192,10 @@ impl NamedMatch {
         let scale = JACCARD_WIDTH_PX / f64::from(size.width);
         let mut found = Self::default();
         let mut named = vec![false; seen.len()];
-        for marking in annotated.iter().filter(|marking| counts(field, marking.line)) {
+        for marking in annotated
+            .iter()
+            .filter(|marking| counts(field, marking.line))
+        {
             let Some(line) = renamed(marking.line) else {
                 found.only_annotated += 1;
                 continue;
@@ -164,10 +205,15 @@ impl NamedMatch {
                 found.only_annotated += 1;
                 continue;
             }
-            let distances = marking.points.iter().map(|point| distance_px(*point, &seen[line]) * scale);
+            let distances = marking
+                .points
+                .iter()
+                .map(|point| distance_px(*point, &seen[line]) * scale);
             found.worst_px.push(distances.fold(0.0, f64::max));
         }
-        found.only_estimated = (0..seen.len()).filter(|&line| !named[line] && !seen[line].is_empty()).count();
+        found.only_estimated = (0..seen.len())
+            .filter(|&line| !named[line] && !seen[line].is_empty())
+            .count();
         found
     }
 
@@ -175,8 +221,16 @@ impl NamedMatch {
     #[must_use]
     pub fn jaccard(&self, threshold_px: f64) -> f64 {
         let all = self.worst_px.len() + self.only_estimated + self.only_annotated;
-        let found = self.worst_px.iter().filter(|worst| **worst < threshold_px).count();
-        if all == 0 { 0.0 } else { found as f64 / all as f64 }
+        let found = self
+            .worst_px
+            .iter()
+            .filter(|worst| **worst < threshold_px)
+            .count();
+        if all == 0 {
+            0.0
+        } else {
+            found as f64 / all as f64
+        }
     }
 }
 
@@ -186,7 +240,11 @@ fn distance_px(point: ImagePoint, parts: &[Vec<ImagePoint>]) -> f64 {
     let distances = joined.windows(2).map(|pair| {
         let (along, offset) = (pair[1].offset_from(pair[0]), point.offset_from(pair[0]));
         let squared = along.norm_squared();
-        let share = if squared > 0.0 { (offset.dot(&along) / squared).clamp(0.0, 1.0) } else { 0.0 };
+        let share = if squared > 0.0 {
+            (offset.dot(&along) / squared).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
         (offset - along * share).norm()
     });
     distances.fold(f64::INFINITY, f64::min)
@@ -226,7 +284,11 @@ mod tests {
         // From the other side, turned by half a turn, the same picture with the other names.
         let base = CameraBase::new(
             Vec3::new(0.0, 60.0, 15.0),
-            BaseAngles { heading: Angle::from_degrees(180.0), ..BaseAngles::default() }.base_from_world(),
+            BaseAngles {
+                heading: Angle::from_degrees(180.0),
+                ..BaseAngles::default()
+            }
+            .base_from_world(),
             SIZE.centre(),
         );
         let opposite = PtzCamera::new(base, truth.ptz());
@@ -236,17 +298,35 @@ mod tests {
 
     #[test]
     fn counts_of_a_known_case() {
-        let plain = NamedMatch { worst_px: vec![2.0, 5.0, 12.0], only_estimated: 1, only_annotated: 2 };
-        let found = MarkingMatch { plain, ..MarkingMatch::default() };
+        let plain = NamedMatch {
+            worst_px: vec![2.0, 5.0, 12.0],
+            only_estimated: 1,
+            only_annotated: 2,
+        };
+        let found = MarkingMatch {
+            plain,
+            ..MarkingMatch::default()
+        };
         // Strictly nearer: at 5 px one of six, at 10 two, at 20 three.
-        assert_eq!([5.0, 10.0, 20.0].map(|t| found.jaccard(t)), [1.0 / 6.0, 2.0 / 6.0, 3.0 / 6.0]);
+        assert_eq!(
+            [5.0, 10.0, 20.0].map(|t| found.jaccard(t)),
+            [1.0 / 6.0, 2.0 / 6.0, 3.0 / 6.0]
+        );
         assert!(MarkingMatch::default().jaccard(5.0) == 0.0);
     }
 
     #[test]
     fn the_better_names_count_at_each_threshold_for_itself() {
-        let plain = NamedMatch { worst_px: vec![3.0, 30.0], only_estimated: 0, only_annotated: 0 };
-        let turned = NamedMatch { worst_px: vec![8.0, 9.0], only_estimated: 0, only_annotated: 0 };
+        let plain = NamedMatch {
+            worst_px: vec![3.0, 30.0],
+            only_estimated: 0,
+            only_annotated: 0,
+        };
+        let turned = NamedMatch {
+            worst_px: vec![8.0, 9.0],
+            only_estimated: 0,
+            only_annotated: 0,
+        };
         let found = MarkingMatch { plain, turned };
         assert_eq!([5.0, 10.0, 20.0].map(|t| found.jaccard(t)), [0.5, 1.0, 1.0]);
     }
@@ -255,7 +335,10 @@ mod tests {
     fn a_circle_that_leaves_the_picture_is_joined_where_it_comes_back() {
         // Two arcs of a circle at the right edge, cut where it is beyond x = 100.
         let point = |x: f64, y: f64| ImagePoint::new(x, y);
-        let parts = vec![vec![point(60.0, 10.0), point(100.0, 20.0)], vec![point(100.0, 80.0), point(60.0, 90.0)]];
+        let parts = vec![
+            vec![point(60.0, 10.0), point(100.0, 20.0)],
+            vec![point(100.0, 80.0), point(60.0, 90.0)],
+        ];
         assert!((distance_px(point(98.0, 50.0), &parts) - 2.0).abs() < 1e-12);
         assert!((distance_px(point(55.0, 10.0), &parts) - 5.0).abs() < 1e-12);
     }
@@ -279,19 +362,35 @@ mod tests {
         let annotated = annotated_lines(&field, &broadcast(0.0, -12.0, 1000.0), SIZE);
         for marking in &annotated {
             let line = &field.lines[marking.line];
-            let expected = if matches!(line.curve, Curve::Arc { .. }) { 9 } else { 2 };
+            let expected = if matches!(line.curve, Curve::Arc { .. }) {
+                9
+            } else {
+                2
+            };
             assert_eq!(marking.points.len(), expected, "{}", line.id);
             assert!(!line.id.as_str().starts_with("corner_arc"));
         }
-        assert!(annotated.iter().any(|marking| field.lines[marking.line].id.as_str() == "centre_circle"));
+        assert!(
+            annotated
+                .iter()
+                .any(|marking| field.lines[marking.line].id.as_str() == "centre_circle")
+        );
     }
 
     #[test]
     fn a_camera_that_looks_away_finds_nothing() {
         let field = soccer();
         let annotated = annotated_lines(&field, &broadcast(0.0, -12.0, 2000.0), SIZE);
-        let found = MarkingMatch::of(&field, &annotated, view(&field, &broadcast(0.0, 60.0, 2000.0)), SIZE);
-        assert_eq!((found.plain.only_annotated, found.plain.only_estimated), (annotated.len(), 0));
+        let found = MarkingMatch::of(
+            &field,
+            &annotated,
+            view(&field, &broadcast(0.0, 60.0, 2000.0)),
+            SIZE,
+        );
+        assert_eq!(
+            (found.plain.only_annotated, found.plain.only_estimated),
+            (annotated.len(), 0)
+        );
         assert!(found.jaccard(20.0) == 0.0);
     }
 }

@@ -1,10 +1,11 @@
 //! Intersection over union of the field seen from above.
 //!
-//! The literature uses two conventions that give different numbers; both are implemented. `IoU_part` (Homayounfar et al.,
-//! CVPR 2017; Chen and Little, CVPRW 2019): the part of the field that the picture shows by the true camera against the part
-//! that it shows by the estimated one. `IoU_whole` (Sharma et al., WACV 2018): the whole field is carried into the picture
-//! by the true camera and back by the estimated one, and compared with itself; what lies outside the picture counts
-//! as well. The literature rasterises to whole yards; here polygons are clipped exactly.
+//! The literature uses two conventions that give different numbers; both are implemented.
+//! `IoU_part` (Homayounfar et al., CVPR 2017; Chen and Little, CVPRW 2019): the part of the field
+//! that the picture shows by the true camera against the part that it shows by the estimated one.
+//! `IoU_whole` (Sharma et al., WACV 2018): the whole field is carried into the picture by the true
+//! camera and back by the estimated one, and compared with itself; what lies outside the picture
+//! counts as well. The literature rasterises to whole yards; here polygons are clipped exactly.
 
 use super::ground::{field_corners, seen_field};
 use super::polygon::{Ring, area, shared};
@@ -12,35 +13,56 @@ use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, Vec2, Vec3};
 
-/// `IoU_part`, 0 to 1: of the parts of the field that the picture shows by the two cameras. None where it shows nothing of
-/// the field by either; 0 where only one of them shows some.
+/// `IoU_part`, 0 to 1: of the parts of the field that the picture shows by the two cameras. None
+/// where it shows nothing of the field by either; 0 where only one of them shows some.
 #[must_use]
-pub fn iou_part(field: &FieldModel, truth: &PtzCamera, estimate: &PtzCamera, size: ImageSize) -> Option<f64> {
-    intersection_over_union(&seen_field(field, truth, size), &seen_field(field, estimate, size))
+pub fn iou_part(
+    field: &FieldModel,
+    truth: &PtzCamera,
+    estimate: &PtzCamera,
+    size: ImageSize,
+) -> Option<f64> {
+    intersection_over_union(
+        &seen_field(field, truth, size),
+        &seen_field(field, estimate, size),
+    )
 }
 
-/// `IoU_whole`, 0 to 1: of the field and of itself, carried into the picture by the true camera and back by the estimated
-/// one.
+/// `IoU_whole`, 0 to 1: of the field and of itself, carried into the picture by the true camera and
+/// back by the estimated one.
 ///
-/// Between planes and without distortion, which has no meaning far outside the picture: lenses count by their focal lengths
-/// and principal points alone. 0 where the estimate carries a part of the field beyond its horizon.
+/// Between planes and without distortion, which has no meaning far outside the picture: lenses
+/// count by their focal lengths and principal points alone. 0 where the estimate carries a part of
+/// the field beyond its horizon.
 #[must_use]
 pub fn iou_whole(field: &FieldModel, truth: &PtzCamera, estimate: &PtzCamera) -> f64 {
     let corners = field_corners(field);
-    let carried: Option<Ring> = corners.iter().map(|corner| carry(truth, estimate, *corner)).collect();
-    carried.and_then(|carried| intersection_over_union(&[corners.to_vec()], &[carried])).unwrap_or(0.0)
+    let carried: Option<Ring> = corners
+        .iter()
+        .map(|corner| carry(truth, estimate, *corner))
+        .collect();
+    carried
+        .and_then(|carried| intersection_over_union(&[corners.to_vec()], &[carried]))
+        .unwrap_or(0.0)
 }
 
-/// Where the estimate sees the point of the ground that the truth sees there: a homography of the plane z = 0. None beyond
-/// the estimate's horizon.
+/// Where the estimate sees the point of the ground that the truth sees there: a homography of the
+/// plane z = 0. None beyond the estimate's horizon.
 fn carry(truth: &PtzCamera, estimate: &PtzCamera, ground: Vec2) -> Option<Vec2> {
     let in_cam = truth.cam_from_world_point(Vec3::new(ground.x, ground.y, 0.0));
-    let apart = truth.base().principal_point.offset_from(estimate.base().principal_point);
+    let apart = truth
+        .base()
+        .principal_point
+        .offset_from(estimate.base().principal_point);
     let offset_px = in_cam.xy() * truth.ptz().focal_px + apart * in_cam.z;
-    let (x, y) = (offset_px.x / estimate.ptz().focal_px, offset_px.y / estimate.ptz().focal_px);
+    let (x, y) = (
+        offset_px.x / estimate.ptz().focal_px,
+        offset_px.y / estimate.ptz().focal_px,
+    );
     let direction = estimate.cam_from_world().transpose() * Vec3::new(x, y, in_cam.z);
     let position = estimate.base().position_m;
-    // Depths keep their sign on the way, so a point behind both cameras is carried as rightly as one before them.
+    // Depths keep their sign on the way, so a point behind both cameras is carried as rightly as
+    // one before them.
     let distance = -position.z / direction.z;
     (distance > 0.0 && distance.is_finite()).then(|| (position + direction * distance).xy())
 }
@@ -65,14 +87,25 @@ mod tests {
     }
 
     fn from_above(x_m: f64, y_m: f64, focal_px: f64) -> PtzCamera {
-        let down = BaseAngles { pitch: Angle::from_degrees(-90.0), ..BaseAngles::default() };
-        let base = CameraBase::new(Vec3::new(x_m, y_m, 100.0), down.base_from_world(), ImagePoint::new(640.0, 360.0));
+        let down = BaseAngles {
+            pitch: Angle::from_degrees(-90.0),
+            ..BaseAngles::default()
+        };
+        let base = CameraBase::new(
+            Vec3::new(x_m, y_m, 100.0),
+            down.base_from_world(),
+            ImagePoint::new(640.0, 360.0),
+        );
         PtzCamera::new(base, Ptz::from_degrees(0.0, 0.0, focal_px))
     }
 
     fn broadcast(pan_deg: f64, focal_px: f64) -> PtzCamera {
         let level = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, ImagePoint::new(640.0, 360.0));
+        let base = CameraBase::new(
+            Vec3::new(0.0, -60.0, 15.0),
+            level,
+            ImagePoint::new(640.0, 360.0),
+        );
         PtzCamera::new(base, Ptz::from_degrees(pan_deg, -12.0, focal_px))
     }
 
@@ -97,7 +130,10 @@ mod tests {
     #[test]
     fn a_moved_principal_point_carries_the_field() {
         let truth = from_above(0.0, 0.0, 3200.0);
-        let base = CameraBase { principal_point: ImagePoint::new(640.0 + 320.0, 360.0), ..*truth.base() };
+        let base = CameraBase {
+            principal_point: ImagePoint::new(640.0 + 320.0, 360.0),
+            ..*truth.base()
+        };
         // 320 px are 10 m.
         let estimate = PtzCamera::new(base, truth.ptz());
         assert!((iou_whole(&soccer(), &truth, &estimate) - 95.0 / 115.0).abs() < 1e-12);
@@ -120,22 +156,42 @@ mod tests {
         let truth = broadcast(5.0, 2000.0);
         let scores = [0.05, 0.5, 5.0].map(|pan| {
             let estimate = broadcast(5.0 + pan, 2000.0);
-            (iou_part(&soccer(), &truth, &estimate, SIZE).unwrap(), iou_whole(&soccer(), &truth, &estimate))
+            (
+                iou_part(&soccer(), &truth, &estimate, SIZE).unwrap(),
+                iou_whole(&soccer(), &truth, &estimate),
+            )
         });
         assert!(scores[0].0 > 0.995 && scores[0].1 > 0.98, "{scores:?}");
-        assert!(scores.windows(2).all(|pair| pair[0].0 > pair[1].0 && pair[0].1 > pair[1].1), "{scores:?}");
+        assert!(
+            scores
+                .windows(2)
+                .all(|pair| pair[0].0 > pair[1].0 && pair[0].1 > pair[1].1),
+            "{scores:?}"
+        );
     }
 
     #[test]
     fn edge_cases_are_as_stated() {
         let field = soccer();
-        let sky = PtzCamera::new(*broadcast(0.0, 2000.0).base(), Ptz::from_degrees(0.0, 45.0, 2000.0));
+        let sky = PtzCamera::new(
+            *broadcast(0.0, 2000.0).base(),
+            Ptz::from_degrees(0.0, 45.0, 2000.0),
+        );
         assert_eq!(iou_part(&field, &sky, &sky, SIZE), None);
-        assert_eq!(iou_part(&field, &broadcast(0.0, 2000.0), &sky, SIZE), Some(0.0));
+        assert_eq!(
+            iou_part(&field, &broadcast(0.0, 2000.0), &sky, SIZE),
+            Some(0.0)
+        );
         assert!(iou_whole(&field, &broadcast(0.0, 2000.0), &sky) == 0.0);
         // An absurd lens gives a number and does not panic.
-        let base = CameraBase { distortion: FocalCurve::constant(-50.0), ..*broadcast(0.0, 2000.0).base() };
+        let base = CameraBase {
+            distortion: FocalCurve::constant(-50.0),
+            ..*broadcast(0.0, 2000.0).base()
+        };
         let folded = PtzCamera::new(base, Ptz::from_degrees(0.0, -12.0, 2000.0));
-        assert!(iou_part(&field, &broadcast(0.0, 2000.0), &folded, SIZE).is_some_and(|iou| (0.0..1.0).contains(&iou)));
+        assert!(
+            iou_part(&field, &broadcast(0.0, 2000.0), &folded, SIZE)
+                .is_some_and(|iou| (0.0..1.0).contains(&iou))
+        );
     }
 }

@@ -1,7 +1,8 @@
 //! Homographies of the ground scored as cameras are: for datasets that hold nothing else.
 //!
-//! A homography here takes a point of the plane z = 0 (x and y in world, m) to the picture (px). Its scale and sign mean
-//! nothing; [`PlaneView::new`] picks the sign by which the middle of the picture lies before the camera.
+//! A homography here takes a point of the plane z = 0 (x and y in world, m) to the picture (px).
+//! Its scale and sign mean nothing; [`PlaneView::new`] picks the sign by which the middle of the
+//! picture lies before the camera.
 
 use super::ground::field_corners;
 use super::overlap::intersection_over_union;
@@ -10,7 +11,8 @@ use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
 
-/// How near to the horizon the ground is still seen: the least depth as a share of that in the middle of the picture.
+/// How near to the horizon the ground is still seen: the least depth as a share of that in the
+/// middle of the picture.
 const NEAR: f64 = 1e-3;
 
 /// A picture of the ground by a homography.
@@ -22,8 +24,8 @@ pub struct PlaneView {
 }
 
 impl PlaneView {
-    /// The view of a homography from the ground (world x and y, m) to a picture (px); none where it is singular, or where the
-    /// middle of the picture shows no ground.
+    /// The view of a homography from the ground (world x and y, m) to a picture (px); none where it
+    /// is singular, or where the middle of the picture shows no ground.
     #[must_use]
     pub fn new(image_from_ground: &Mat3, size: ImageSize) -> Option<Self> {
         let middle = size.centre();
@@ -32,8 +34,15 @@ impl PlaneView {
         // One in the middle: depths are shares of that.
         let image_from_ground = image_from_ground / depth;
         let ground_from_image = image_from_ground.try_inverse()?;
-        let finite = image_from_ground.iter().chain(ground_from_image.iter()).all(|entry| entry.is_finite());
-        finite.then_some(Self { image_from_ground, ground_from_image, size })
+        let finite = image_from_ground
+            .iter()
+            .chain(ground_from_image.iter())
+            .all(|entry| entry.is_finite());
+        finite.then_some(Self {
+            image_from_ground,
+            ground_from_image,
+            size,
+        })
     }
 
     /// The view of a camera without its distortion.
@@ -41,10 +50,24 @@ impl PlaneView {
     pub fn of_camera(camera: &PtzCamera, size: ImageSize) -> Option<Self> {
         let (base, focal_px) = (camera.base(), camera.ptz().focal_px);
         let principal = base.principal_point;
-        let image_from_cam = Mat3::new(focal_px, 0.0, principal.x, 0.0, focal_px, principal.y, 0.0, 0.0, 1.0);
+        let image_from_cam = Mat3::new(
+            focal_px,
+            0.0,
+            principal.x,
+            0.0,
+            focal_px,
+            principal.y,
+            0.0,
+            0.0,
+            1.0,
+        );
         let rotation = camera.cam_from_world();
         let at_origin = -(rotation * base.position_m);
-        let cam_from_ground = Mat3::from_columns(&[rotation.column(0).into(), rotation.column(1).into(), at_origin]);
+        let cam_from_ground = Mat3::from_columns(&[
+            rotation.column(0).into(),
+            rotation.column(1).into(),
+            at_origin,
+        ]);
         Self::new(&(image_from_cam * cam_from_ground), size)
     }
 
@@ -63,7 +86,8 @@ impl PlaneView {
         (ground.z > 0.0 && ground.z < 1.0 / NEAR).then(|| ground.xy() / ground.z)
     }
 
-    /// The part of the field that the picture shows: a convex polygon (world x and y, m), or nothing.
+    /// The part of the field that the picture shows: a convex polygon (world x and y, m), or
+    /// nothing.
     #[must_use]
     pub fn seen_field(&self, field: &FieldModel) -> Vec<Vec2> {
         let (width, height) = (f64::from(self.size.width), f64::from(self.size.height));
@@ -76,17 +100,22 @@ impl PlaneView {
             y.into_owned(),
             depth * height - y,
         ];
-        sides.iter().fold(field_corners(field).to_vec(), |polygon, side| {
-            let of = |point: &Vec2| side[0] * point.x + side[1] * point.y + side[2];
-            cut(&polygon, &of)
-        })
+        sides
+            .iter()
+            .fold(field_corners(field).to_vec(), |polygon, side| {
+                let of = |point: &Vec2| side[0] * point.x + side[1] * point.y + side[2];
+                cut(&polygon, &of)
+            })
     }
 
     /// `IoU_part` of an estimate, this view being the truth: see [`iou_part`](super::iou_part).
     #[must_use]
     pub fn iou_part(&self, field: &FieldModel, estimate: &Self) -> Option<f64> {
         let ring = |view: &Self| -> Vec<Ring> {
-            Some(view.seen_field(field)).filter(|ring| ring.len() >= 3).into_iter().collect()
+            Some(view.seen_field(field))
+                .filter(|ring| ring.len() >= 3)
+                .into_iter()
+                .collect()
         };
         intersection_over_union(&ring(self), &ring(estimate))
     }
@@ -104,7 +133,9 @@ impl PlaneView {
                 (ground.z > 0.0).then(|| ground.xy() / ground.z)
             })
             .collect();
-        carried.and_then(|carried| intersection_over_union(&[corners.to_vec()], &[carried])).unwrap_or(0.0)
+        carried
+            .and_then(|carried| intersection_over_union(&[corners.to_vec()], &[carried]))
+            .unwrap_or(0.0)
     }
 }
 
@@ -119,28 +150,43 @@ mod tests {
 
     fn camera(pan_deg: f64, focal_px: f64) -> PtzCamera {
         let level = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(Vec3::new(3.0, -60.0, 15.0), level, ImagePoint::new(630.0, 365.0));
+        let base = CameraBase::new(
+            Vec3::new(3.0, -60.0, 15.0),
+            level,
+            ImagePoint::new(630.0, 365.0),
+        );
         PtzCamera::new(base, Ptz::from_degrees(pan_deg, -12.0, focal_px))
     }
 
     #[test]
     fn a_cameras_homography_scores_as_the_camera_does() {
         let field = builtin("soccer").unwrap().default_model().unwrap();
-        for (truth, estimate) in
-            [((-20.0, 1500.0), (-19.0, 1540.0)), ((5.0, 3000.0), (5.2, 2900.0)), ((0.0, 900.0), (9.0, 900.0))]
-        {
+        for (truth, estimate) in [
+            ((-20.0, 1500.0), (-19.0, 1540.0)),
+            ((5.0, 3000.0), (5.2, 2900.0)),
+            ((0.0, 900.0), (9.0, 900.0)),
+        ] {
             let (truth, estimate) = (camera(truth.0, truth.1), camera(estimate.0, estimate.1));
-            let [true_view, view] = [truth, estimate].map(|camera| PlaneView::of_camera(&camera, SIZE).unwrap());
+            let [true_view, view] =
+                [truth, estimate].map(|camera| PlaneView::of_camera(&camera, SIZE).unwrap());
             // The sign and the scale of a homography mean nothing.
             let turned = PlaneView::new(&(true_view.image_from_ground * -7.0), SIZE).unwrap();
             assert!((turned.image_from_ground - true_view.image_from_ground).amax() < 1e-9);
             let part = iou_part(&field, &truth, &estimate, SIZE).unwrap();
-            assert!((true_view.iou_part(&field, &view).unwrap() - part).abs() < 1e-6, "{part}");
+            assert!(
+                (true_view.iou_part(&field, &view).unwrap() - part).abs() < 1e-6,
+                "{part}"
+            );
             let whole = iou_whole(&field, &truth, &estimate);
-            assert!((true_view.iou_whole(&field, &view) - whole).abs() < 1e-9, "{whole}");
+            assert!(
+                (true_view.iou_whole(&field, &view) - whole).abs() < 1e-9,
+                "{whole}"
+            );
             assert_eq!(true_view.iou_part(&field, &true_view), Some(1.0));
             let seen = seen_field(&field, &truth, SIZE);
-            let corners = |ring: &[Vec2]| ring.iter().fold(Vec2::zeros(), |sum, point| sum + point) / ring.len() as f64;
+            let corners = |ring: &[Vec2]| {
+                ring.iter().fold(Vec2::zeros(), |sum, point| sum + point) / ring.len() as f64
+            };
             assert!((corners(&true_view.seen_field(&field)) - corners(&seen[0])).norm() < 1e-6);
         }
     }
@@ -150,7 +196,11 @@ mod tests {
         let field = builtin("soccer").unwrap().default_model().unwrap();
         assert_eq!(PlaneView::new(&Mat3::zeros(), SIZE), None);
         // Looks at the ground far beside the field.
-        let away = PlaneView::new(&Mat3::new(10.0, 0.0, -5000.0, 0.0, 10.0, -5000.0, 0.0, 0.0, 1.0), SIZE).unwrap();
+        let away = PlaneView::new(
+            &Mat3::new(10.0, 0.0, -5000.0, 0.0, 10.0, -5000.0, 0.0, 0.0, 1.0),
+            SIZE,
+        )
+        .unwrap();
         assert!(away.seen_field(&field).is_empty());
         assert_eq!(away.iou_part(&field, &away), None);
     }

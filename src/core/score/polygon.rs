@@ -1,7 +1,7 @@
 //! Areas of polygons and of what they share.
 //!
-//! Clipping is `i_overlay`'s, on a grid of 64-bit integers that spans both inputs: exact up to the rounding to it, some
-//! 10⁻¹⁶ of their size.
+//! Clipping is `i_overlay`'s, on a grid of 64-bit integers that spans both inputs: exact up to the
+//! rounding to it, some 10⁻¹⁶ of their size.
 
 use crate::geometry::Vec2;
 use i_overlay::core::fill_rule::FillRule;
@@ -15,28 +15,42 @@ pub(super) type Ring = Vec<Vec2>;
 /// Twice the signed area: positive where the points run from +x towards +y.
 fn doubled_area(ring: &[Vec2]) -> f64 {
     // Relative to a point of its own: far from the origin nothing cancels.
-    let Some(origin) = ring.first() else { return 0.0 };
-    ring.windows(2).map(|pair| (pair[0] - origin).perp(&(pair[1] - origin))).sum()
+    let Some(origin) = ring.first() else {
+        return 0.0;
+    };
+    ring.windows(2)
+        .map(|pair| (pair[0] - origin).perp(&(pair[1] - origin)))
+        .sum()
 }
 
 /// The area of polygons that do not overlap each other.
 pub(super) fn area(rings: &[Ring]) -> f64 {
-    rings.iter().map(|ring| doubled_area(ring).abs() / 2.0).sum()
+    rings
+        .iter()
+        .map(|ring| doubled_area(ring).abs() / 2.0)
+        .sum()
 }
 
-/// What two sets of polygons share, as polygons that do not overlap. No hole can arise where the inputs have none.
+/// What two sets of polygons share, as polygons that do not overlap. No hole can arise where the
+/// inputs have none.
 pub(super) fn shared(one: &[Ring], other: &[Ring]) -> Vec<Ring> {
     let points = |rings: &[Ring]| -> Vec<Vec<[f64; 2]>> {
         let enclosing = rings.iter().filter(|ring| ring.len() >= 3);
-        enclosing.map(|ring| ring.iter().map(|point| [point.x, point.y]).collect()).collect()
+        enclosing
+            .map(|ring| ring.iter().map(|point| [point.x, point.y]).collect())
+            .collect()
     };
     let (one, other) = (points(one), points(other));
     if one.is_empty() || other.is_empty() {
         return Vec::new();
     }
     let shapes = one.overlay_as::<i64>(&other, OverlayRule::Intersect, FillRule::NonZero);
-    let outer = shapes.into_iter().filter_map(|shape| shape.into_iter().next());
-    outer.map(|ring| ring.into_iter().map(|[x, y]| Vec2::new(x, y)).collect()).collect()
+    let outer = shapes
+        .into_iter()
+        .filter_map(|shape| shape.into_iter().next());
+    outer
+        .map(|ring| ring.into_iter().map(|[x, y]| Vec2::new(x, y)).collect())
+        .collect()
 }
 
 /// The part of a convex polygon where `side` is not negative (Sutherland and Hodgman 1974).
@@ -81,10 +95,14 @@ mod tests {
 
     #[test]
     fn intersections_of_known_polygons() {
-        let both = |a: &Ring, b: &Ring| area(&shared(std::slice::from_ref(a), std::slice::from_ref(b)));
+        let both =
+            |a: &Ring, b: &Ring| area(&shared(std::slice::from_ref(a), std::slice::from_ref(b)));
         let unit = square(0.0, 0.0, 1.0);
         assert!((both(&unit, &square(0.5, 0.25, 1.0)) - 0.375).abs() < 1e-14);
-        assert!(both(&unit, &square(1.0, 0.0, 1.0)) == 0.0, "they only touch");
+        assert!(
+            both(&unit, &square(1.0, 0.0, 1.0)) == 0.0,
+            "they only touch"
+        );
         assert!((both(&unit, &unit) - 1.0).abs() < 1e-15);
         // Clockwise is as good.
         let clockwise: Ring = unit.iter().rev().copied().collect();
@@ -94,7 +112,16 @@ mod tests {
     #[test]
     fn a_notched_polygon_may_share_two_parts() {
         // A U: two arms of width 1 and height 2 on a foot of height 1.
-        let u = ring(&[[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [2.0, 3.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]]);
+        let u = ring(&[
+            [0.0, 0.0],
+            [3.0, 0.0],
+            [3.0, 3.0],
+            [2.0, 3.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 3.0],
+            [0.0, 3.0],
+        ]);
         let bar = ring(&[[-1.0, 2.0], [4.0, 2.0], [4.0, 2.5], [-1.0, 2.5]]);
         let parts = shared(&[u], &[bar]);
         assert_eq!(parts.len(), 2);

@@ -44,15 +44,24 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// The summary of some numbers; none without any. Numbers that are not finite count as infinitely large, so that a
-    /// failure never makes a summary better. The same seed gives the same intervals.
+    /// The summary of some numbers; none without any. Numbers that are not finite count as
+    /// infinitely large, so that a failure never makes a summary better. The same seed gives the
+    /// same intervals.
     #[must_use]
     pub fn of(values: &[f64], seed: u64) -> Option<Self> {
         if values.is_empty() {
             return None;
         }
-        let mut sorted: Vec<f64> =
-            values.iter().map(|value| if value.is_finite() { *value } else { f64::INFINITY }).collect();
+        let mut sorted: Vec<f64> = values
+            .iter()
+            .map(|value| {
+                if value.is_finite() {
+                    *value
+                } else {
+                    f64::INFINITY
+                }
+            })
+            .collect();
         sorted.sort_by(f64::total_cmp);
         let mean = mean(&sorted)?;
         let squares: f64 = sorted.iter().map(|value| (value - mean).powi(2)).sum();
@@ -61,7 +70,11 @@ impl Summary {
             count: sorted.len(),
             mean,
             mean_interval,
-            std: if sorted.len() > 1 { (squares / (sorted.len() - 1) as f64).sqrt() } else { 0.0 },
+            std: if sorted.len() > 1 {
+                (squares / (sorted.len() - 1) as f64).sqrt()
+            } else {
+                0.0
+            },
             min: sorted[0],
             p10: quantile(&sorted, 0.10),
             p25: quantile(&sorted, 0.25),
@@ -101,17 +114,26 @@ mod tests {
         let summary = Summary::of(&[4.0, 1.0, 3.0, 2.0], 0).unwrap();
         assert_eq!((summary.count, summary.mean, summary.median), (4, 2.5, 2.5));
         assert!((summary.std - (5.0f64 / 3.0).sqrt()).abs() < 1e-15);
-        assert_eq!((summary.min, summary.p25, summary.p75, summary.max), (1.0, 1.75, 3.25, 4.0));
+        assert_eq!(
+            (summary.min, summary.p25, summary.p75, summary.max),
+            (1.0, 1.75, 3.25, 4.0)
+        );
         assert!((summary.p90 - 3.7).abs() < 1e-12);
         assert_eq!(Summary::of(&[], 0), None);
         let one = Summary::of(&[7.0], 0).unwrap();
-        assert_eq!((one.mean, one.std, one.median, one.mean_interval), (7.0, 0.0, 7.0, [7.0, 7.0]));
+        assert_eq!(
+            (one.mean, one.std, one.median, one.mean_interval),
+            (7.0, 0.0, 7.0, [7.0, 7.0])
+        );
     }
 
     #[test]
     fn a_failure_never_makes_it_better() {
         let summary = Summary::of(&[1.0, f64::NAN, 2.0], 0).unwrap();
-        assert_eq!((summary.median, summary.max, summary.mean), (2.0, f64::INFINITY, f64::INFINITY));
+        assert_eq!(
+            (summary.median, summary.max, summary.mean),
+            (2.0, f64::INFINITY, f64::INFINITY)
+        );
     }
 
     #[test]

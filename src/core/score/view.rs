@@ -3,8 +3,8 @@
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 
-/// A camera and the field that is drawn with it. Truth and estimate may differ in both: a crown that only one of them knows
-/// moves its lines.
+/// A camera and the field that is drawn with it. Truth and estimate may differ in both: a crown
+/// that only one of them knows moves its lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldView<'a> {
     /// The field.
@@ -13,12 +13,21 @@ pub struct FieldView<'a> {
     pub camera: &'a PtzCamera,
 }
 
-/// Where each name of one list stands in another; none where it is missing there. Lists of one template agree entry by entry.
-pub(super) fn same_names<'a, T>(from: &[T], to: &[T], name: impl Fn(&T) -> &str + 'a) -> Vec<Option<usize>> {
+/// Where each name of one list stands in another; none where it is missing there. Lists of one
+/// template agree entry by entry.
+pub(super) fn same_names<'a, T>(
+    from: &[T],
+    to: &[T],
+    name: impl Fn(&T) -> &str + 'a,
+) -> Vec<Option<usize>> {
     let find = |(index, item): (usize, &T)| {
         let wanted = name(item);
         let here = to.get(index).is_some_and(|other| name(other) == wanted);
-        if here { Some(index) } else { to.iter().position(|other| name(other) == wanted) }
+        if here {
+            Some(index)
+        } else {
+            to.iter().position(|other| name(other) == wanted)
+        }
     };
     from.iter().enumerate().map(find).collect()
 }

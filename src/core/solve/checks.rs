@@ -2,11 +2,14 @@
 
 use super::context::SAME_FIT;
 use super::covariance::{OverlayPoint, corners};
-use super::{CornerSigma, FrameSolution, Observation, SolveContext, Uncertainty, Warning, WarningCode};
+use super::{
+    CornerSigma, FrameSolution, Observation, SolveContext, Uncertainty, Warning, WarningCode,
+};
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, ImageSize, Vec2, thousands};
 
-/// From this 1-σ at the worst corner on, the points' separation is worth a warning, px at 1920 px width.
+/// From this 1-σ at the worst corner on, the points' separation is worth a warning, px at 1920 px
+/// width.
 const WARN_CORNER_SIGMA_PX: f64 = 7.0;
 
 /// A second point this far away makes a good pair, px at 1920 px width.
@@ -60,7 +63,9 @@ fn failed_checks(solution: &FrameSolution) -> impl Iterator<Item = Warning> {
 
 /// Clicks that the others (or, with two, the base) contradict.
 fn contradiction(solution: &FrameSolution) -> Option<Warning> {
-    let usual = (solution.expected_chi_squared / solution.redundancy.max(1) as f64).max(1.0).sqrt();
+    let usual = (solution.expected_chi_squared / solution.redundancy.max(1) as f64)
+        .max(1.0)
+        .sqrt();
     if !solution.residuals_are_evidence() {
         let misfit = solution.misfit()?;
         return (misfit > MAX_CLICK_SIGMAS).then(|| Warning {
@@ -74,9 +79,14 @@ fn contradiction(solution: &FrameSolution) -> Option<Warning> {
         });
     }
     let sigmas = |residual: &super::ClickResidual| {
-        residual.distance_px().map_or(f64::INFINITY, |distance| distance / (residual.sigma_px * usual))
+        residual.distance_px().map_or(f64::INFINITY, |distance| {
+            distance / (residual.sigma_px * usual)
+        })
     };
-    let worst = solution.residuals.iter().max_by(|a, b| sigmas(a).total_cmp(&sigmas(b)))?;
+    let worst = solution
+        .residuals
+        .iter()
+        .max_by(|a, b| sigmas(a).total_cmp(&sigmas(b)))?;
     let number = worst.click + 1;
     let message = match worst.distance_px() {
         None => format!("Point {number} shows something behind the camera. Check its name."),
@@ -86,7 +96,11 @@ fn contradiction(solution: &FrameSolution) -> Option<Warning> {
         ),
         Some(_) => return None,
     };
-    Some(Warning { code: WarningCode::Contradiction, message, clicks: vec![worst.click] })
+    Some(Warning {
+        code: WarningCode::Contradiction,
+        message,
+        clicks: vec![worst.click],
+    })
 }
 
 /// A camera that sees the pitch from below.
@@ -94,7 +108,10 @@ fn underground(camera: &PtzCamera) -> Option<Warning> {
     let height_m = camera.base().position_m.z;
     (height_m <= 0.0).then(|| Warning {
         code: WarningCode::Implausible,
-        message: format!("Implausible: the camera stands {:.1} m below the pitch. Check its height.", -height_m),
+        message: format!(
+            "Implausible: the camera stands {:.1} m below the pitch. Check its height.",
+            -height_m
+        ),
         clicks: Vec::new(),
     })
 }
@@ -105,20 +122,36 @@ fn implausible(solution: &FrameSolution, context: &SolveContext) -> Option<Warni
     let what = if !ranges.pan.contains(ptz.pan) {
         format!("pan {:.1} (usual {:.1})", ptz.pan, ranges.pan)
     } else if !ranges.tilt.contains(&ptz.tilt) {
-        format!("tilt {:.1} (usual {:.1} to {:.1})", ptz.tilt, ranges.tilt.start(), ranges.tilt.end())
+        format!(
+            "tilt {:.1} (usual {:.1} to {:.1})",
+            ptz.tilt,
+            ranges.tilt.start(),
+            ranges.tilt.end()
+        )
     } else if !ranges.focal_px.contains(&ptz.focal_px) {
-        let [focal, from, upto] = [ptz.focal_px, *ranges.focal_px.start(), *ranges.focal_px.end()].map(rounded);
+        let [focal, from, upto] = [
+            ptz.focal_px,
+            *ranges.focal_px.start(),
+            *ranges.focal_px.end(),
+        ]
+        .map(rounded);
         format!("focal length {focal} px (usual {from} to {upto})")
     } else {
         return context.motion.warning(&ptz, &solution.slack());
     };
-    let message = format!("Implausible: {what}. Check the names of the points, or the camera base.");
-    Some(Warning { code: WarningCode::Implausible, message, clicks: Vec::new() })
+    let message =
+        format!("Implausible: {what}. Check the names of the points, or the camera base.");
+    Some(Warning {
+        code: WarningCode::Implausible,
+        message,
+        clicks: Vec::new(),
+    })
 }
 
 /// Another plausible camera fits the clicks as well.
 fn two_roots(solution: &FrameSolution, context: &SolveContext) -> Option<Warning> {
-    let slack = SAME_FIT * (solution.expected_chi_squared / solution.redundancy.max(1) as f64).max(1.0);
+    let slack =
+        SAME_FIT * (solution.expected_chi_squared / solution.redundancy.max(1) as f64).max(1.0);
     let other = solution
         .alternatives
         .iter()
@@ -133,18 +166,25 @@ fn two_roots(solution: &FrameSolution, context: &SolveContext) -> Option<Warning
     };
     let message = if (one / two).ln().abs() > 0.02 {
         let (low, high) = (rounded(one.min(two)), rounded(one.max(two)));
-        format!("Two focal lengths fit: {low} and {high} px. Using {}, {why}.", rounded(one))
+        format!(
+            "Two focal lengths fit: {low} and {high} px. Using {}, {why}.",
+            rounded(one)
+        )
     } else {
         format!(
             "Two directions fit: pan {:.1} and {:.1}. Using {:.1}, {why}. Another point decides.",
             solution.ptz.pan, other.ptz.pan, solution.ptz.pan
         )
     };
-    Some(Warning { code: WarningCode::TwoRoots, message, clicks: Vec::new() })
+    Some(Warning {
+        code: WarningCode::TwoRoots,
+        message,
+        clicks: Vec::new(),
+    })
 }
 
-/// A worst corner that is uncertain, by what makes it so: the base, points close together, or a corner far from all points. What
-/// helps is said only where it gains.
+/// A worst corner that is uncertain, by what makes it so: the base, points close together, or a
+/// corner far from all points. What helps is said only where it gains.
 fn uncertain_corner(
     camera: &PtzCamera,
     used: &[Observation],
@@ -156,13 +196,22 @@ fn uncertain_corner(
     if corner_px <= WARN_CORNER_SIGMA_PX * scale {
         return None;
     }
-    let worst = solution.uncertainty.worst_corner(camera, context.image_size)?;
+    let worst = solution
+        .uncertainty
+        .worst_corner(camera, context.image_size)?;
     if worst.is_from_base() {
-        return Some(Warning { code: WarningCode::BaseUncertain, message: of_base(&worst), clicks: Vec::new() });
+        return Some(Warning {
+            code: WarningCode::BaseUncertain,
+            message: of_base(&worst),
+            clicks: Vec::new(),
+        });
     }
     let separation_px = solution.separation_px?;
     let one_more = OneMoreClick::of(camera, solution, context.image_size);
-    let landmarks = || used.iter().filter(|observation| observation.shape.point().is_some());
+    let landmarks = || {
+        used.iter()
+            .filter(|observation| observation.shape.point().is_some())
+    };
     let gains = |better_px: &f64| *better_px < WORTHWHILE * corner_px;
     if separation_px < GOOD_SEPARATION_PX * scale {
         let focal_percent = 100.0 * solution.sigma_focal_px() / solution.ptz.focal_px;
@@ -170,25 +219,47 @@ fn uncertain_corner(
             "Points {separation_px:.0} px apart: focal ±{focal_percent:.1} %, worst corner ±{} px.",
             short(corner_px)
         );
-        let sum = landmarks().fold(Vec2::zeros(), |sum, click| sum + click.image.offset_from(ImagePoint::default()));
+        let sum = landmarks().fold(Vec2::zeros(), |sum, click| {
+            sum + click.image.offset_from(ImagePoint::default())
+        });
         let middle = ImagePoint::default().moved(sum / landmarks().count() as f64);
         let distance_px = GOOD_SEPARATION_PX * scale;
-        let better = one_more.best_corner_at_distance(middle, distance_px).filter(gains);
+        let better = one_more
+            .best_corner_at_distance(middle, distance_px)
+            .filter(gains);
         let way_out = better.map_or_else(String::new, |better| {
-            format!(" A point at {distance_px:.0} px would give ±{}.", short(better))
+            format!(
+                " A point at {distance_px:.0} px would give ±{}.",
+                short(better)
+            )
         });
         let clicks = landmarks().map(|observation| observation.click).collect();
-        return Some(Warning { code: WarningCode::Separation, message: cost + &way_out, clicks });
+        return Some(Warning {
+            code: WarningCode::Separation,
+            message: cost + &way_out,
+            clicks,
+        });
     }
-    let nearest_px =
-        used.iter().map(|observation| observation.image.distance_px(worst.corner)).min_by(f64::total_cmp)?;
-    let cost =
-        format!("The worst corner is ±{} px: it lies {nearest_px:.0} px from the nearest point.", short(corner_px));
-    let inwards = worst.corner.moved((camera.base().principal_point.offset_from(worst.corner)) * TOWARDS_MIDDLE);
+    let nearest_px = used
+        .iter()
+        .map(|observation| observation.image.distance_px(worst.corner))
+        .min_by(f64::total_cmp)?;
+    let cost = format!(
+        "The worst corner is ±{} px: it lies {nearest_px:.0} px from the nearest point.",
+        short(corner_px)
+    );
+    let inwards = worst
+        .corner
+        .moved((camera.base().principal_point.offset_from(worst.corner)) * TOWARDS_MIDDLE);
     let better = one_more.corner_with_click_at(inwards).filter(gains);
-    let way_out =
-        better.map_or_else(String::new, |better| format!(" A point near that corner would give ±{}.", short(better)));
-    Some(Warning { code: WarningCode::Extrapolation, message: cost + &way_out, clicks: Vec::new() })
+    let way_out = better.map_or_else(String::new, |better| {
+        format!(" A point near that corner would give ±{}.", short(better))
+    });
+    Some(Warning {
+        code: WarningCode::Extrapolation,
+        message: cost + &way_out,
+        clicks: Vec::new(),
+    })
 }
 
 /// The base leaves most of the worst corner open.
@@ -200,7 +271,8 @@ fn of_base(worst: &CornerSigma) -> String {
     )
 }
 
-/// One more landmark click, as noisy as the noisiest one there is, and what it would do for the worst corner.
+/// One more landmark click, as noisy as the noisiest one there is, and what it would do for the
+/// worst corner.
 struct OneMoreClick<'a> {
     camera: &'a PtzCamera,
     uncertainty: &'a Uncertainty,
@@ -212,14 +284,28 @@ struct OneMoreClick<'a> {
 
 impl<'a> OneMoreClick<'a> {
     fn of(camera: &'a PtzCamera, solution: &'a FrameSolution, image_size: ImageSize) -> Self {
-        let sigma_px = solution.residuals.iter().map(|residual| residual.sigma_px).fold(0.0, f64::max);
+        let sigma_px = solution
+            .residuals
+            .iter()
+            .map(|residual| residual.sigma_px)
+            .fold(0.0, f64::max);
         let corners = corners(camera, image_size);
-        Self { camera, uncertainty: &solution.uncertainty, image_size, corners, sigma_px }
+        Self {
+            camera,
+            uncertainty: &solution.uncertainty,
+            image_size,
+            corners,
+            sigma_px,
+        }
     }
 
     /// The worst-corner sigma with the click at a pixel, px.
     fn corner_with_click_at(&self, pixel: ImagePoint) -> Option<f64> {
-        Some(self.uncertainty.with_click_at(self.camera, pixel, self.sigma_px)?.worst_sigma_px(&self.corners))
+        Some(
+            self.uncertainty
+                .with_click_at(self.camera, pixel, self.sigma_px)?
+                .worst_sigma_px(&self.corners),
+        )
     }
 
     /// The smallest such sigma with the click at a distance from a pixel, within the frame.
@@ -241,7 +327,11 @@ fn rounded(value: f64) -> String {
 
 /// A sigma in as few digits as it deserves: "14", "3.6".
 fn short(value: f64) -> String {
-    if value >= 10.0 { format!("{value:.0}") } else { format!("{value:.1}") }
+    if value >= 10.0 {
+        format!("{value:.0}")
+    } else {
+        format!("{value:.1}")
+    }
 }
 
 #[cfg(test)]
@@ -257,7 +347,11 @@ mod tests {
     fn camera(sigma_m: f64) -> PtzCamera {
         let turn = BaseAngles::default().base_from_world();
         let mut base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), turn, SIZE.centre());
-        base.sigma = BaseSigma { position_m: Vec3::repeat(sigma_m), rotation: Vec3::zeros(), ..BaseSigma::default() };
+        base.sigma = BaseSigma {
+            position_m: Vec3::repeat(sigma_m),
+            rotation: Vec3::zeros(),
+            ..BaseSigma::default()
+        };
         PtzCamera::new(base, Ptz::from_degrees(0.0, -14.0, 2000.0))
     }
 
@@ -282,10 +376,16 @@ mod tests {
         let camera = camera(0.5);
         let solution = solved(&camera, &[[400.0, 500.0], [1500.0, 800.0]], 2.0);
         let worst = solution.uncertainty.worst_corner(&camera, SIZE).unwrap();
-        assert!((worst.sigma_px() - solution.worst_corner_sigma_px).abs() < 1e-6, "{worst:?}");
+        assert!(
+            (worst.sigma_px() - solution.worst_corner_sigma_px).abs() < 1e-6,
+            "{worst:?}"
+        );
         assert!(worst.clicks_px > 0.5 && worst.base_px > 0.5);
         let exact = solved(&self::camera(0.0), &[[400.0, 500.0], [1500.0, 800.0]], 2.0);
-        let of_exact = exact.uncertainty.worst_corner(&self::camera(0.0), SIZE).unwrap();
+        let of_exact = exact
+            .uncertainty
+            .worst_corner(&self::camera(0.0), SIZE)
+            .unwrap();
         assert!(of_exact.base_px == 0.0 && !of_exact.is_from_base());
     }
 
@@ -294,14 +394,28 @@ mod tests {
         let apart = [[300.0, 400.0], [1600.0, 800.0]];
         let uncertain = solved(&camera(3.0), &apart, 0.5);
         assert_eq!(only_warning(&uncertain).code, WarningCode::BaseUncertain);
-        assert!(uncertain.warnings[0].message.starts_with("The base is uncertain: ±"), "{:?}", uncertain.warnings);
+        assert!(
+            uncertain.warnings[0]
+                .message
+                .starts_with("The base is uncertain: ±"),
+            "{:?}",
+            uncertain.warnings
+        );
         let close = solved(&camera(0.0), &[[900.0, 500.0], [1000.0, 560.0]], 2.0);
         assert_eq!(only_warning(&close).code, WarningCode::Separation);
-        assert!(close.warnings[0].message.contains("would give ±"), "{:?}", close.warnings);
+        assert!(
+            close.warnings[0].message.contains("would give ±"),
+            "{:?}",
+            close.warnings
+        );
         // Far apart, but both on the left and noisy.
         let left = solved(&camera(0.0), &[[60.0, 250.0], [120.0, 1060.0]], 8.0);
         assert_eq!(only_warning(&left).code, WarningCode::Extrapolation);
-        assert!(left.warnings[0].message.contains("from the nearest point"), "{:?}", left.warnings);
+        assert!(
+            left.warnings[0].message.contains("from the nearest point"),
+            "{:?}",
+            left.warnings
+        );
         let fine = solved(&camera(0.0), &apart, 0.5);
         assert!(fine.warnings.is_empty(), "{:?}", fine.warnings);
     }
@@ -309,12 +423,21 @@ mod tests {
     #[test]
     fn advice_is_given_only_where_it_gains() {
         for sigma_px in [0.5, 2.0, 6.0] {
-            for pixels in [[[900.0, 500.0], [1000.0, 560.0]], [[60.0, 250.0], [120.0, 1060.0]]] {
+            for pixels in [
+                [[900.0, 500.0], [1000.0, 560.0]],
+                [[60.0, 250.0], [120.0, 1060.0]],
+            ] {
                 let solution = solved(&camera(0.4), &pixels, sigma_px);
                 for warning in &solution.warnings {
-                    let Some((_, better)) = warning.message.split_once("would give ±") else { continue };
+                    let Some((_, better)) = warning.message.split_once("would give ±") else {
+                        continue;
+                    };
                     let better: f64 = better.trim_end_matches('.').parse().unwrap();
-                    assert!(better < 0.95 * solution.worst_corner_sigma_px, "{}", warning.message);
+                    assert!(
+                        better < 0.95 * solution.worst_corner_sigma_px,
+                        "{}",
+                        warning.message
+                    );
                 }
             }
         }

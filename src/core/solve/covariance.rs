@@ -1,16 +1,19 @@
-//! How far a solution is to be trusted: covariance of pan, tilt, focal length, and 1-σ of the overlay at a pixel.
+//! How far a solution is to be trusted: covariance of pan, tilt, focal length, and 1-σ of the
+//! overlay at a pixel.
 //!
-//! To first order the estimate errs by A (n − `J_b` δb), with click noise n, base error δb and the estimator's own gain
-//! A = (Jᵀ W J)⁻¹ Jᵀ W. The overlay at a pixel p is drawn with the nominal base, so it errs by
-//! `J_p` A n + (`J_pb` − `J_p` A `J_b`) δb. With K = A `J_b` and M = `J_pb` − `J_p` K:
+//! To first order the estimate errs by A (n − `J_b` δb), with click noise n, base error δb and the
+//! estimator's own gain A = (Jᵀ W J)⁻¹ Jᵀ W. The overlay at a pixel p is drawn with the nominal
+//! base, so it errs by `J_p` A n + (`J_pb` − `J_p` A `J_b`) δb. With K = A `J_b` and M = `J_pb` −
+//! `J_p` K:
 //!
 //! - pan, tilt, focal: σ² A Aᵀ + K `Σ_b` Kᵀ;
 //! - overlay at p: σ² `J_p` A Aᵀ `J_pᵀ` + M `Σ_b` Mᵀ.
 //!
-//! W weighs each click by its own σ⁻². Weighing by the inverse of σ² I + `J_b Σ_b J_bᵀ` instead is the same wherever the base
-//! is exact; where it is not, it wins a few per cent on pan, tilt and focal length, but blames a misfit on a base that
-//! the overlay goes on using: the lines then miss the very points that were clicked (with 0.5 m of base error by 8–16 px
-//! instead of 3–6), so it is not done.
+//! W weighs each click by its own σ⁻². Weighing by the inverse of σ² I + `J_b Σ_b J_bᵀ` instead is
+//! the same wherever the base is exact; where it is not, it wins a few per cent on pan, tilt and
+//! focal length, but blames a misfit on a base that the overlay goes on using: the lines then miss
+//! the very points that were clicked (with 0.5 m of base error by 8–16 px instead of 3–6), so it is
+//! not done.
 
 use super::shared_columns::by_shared;
 use super::{Observation, PtzPrior, SolveError};
@@ -29,19 +32,24 @@ const FAR_M: f64 = 1e5;
 pub struct Uncertainty {
     /// σ² A Aᵀ: the clicks' part, in (pan rad, tilt rad, focal px).
     pub clicks: Mat3,
-    /// K: how the solution follows an error of the base: position (m), a rotation vector in `world` (rad), k₁, its slope per 1000 px,
-    /// crown (m), principal point (px).
+    /// K: how the solution follows an error of the base: position (m), a rotation vector in `world`
+    /// (rad), k₁, its slope per 1000 px, crown (m), principal point (px).
     pub by_base: SMatrix<f64, 3, SHARED_COLUMNS>,
     /// L: L Lᵀ is the covariance of the base in the same coordinates.
     pub base_root: SMatrix<f64, SHARED_COLUMNS, SHARED_COLUMNS>,
 }
 
 impl Uncertainty {
-    /// The uncertainty of a solution at a camera, from the observations and the prior that took part.
+    /// The uncertainty of a solution at a camera, from the observations and the prior that took
+    /// part.
     ///
     /// # Errors
     /// [`SolveError::Undetermined`] if they leave a direction open.
-    pub fn of(camera: &PtzCamera, observations: &[Observation], prior: Option<&PtzPrior>) -> Result<Self, SolveError> {
+    pub fn of(
+        camera: &PtzCamera,
+        observations: &[Observation],
+        prior: Option<&PtzPrior>,
+    ) -> Result<Self, SolveError> {
         let mut information = Mat3::zeros();
         let mut cross = SMatrix::zeros();
         if let Some(prior) = prior {
@@ -50,34 +58,68 @@ impl Uncertainty {
         }
         for observation in observations {
             if let Some(here) = observation.shape.jacobian(camera, observation.image) {
-                add(&mut information, &mut cross, &here.by_ptz, &here.by_shared(camera), observation.sigma_px.powi(-2));
+                add(
+                    &mut information,
+                    &mut cross,
+                    &here.by_ptz,
+                    &here.by_shared(camera),
+                    observation.sigma_px.powi(-2),
+                );
             }
         }
         let inverse = invert_information(&information, camera.ptz().focal_px)?;
-        Ok(Self { clicks: inverse, by_base: inverse * cross, base_root: camera.base().sigma.root() })
+        Ok(Self {
+            clicks: inverse,
+            by_base: inverse * cross,
+            base_root: camera.base().sigma.root(),
+        })
     }
 
-    /// The uncertainty of a camera that is known to some covariance of (pan rad, tilt rad, focal px) if the base is exact, and
-    /// that follows an error of the base as a camera does that was solved from clicks all over its picture. Cameras that were
-    /// solved so with the same base, and what is concluded from them, do.
+    /// The uncertainty of a camera that is known to some covariance of (pan rad, tilt rad, focal
+    /// px) if the base is exact, and that follows an error of the base as a camera does that was
+    /// solved from clicks all over its picture. Cameras that were solved so with the same base, and
+    /// what is concluded from them, do.
     ///
     /// # Errors
     /// [`SolveError::Undetermined`] if the picture shows too little.
-    pub fn of_known(camera: &PtzCamera, covariance: Mat3, image_size: ImageSize) -> Result<Self, SolveError> {
+    pub fn of_known(
+        camera: &PtzCamera,
+        covariance: Mat3,
+        image_size: ImageSize,
+    ) -> Result<Self, SolveError> {
         let (mut information, mut cross) = (Mat3::zeros(), SMatrix::zeros());
         for point in all_over(camera, image_size) {
-            add(&mut information, &mut cross, &point.by_ptz, &point.by_base, 1.0);
+            add(
+                &mut information,
+                &mut cross,
+                &point.by_ptz,
+                &point.by_base,
+                1.0,
+            );
         }
         let by_base = invert_information(&information, camera.ptz().focal_px)? * cross;
-        Ok(Self { clicks: covariance, by_base, base_root: camera.base().sigma.root() })
+        Ok(Self {
+            clicks: covariance,
+            by_base,
+            base_root: camera.base().sigma.root(),
+        })
     }
 
-    /// The same from what the frame's own evidence says as documents hold it: covariance of (pan deg, tilt deg, focal px).
+    /// The same from what the frame's own evidence says as documents hold it: covariance of (pan
+    /// deg, tilt deg, focal px).
     ///
     /// # Errors
     /// [`SolveError::Undetermined`] if the picture shows too little.
-    pub fn from_own(camera: &PtzCamera, own_covariance_deg: &Mat3, image_size: ImageSize) -> Result<Self, SolveError> {
-        Self::of_known(camera, covariance_in_radians(own_covariance_deg), image_size)
+    pub fn from_own(
+        camera: &PtzCamera,
+        own_covariance_deg: &Mat3,
+        image_size: ImageSize,
+    ) -> Result<Self, SolveError> {
+        Self::of_known(
+            camera,
+            covariance_in_radians(own_covariance_deg),
+            image_size,
+        )
     }
 
     /// Covariance of (pan rad, tilt rad, focal px), the base's part included.
@@ -93,14 +135,16 @@ impl Uncertainty {
         covariance_in_degrees(&self.ptz_covariance())
     }
 
-    /// The same by the frame's own evidence alone, the base taken as exact. Documents keep it beside the total, because the base's
-    /// part cannot be subtracted again: the difference of two nearly equal matrices is seldom a covariance.
+    /// The same by the frame's own evidence alone, the base taken as exact. Documents keep it
+    /// beside the total, because the base's part cannot be subtracted again: the difference of two
+    /// nearly equal matrices is seldom a covariance.
     #[must_use]
     pub fn own_covariance_deg(&self) -> Mat3 {
         covariance_in_degrees(&self.clicks)
     }
 
-    /// What the base's uncertainty adds to the expectation of χ² over the observations that took part.
+    /// What the base's uncertainty adds to the expectation of χ² over the observations that took
+    /// part.
     #[must_use]
     pub fn base_misfit(&self, camera: &PtzCamera, observations: &[Observation]) -> f64 {
         if self.base_root.iter().all(|entry| *entry == 0.0) {
@@ -108,7 +152,8 @@ impl Uncertainty {
         }
         let share = |observation: &Observation| {
             let here = observation.shape.jacobian(camera, observation.image)?;
-            let squares = ((here.by_shared(camera) - here.by_ptz * self.by_base) * self.base_root).norm_squared();
+            let squares = ((here.by_shared(camera) - here.by_ptz * self.by_base) * self.base_root)
+                .norm_squared();
             Some(squares / (observation.sigma_px * observation.sigma_px))
         };
         observations.iter().filter_map(share).sum()
@@ -116,14 +161,18 @@ impl Uncertainty {
 
     /// Covariance (px²) of the overlay at a world point; none where the point has no image.
     #[must_use]
-    pub fn overlay_at_world(&self, camera: &PtzCamera, point_in_world: Vec3) -> Option<Matrix2<f64>> {
+    pub fn overlay_at_world(
+        &self,
+        camera: &PtzCamera,
+        point_in_world: Vec3,
+    ) -> Option<Matrix2<f64>> {
         let point = OverlayPoint::at_world(camera, point_in_world)?;
         let by_base = self.by_base_in_sigmas(&point);
         Some(point.by_ptz * self.clicks * point.by_ptz.transpose() + by_base * by_base.transpose())
     }
 
-    /// Covariance (px²) of the overlay at a pixel: of the ground it shows, or of the far distance above the horizon. None
-    /// beyond the fold of the distortion model.
+    /// Covariance (px²) of the overlay at a pixel: of the ground it shows, or of the far distance
+    /// above the horizon. None beyond the fold of the distortion model.
     #[must_use]
     pub fn overlay_at(&self, camera: &PtzCamera, pixel: ImagePoint) -> Option<Matrix2<f64>> {
         self.overlay_at_world(camera, shown_at(camera, pixel)?)
@@ -135,8 +184,8 @@ impl Uncertainty {
         OverlayPoint::at_pixel(camera, pixel).map(|point| self.sigma_px(&point))
     }
 
-    /// The largest [`Self::overlay_sigma_px`] of the frame's four corners; a corner beyond the fold of the distortion model
-    /// is drawn in towards the middle until it shows something.
+    /// The largest [`Self::overlay_sigma_px`] of the frame's four corners; a corner beyond the fold
+    /// of the distortion model is drawn in towards the middle until it shows something.
     #[must_use]
     pub fn worst_corner_sigma_px(&self, camera: &PtzCamera, image_size: ImageSize) -> f64 {
         self.worst_sigma_px(&corners(camera, image_size))
@@ -149,21 +198,34 @@ impl Uncertainty {
             let point = point?;
             let by_clicks = point.by_ptz * self.clicks * point.by_ptz.transpose();
             let by_base = self.by_base_in_sigmas(&point);
-            Some(CornerSigma { corner, clicks_px: by_clicks.trace().max(0.0).sqrt(), base_px: by_base.norm() })
+            Some(CornerSigma {
+                corner,
+                clicks_px: by_clicks.trace().max(0.0).sqrt(),
+                base_px: by_base.norm(),
+            })
         };
-        let corners = image_size.corners().into_iter().zip(corners(camera, image_size)).filter_map(at_corner);
+        let corners = image_size
+            .corners()
+            .into_iter()
+            .zip(corners(camera, image_size))
+            .filter_map(at_corner);
         corners.max_by(|a, b| a.sigma_px().total_cmp(&b.sigma_px()))
     }
 
     /// The largest 1-σ of the overlay at some points, px.
     pub(super) fn worst_sigma_px(&self, points: &[Option<OverlayPoint>]) -> f64 {
-        points.iter().flatten().map(|point| self.sigma_px(point)).fold(0.0, f64::max)
+        points
+            .iter()
+            .flatten()
+            .map(|point| self.sigma_px(point))
+            .fold(0.0, f64::max)
     }
 
     /// 1-σ of the overlay at a point, px.
     fn sigma_px(&self, point: &OverlayPoint) -> f64 {
         // x and y side by side: this is evaluated at every pixel of a heat map.
-        let by_ptz: [Vec2; 3] = std::array::from_fn(|column| point.by_ptz.column(column).into_owned());
+        let by_ptz: [Vec2; 3] =
+            std::array::from_fn(|column| point.by_ptz.column(column).into_owned());
         let mut variances = Vec2::zeros();
         for (column, by) in by_ptz.iter().enumerate() {
             let clicks = self.clicks.fixed_view::<3, 1>(0, column);
@@ -172,18 +234,21 @@ impl Uncertainty {
         }
         let by_base: [Vec2; SHARED_COLUMNS] = std::array::from_fn(|column| {
             let follows = self.by_base.fixed_view::<3, 1>(0, column);
-            point.by_base.column(column) - (by_ptz[0] * follows[0] + by_ptz[1] * follows[1] + by_ptz[2] * follows[2])
+            point.by_base.column(column)
+                - (by_ptz[0] * follows[0] + by_ptz[1] * follows[1] + by_ptz[2] * follows[2])
         });
         for column in 0..SHARED_COLUMNS {
             // Nothing stands above the diagonal.
-            let rows = (column..SHARED_COLUMNS).map(|row| by_base[row] * self.base_root[(row, column)]);
+            let rows =
+                (column..SHARED_COLUMNS).map(|row| by_base[row] * self.base_root[(row, column)]);
             let moved = rows.fold(Vec2::zeros(), |sum, by_row| sum + by_row);
             variances += moved.component_mul(&moved);
         }
         variances.sum().sqrt()
     }
 
-    /// How the overlay at a point moves with the base, the solution following, for one sigma of each independent cause, px.
+    /// How the overlay at a point moves with the base, the solution following, for one sigma of
+    /// each independent cause, px.
     fn by_base_in_sigmas(&self, point: &OverlayPoint) -> SMatrix<f64, 2, SHARED_COLUMNS> {
         (point.by_base - point.by_ptz * self.by_base) * self.base_root
     }
@@ -191,19 +256,37 @@ impl Uncertainty {
     /// The same where the base is exact.
     #[must_use]
     pub fn with_exact_base(self) -> Self {
-        Self { base_root: SMatrix::zeros(), ..self }
+        Self {
+            base_root: SMatrix::zeros(),
+            ..self
+        }
     }
 
-    /// The same with one more landmark click, of noise `sigma_px`, at a pixel: what a click there would give. None where the
-    /// pixel has no ray.
+    /// The same with one more landmark click, of noise `sigma_px`, at a pixel: what a click there
+    /// would give. None where the pixel has no ray.
     #[must_use]
-    pub fn with_click_at(&self, camera: &PtzCamera, pixel: ImagePoint, sigma_px: f64) -> Option<Self> {
+    pub fn with_click_at(
+        &self,
+        camera: &PtzCamera,
+        pixel: ImagePoint,
+        sigma_px: f64,
+    ) -> Option<Self> {
         let click = OverlayPoint::at_pixel(camera, pixel)?;
         let mut information = self.clicks.try_inverse()?;
         let mut cross = information * self.by_base;
-        add(&mut information, &mut cross, &click.by_ptz, &click.by_base, sigma_px.powi(-2));
+        add(
+            &mut information,
+            &mut cross,
+            &click.by_ptz,
+            &click.by_base,
+            sigma_px.powi(-2),
+        );
         let clicks = invert_information(&information, camera.ptz().focal_px).ok()?;
-        Some(Self { clicks, by_base: clicks * cross, base_root: self.base_root })
+        Some(Self {
+            clicks,
+            by_base: clicks * cross,
+            base_root: self.base_root,
+        })
     }
 }
 
@@ -225,7 +308,8 @@ impl CornerSigma {
         self.clicks_px.hypot(self.base_px)
     }
 
-    /// Whether more of the variance comes from the base than from the clicks: further clicks in this frame gain little.
+    /// Whether more of the variance comes from the base than from the clicks: further clicks in
+    /// this frame gain little.
     #[must_use]
     pub fn is_from_base(&self) -> bool {
         self.base_px > self.clicks_px
@@ -244,8 +328,18 @@ impl OverlayPoint {
     fn at_world(camera: &PtzCamera, point_in_world: Vec3) -> Option<Self> {
         let here = camera.image_from_world_jacobian(point_in_world).ok()?;
         let by_image = Matrix2::identity();
-        let by_base = by_shared(camera, &here.by_base, here.by_k1, &here.by_world, &by_image, point_in_world);
-        Some(Self { by_ptz: here.by_ptz, by_base })
+        let by_base = by_shared(
+            camera,
+            &here.by_base,
+            here.by_k1,
+            &here.by_world,
+            &by_image,
+            point_in_world,
+        );
+        Some(Self {
+            by_ptz: here.by_ptz,
+            by_base,
+        })
     }
 
     /// At what a pixel shows.
@@ -254,7 +348,8 @@ impl OverlayPoint {
     }
 }
 
-/// A covariance of (pan deg, tilt deg, focal px), as documents hold it, in (pan rad, tilt rad, focal px).
+/// A covariance of (pan deg, tilt deg, focal px), as documents hold it, in (pan rad, tilt rad,
+/// focal px).
 #[must_use]
 pub fn covariance_in_radians(covariance_deg: &Mat3) -> Mat3 {
     let radian = 1f64.to_radians();
@@ -262,8 +357,9 @@ pub fn covariance_in_radians(covariance_deg: &Mat3) -> Mat3 {
     scale * covariance_deg * scale
 }
 
-/// The covariance of (pan rad, tilt rad, focal px) of a camera that is known by four points half-way to the picture's corners, each
-/// to `sigma_px`; the base taken as exact. Zero for a lens that has no rays there.
+/// The covariance of (pan rad, tilt rad, focal px) of a camera that is known by four points
+/// half-way to the picture's corners, each to `sigma_px`; the base taken as exact. Zero for a lens
+/// that has no rays there.
 #[must_use]
 pub fn covariance_of_four_points(camera: &PtzCamera, image_size: ImageSize, sigma_px: f64) -> Mat3 {
     // Seen from the origin, a ray is a point at unit distance.
@@ -273,12 +369,15 @@ pub fn covariance_of_four_points(camera: &PtzCamera, image_size: ImageSize, sigm
     let points: Vec<Observation> = (0..)
         .zip(corners)
         .filter_map(|(number, (x, y))| {
-            let at = image_size.centre().moved(Vec2::new(x, y).component_mul(&quarter));
+            let at = image_size
+                .centre()
+                .moved(Vec2::new(x, y).component_mul(&quarter));
             let ray = camera.ray_from_image(at).ok()?.direction();
             Some(Observation::of_point(ray, at, sigma_px, number))
         })
         .collect();
-    Uncertainty::of(&camera, &points, None).map_or_else(|_| Mat3::zeros(), |uncertainty| uncertainty.clicks)
+    Uncertainty::of(&camera, &points, None)
+        .map_or_else(|_| Mat3::zeros(), |uncertainty| uncertainty.clicks)
 }
 
 /// The reverse of [`covariance_in_radians`].
@@ -288,24 +387,36 @@ fn covariance_in_degrees(covariance: &Mat3) -> Mat3 {
     scale * covariance * scale
 }
 
-/// Points all over a picture, those on the ground near by if there are any: that is where clicks are.
+/// Points all over a picture, those on the ground near by if there are any: that is where clicks
+/// are.
 fn all_over(camera: &PtzCamera, image_size: ImageSize) -> Vec<OverlayPoint> {
     /// Farther away there is no field, m.
     const FIELD_M: f64 = 200.0;
     const COLUMNS: u32 = 5;
     const ROWS: u32 = 4;
-    let middle_of = |step: u32, steps: u32, length: u32| (f64::from(step) + 0.5) / f64::from(steps) * f64::from(length);
+    let middle_of = |step: u32, steps: u32, length: u32| {
+        (f64::from(step) + 0.5) / f64::from(steps) * f64::from(length)
+    };
     let grid = (0..COLUMNS).flat_map(|column| (0..ROWS).map(move |row| (column, row)));
     let shown: Vec<Vec3> = grid
         .filter_map(|(column, row)| {
-            let (x, y) = (middle_of(column, COLUMNS, image_size.width), middle_of(row, ROWS, image_size.height));
+            let (x, y) = (
+                middle_of(column, COLUMNS, image_size.width),
+                middle_of(row, ROWS, image_size.height),
+            );
             shown_at(camera, ImagePoint::new(x, y))
         })
         .collect();
     let is_near = |at: &&Vec3| (*at - camera.base().position_m).norm() <= FIELD_M;
     let near = shown.iter().filter(is_near);
-    let some = if near.clone().nth(3).is_some() { near.collect::<Vec<_>>() } else { shown.iter().collect() };
-    some.into_iter().filter_map(|at| OverlayPoint::at_world(camera, *at)).collect()
+    let some = if near.clone().nth(3).is_some() {
+        near.collect::<Vec<_>>()
+    } else {
+        shown.iter().collect()
+    };
+    some.into_iter()
+        .filter_map(|at| OverlayPoint::at_world(camera, *at))
+        .collect()
 }
 
 /// The frame's four corners, each drawn in towards the middle until it shows something.
@@ -319,12 +430,19 @@ pub(super) fn corners(camera: &PtzCamera, image_size: ImageSize) -> [Option<Over
     })
 }
 
-/// What a pixel shows, `world`: the ground, or the far distance above the horizon. None beyond the fold of the distortion model.
+/// What a pixel shows, `world`: the ground, or the far distance above the horizon. None beyond the
+/// fold of the distortion model.
 fn shown_at(camera: &PtzCamera, pixel: ImagePoint) -> Option<Vec3> {
     let ideal = camera.cam_plane_from_image(pixel).ok()?;
-    let direction = camera.cam_from_world().tr_mul(&Vec3::new(ideal.x, ideal.y, 1.0));
+    let direction = camera
+        .cam_from_world()
+        .tr_mul(&Vec3::new(ideal.x, ideal.y, 1.0));
     let to_ground = -camera.base().position_m.z / direction.z;
-    let depth_m = if to_ground > 0.0 { to_ground.min(FAR_M) } else { FAR_M };
+    let depth_m = if to_ground > 0.0 {
+        to_ground.min(FAR_M)
+    } else {
+        FAR_M
+    };
     Some(camera.base().position_m + direction * depth_m)
 }
 
@@ -345,11 +463,15 @@ fn add(
 fn invert_information(information: &Mat3, focal_px: f64) -> Result<Mat3, SolveError> {
     let scale = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, focal_px));
     let scaled = scale * information * scale;
-    let inverse = scaled.try_inverse().filter(|inverse| inverse.iter().all(|x| x.is_finite()));
+    let inverse = scaled
+        .try_inverse()
+        .filter(|inverse| inverse.iter().all(|x| x.is_finite()));
     // The product of the norms bounds the condition number from above; no eigenvalues are needed.
     let condition = inverse.map_or(f64::INFINITY, |inverse| scaled.norm() * inverse.norm());
     match inverse {
-        Some(inverse) if condition <= MAX_CONDITION => Ok(scale * (inverse + inverse.transpose()) * scale * 0.5),
+        Some(inverse) if condition <= MAX_CONDITION => {
+            Ok(scale * (inverse + inverse.transpose()) * scale * 0.5)
+        }
         _ => Err(SolveError::Undetermined { condition }),
     }
 }
@@ -357,14 +479,22 @@ fn invert_information(information: &Mat3, focal_px: f64) -> Result<Mat3, SolveEr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseSigma, CameraBase, Ptz, SHARED_PARAMETERS, SharedCovariance, SharedError};
+    use crate::camera::{
+        BaseSigma, CameraBase, Ptz, SHARED_PARAMETERS, SharedCovariance, SharedError,
+    };
     use crate::solve::fixtures::base;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     /// Errors of which most go together.
     fn together() -> SharedCovariance {
-        let mixed = SharedCovariance::from_fn(|row, column| if row == column { 0.3 } else { (row as f64 - 1.7) * 0.4 });
+        let mixed = SharedCovariance::from_fn(|row, column| {
+            if row == column {
+                0.3
+            } else {
+                (row as f64 - 1.7) * 0.4
+            }
+        });
         let sigmas = [0.1, 0.4, 0.2, 2e-3, 1e-3, 0.02, 0.05, 0.04, 12.0, 9.0];
         let scale = SharedCovariance::from_diagonal(&SharedError::from_row_slice(&sigmas));
         scale * mixed * mixed.transpose() * scale
@@ -378,7 +508,13 @@ mod tests {
     }
 
     fn uncertainty(sigma: &BaseSigma) -> (PtzCamera, Uncertainty) {
-        let camera = PtzCamera::new(CameraBase { sigma: *sigma, ..base() }, Ptz::from_degrees(-12.0, -9.0, 2300.0));
+        let camera = PtzCamera::new(
+            CameraBase {
+                sigma: *sigma,
+                ..base()
+            },
+            Ptz::from_degrees(-12.0, -9.0, 2300.0),
+        );
         let uncertainty = Uncertainty::of_known(&camera, Mat3::zeros(), SIZE).unwrap();
         (camera, uncertainty)
     }
@@ -387,14 +523,24 @@ mod tests {
     fn errors_of_the_base_go_together_in_the_overlay() {
         let covariance = together();
         let (camera, known) = uncertainty(&BaseSigma::from_covariance(&covariance, 68.0));
-        for pixel in [ImagePoint::new(40.0, 1000.0), ImagePoint::new(960.0, 540.0), ImagePoint::new(1900.0, 600.0)] {
+        for pixel in [
+            ImagePoint::new(40.0, 1000.0),
+            ImagePoint::new(960.0, 540.0),
+            ImagePoint::new(1900.0, 600.0),
+        ] {
             let point = OverlayPoint::at_pixel(&camera, pixel).unwrap();
             let moves = without_gauge(&(point.by_base - point.by_ptz * known.by_base));
             let expected = moves * covariance * moves.transpose();
             let overlay = known.overlay_at(&camera, pixel).unwrap();
-            assert!((overlay - expected).amax() < 1e-9 * expected.amax(), "{overlay} {expected}");
+            assert!(
+                (overlay - expected).amax() < 1e-9 * expected.amax(),
+                "{overlay} {expected}"
+            );
             let sigma_px = known.overlay_sigma_px(&camera, pixel).unwrap();
-            assert!((sigma_px.powi(2) - expected.trace()).abs() < 1e-9 * expected.trace(), "{sigma_px}");
+            assert!(
+                (sigma_px.powi(2) - expected.trace()).abs() < 1e-9 * expected.trace(),
+                "{sigma_px}"
+            );
         }
         let by_base = without_gauge(&known.by_base);
         let expected = by_base * covariance * by_base.transpose();
@@ -415,9 +561,14 @@ mod tests {
             (covariance[(1, 1)], covariance[(3, 3)]) = (0.4_f64.powi(2), 1.6e-3_f64.powi(2));
             covariance[(1, 3)] = share * 0.4 * 1.6e-3;
             covariance[(3, 1)] = covariance[(1, 3)];
-            uncertainty(&BaseSigma::from_covariance(&covariance, 68.0)).1.worst_corner_sigma_px(&camera, SIZE)
+            uncertainty(&BaseSigma::from_covariance(&covariance, 68.0))
+                .1
+                .worst_corner_sigma_px(&camera, SIZE)
         });
         let alone = alone.worst_corner_sigma_px(&camera, SIZE);
-        assert!(less.min(more) < alone && alone < less.max(more), "{less} {alone} {more}");
+        assert!(
+            less.min(more) < alone && alone < less.max(more),
+            "{less} {alone} {more}"
+        );
     }
 }

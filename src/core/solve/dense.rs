@@ -18,11 +18,19 @@ impl DenseEquations {
     /// No residual yet.
     #[must_use]
     pub fn zero(parameters: usize) -> Self {
-        let (matrix, gradient) = (DMatrix::zeros(parameters, parameters), DVector::zeros(parameters));
-        Self { matrix, gradient, losses: LossSum::ZERO }
+        let (matrix, gradient) = (
+            DMatrix::zeros(parameters, parameters),
+            DVector::zeros(parameters),
+        );
+        Self {
+            matrix,
+            gradient,
+            losses: LossSum::ZERO,
+        }
     }
 
-    /// Adds a residual: its numbers, their 1-σ, and the derivatives by the parameters on which they depend.
+    /// Adds a residual: its numbers, their 1-σ, and the derivatives by the parameters on which they
+    /// depend.
     pub fn add<const ROWS: usize>(
         &mut self,
         value: &SVector<f64, ROWS>,
@@ -57,7 +65,12 @@ impl DenseEquations {
             lower * scale[row] * scale[column]
         });
         let factor = scaled.cholesky()?;
-        if factor.l_dirty().diagonal().iter().any(|root| root * root < OPEN) {
+        if factor
+            .l_dirty()
+            .diagonal()
+            .iter()
+            .any(|root| root * root < OPEN)
+        {
             return None;
         }
         let inverse = factor.inverse();
@@ -94,12 +107,18 @@ mod tests {
 
     #[test]
     fn the_step_leads_to_the_minimum_of_squares() {
-        // Two heights, their difference measured once with 1-σ 0.5 and each of them with 1-σ 1 and 2.
+        // Two heights, their difference measured once with 1-σ 0.5 and each of them with 1-σ 1 and
+        // 2.
         let mut equations = DenseEquations::zero(2);
         let one = |value: f64| Vector1::new(value);
         equations.add(&one(-3.0), 1.0, &[(0, one(1.0))], Loss::Squared);
         equations.add(&one(-5.0), 2.0, &[(1, one(1.0))], Loss::Squared);
-        equations.add(&one(-1.0), 0.5, &[(1, one(1.0)), (0, one(-1.0))], Loss::Squared);
+        equations.add(
+            &one(-1.0),
+            0.5,
+            &[(1, one(1.0)), (0, one(-1.0))],
+            Loss::Squared,
+        );
         let step = equations.step(0.0).unwrap();
         let normal = nalgebra::Matrix2::new(1.0 + 4.0, -4.0, -4.0, 0.25 + 4.0);
         let right = nalgebra::Vector2::new(3.0 - 4.0, 5.0 / 4.0 + 4.0);
@@ -113,16 +132,28 @@ mod tests {
         let mut equations = DenseEquations::zero(2);
         let one = |value: f64| Vector1::new(value);
         equations.add(&one(0.3), 2.0, &[(0, one(1.0))], Loss::Squared);
-        equations.add(&one(0.1), 1.0, &[(1, one(1.0)), (0, one(-1.0))], Loss::Squared);
+        equations.add(
+            &one(0.1),
+            1.0,
+            &[(1, one(1.0)), (0, one(-1.0))],
+            Loss::Squared,
+        );
         let covariance = equations.covariance().unwrap();
-        assert!((covariance[(0, 0)] - 4.0).abs() < 1e-12 && (covariance[(1, 1)] - 5.0).abs() < 1e-12);
+        assert!(
+            (covariance[(0, 0)] - 4.0).abs() < 1e-12 && (covariance[(1, 1)] - 5.0).abs() < 1e-12
+        );
         assert!((covariance[(0, 1)] - 4.0).abs() < 1e-12);
     }
 
     #[test]
     fn a_parameter_that_nothing_measures_has_no_step() {
         let mut equations = DenseEquations::zero(2);
-        equations.add(&Vector1::new(1.0), 1.0, &[(0, Vector1::new(1.0))], Loss::Squared);
+        equations.add(
+            &Vector1::new(1.0),
+            1.0,
+            &[(0, Vector1::new(1.0))],
+            Loss::Squared,
+        );
         assert!(equations.step(1e-3).is_none() && equations.covariance().is_none());
     }
 }

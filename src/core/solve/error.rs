@@ -24,7 +24,8 @@ pub enum ObservationError {
     },
 }
 
-/// Why a frame has no solution. Clicks are indices into the frame's clicks, from 0; the messages count from 1.
+/// Why a frame has no solution. Clicks are indices into the frame's clicks, from 0; the messages
+/// count from 1.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SolveError {
@@ -40,7 +41,8 @@ pub enum SolveError {
     /// A number of the base is NaN or infinite.
     #[error("the camera base is not finite: enter position and rotation again in the camera panel")]
     BaseNotFinite,
-    /// A coordinate of a click or of what it shows is NaN or infinite, or its sigma is not positive.
+    /// A coordinate of a click or of what it shows is NaN or infinite, or its sigma is not
+    /// positive.
     #[error("point {} is not a finite pixel with a positive sigma: place it again", .click + 1)]
     NotFinite {
         /// The click.
@@ -70,7 +72,8 @@ pub enum SolveError {
         /// What is needed, px.
         needed_px: f64,
     },
-    /// Two landmarks lie on one ray of this camera (or are the same), so no picture can separate them.
+    /// Two landmarks lie on one ray of this camera (or are the same), so no picture can separate
+    /// them.
     #[error(
         "points {} and {} show landmarks {angle_deg:.4}° apart as this camera sees them, {needed_deg}° are needed: \
          choose other landmarks", .clicks[0] + 1, .clicks[1] + 1
@@ -124,7 +127,9 @@ pub enum SolveError {
         focal_px: f64,
     },
     /// The search ended without a camera that fits.
-    #[error("no camera in the plausible range fits these {observations} points: check their names and the base")]
+    #[error(
+        "no camera in the plausible range fits these {observations} points: check their names and the base"
+    )]
     NoFit {
         /// How many points took part.
         observations: usize,

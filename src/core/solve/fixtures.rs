@@ -6,10 +6,19 @@ use crate::geometry::{Angle, ImagePoint, Vec3};
 /// A base beside the middle, with a roll and a lens that bends more the longer it is.
 pub fn base() -> CameraBase {
     CameraBase {
-        distortion: FocalCurve { at_focal_px: 2000.0, value: -0.06, per_1000_px: 0.21, k2_per_k1_squared: 1.5 },
+        distortion: FocalCurve {
+            at_focal_px: 2000.0,
+            value: -0.06,
+            per_1000_px: 0.21,
+            k2_per_k1_squared: 1.5,
+        },
         ..CameraBase::new(
             Vec3::new(3.0, -62.0, 17.0),
-            BaseAngles { roll: Angle::from_degrees(0.7), ..BaseAngles::default() }.base_from_world(),
+            BaseAngles {
+                roll: Angle::from_degrees(0.7),
+                ..BaseAngles::default()
+            }
+            .base_from_world(),
             ImagePoint::new(955.0, 543.0),
         )
     }

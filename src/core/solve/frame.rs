@@ -6,8 +6,8 @@ use super::shape::ShapeJacobian;
 use super::starts::{camera_distance, find_starts, scan_starts};
 use super::two_point::MIN_RAY_ANGLE_DEG;
 use super::{
-    Candidate, CheckResult, ClickResidual, FrameSolution, Loss, Observation, PtzPrior, PtzStep, SolveContext,
-    SolveError, Uncertainty, checks,
+    Candidate, CheckResult, ClickResidual, FrameSolution, Loss, Observation, PtzPrior, PtzStep,
+    SolveContext, SolveError, Uncertainty, checks,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImageSize};
@@ -19,34 +19,50 @@ const SAME_CAMERA: f64 = 1e-4;
 /// A landmark this near to the camera is a mistake in the base, m.
 const MIN_DISTANCE_M: f64 = 0.1;
 
-/// Solves one frame: closed forms on the clicks, refinement on all of them, covariance, checks and warnings.
+/// Solves one frame: closed forms on the clicks, refinement on all of them, covariance, checks and
+/// warnings.
 ///
-/// Observations with `check` set take no part; their errors are reported. `context` may hold what is known of the
-/// neighbouring frames; it chooses between candidates.
+/// Observations with `check` set take no part; their errors are reported. `context` may hold what
+/// is known of the neighbouring frames; it chooses between candidates.
 ///
 /// # Errors
-/// The clicks do not determine the camera, contradict each other beyond solving, or are no valid pixels; each case is named
-/// with its numbers.
+/// The clicks do not determine the camera, contradict each other beyond solving, or are no valid
+/// pixels; each case is named with its numbers.
 pub fn solve_frame(
     base: &CameraBase,
     observations: &[Observation],
     context: &SolveContext,
 ) -> Result<FrameSolution, SolveError> {
-    let used: Vec<Observation> = observations.iter().filter(|observation| !observation.check).copied().collect();
+    let used: Vec<Observation> = observations
+        .iter()
+        .filter(|observation| !observation.check)
+        .copied()
+        .collect();
     validate(base, &used, context)?;
     let candidates = candidates(base, &used, context)?;
-    let (chosen, others) = choose(candidates, context).ok_or(SolveError::NoFit { observations: used.len() })?;
+    let (chosen, others) = choose(candidates, context).ok_or(SolveError::NoFit {
+        observations: used.len(),
+    })?;
     let camera = PtzCamera::new(*base, chosen.ptz);
-    let residuals: Vec<ClickResidual> =
-        used.iter().map(|observation| ClickResidual::of(&camera, observation)).collect();
-    let seen: Vec<Observation> =
-        used.iter().zip(&residuals).filter_map(|(seen, residual)| as_weighted(seen, residual, context.loss)).collect();
+    let residuals: Vec<ClickResidual> = used
+        .iter()
+        .map(|observation| ClickResidual::of(&camera, observation))
+        .collect();
+    let seen: Vec<Observation> = used
+        .iter()
+        .zip(&residuals)
+        .filter_map(|(seen, residual)| as_weighted(seen, residual, context.loss))
+        .collect();
     let prior_equations = if context.prior.is_some() { 3 } else { 0 };
     let equations = prior_equations + seen.iter().map(Observation::equations).sum::<usize>();
     if equations < 3 {
-        let unseen = residuals.iter().find(|residual| residual.offset_px.is_none());
+        let unseen = residuals
+            .iter()
+            .find(|residual| residual.offset_px.is_none());
         return Err(match unseen {
-            Some(residual) => SolveError::BehindCamera { click: residual.click },
+            Some(residual) => SolveError::BehindCamera {
+                click: residual.click,
+            },
             None => SolveError::TooFewObservations { equations },
         });
     }
@@ -76,22 +92,41 @@ pub fn solve_frame(
     Ok(solution)
 }
 
-/// An observation as much as it took part in the solve: one that the robust loss let go counts for as little in the covariance, as if
-/// its σ were larger by the root of that. None where what it shows has no image.
-fn as_weighted(observation: &Observation, residual: &ClickResidual, loss: Loss) -> Option<Observation> {
-    let (_, weight) = loss.of(squared_sigmas(Some(residual.distance_px()?), observation.sigma_px));
-    Some(Observation { sigma_px: observation.sigma_px / weight.sqrt(), ..*observation })
+/// An observation as much as it took part in the solve: one that the robust loss let go counts for
+/// as little in the covariance, as if its σ were larger by the root of that. None where what it
+/// shows has no image.
+fn as_weighted(
+    observation: &Observation,
+    residual: &ClickResidual,
+    loss: Loss,
+) -> Option<Observation> {
+    let (_, weight) = loss.of(squared_sigmas(
+        Some(residual.distance_px()?),
+        observation.sigma_px,
+    ));
+    Some(Observation {
+        sigma_px: observation.sigma_px / weight.sqrt(),
+        ..*observation
+    })
 }
 
 /// The best camera for clicks that are known to be valid; none if there is none.
-pub(super) fn best_fit(base: &CameraBase, used: &[Observation], context: &SolveContext) -> Option<Candidate> {
+pub(super) fn best_fit(
+    base: &CameraBase,
+    used: &[Observation],
+    context: &SolveContext,
+) -> Option<Candidate> {
     let equations: usize = used.iter().map(Observation::equations).sum();
-    let fits = if equations >= 3 { candidates(base, used, context).ok()? } else { return None };
+    let fits = if equations >= 3 {
+        candidates(base, used, context).ok()?
+    } else {
+        return None;
+    };
     Some(choose(fits, context)?.0)
 }
 
-/// The camera that refinement leads to from one start, for clicks that are known to be valid; none where that is no camera that
-/// stands upright.
+/// The camera that refinement leads to from one start, for clicks that are known to be valid; none
+/// where that is no camera that stands upright.
 pub(super) fn fit_from(
     base: &CameraBase,
     start: Ptz,
@@ -103,7 +138,11 @@ pub(super) fn fit_from(
 }
 
 /// What must hold before anything is computed.
-fn validate(base: &CameraBase, used: &[Observation], context: &SolveContext) -> Result<(), SolveError> {
+fn validate(
+    base: &CameraBase,
+    used: &[Observation],
+    context: &SolveContext,
+) -> Result<(), SolveError> {
     if !base.is_finite() {
         return Err(SolveError::BaseNotFinite);
     }
@@ -115,7 +154,13 @@ fn validate(base: &CameraBase, used: &[Observation], context: &SolveContext) -> 
             return Err(SolveError::NotFinite { click });
         }
         if !context.image_size.contains(image) {
-            return Err(SolveError::OutsideFrame { click, x: image.x, y: image.y, width, height });
+            return Err(SolveError::OutsideFrame {
+                click,
+                x: image.x,
+                y: image.y,
+                width,
+                height,
+            });
         }
         if let Some(at) = observation.shape.point() {
             let distance_m = (at - base.position_m).norm();
@@ -134,15 +179,19 @@ fn validate(base: &CameraBase, used: &[Observation], context: &SolveContext) -> 
     Ok(())
 }
 
-/// Of two landmarks more than a right angle apart no picture of a sports camera shows both: the one that lies farther from
-/// where the base looks.
+/// Of two landmarks more than a right angle apart no picture of a sports camera shows both: the one
+/// that lies farther from where the base looks.
 fn behind_the_other(base: &CameraBase, used: &[Observation]) -> Option<usize> {
     let [one, two] = used else { return None };
-    let [ray_one, ray_two] =
-        [one.shape.point()?, two.shape.point()?].map(|at| base.base_from_world_point(at).normalize());
+    let [ray_one, ray_two] = [one.shape.point()?, two.shape.point()?]
+        .map(|at| base.base_from_world_point(at).normalize());
     // Opposite rays have their own error.
     let opposite = ray_one.cross(&ray_two).norm().asin().to_degrees() < MIN_RAY_ANGLE_DEG;
-    (ray_one.dot(&ray_two) < 0.0 && !opposite).then_some(if ray_one.z < ray_two.z { one.click } else { two.click })
+    (ray_one.dot(&ray_two) < 0.0 && !opposite).then_some(if ray_one.z < ray_two.z {
+        one.click
+    } else {
+        two.click
+    })
 }
 
 /// A refined start with what it minimised.
@@ -153,9 +202,14 @@ struct Fit {
 
 /// Refines every start; duplicates merged, best fit first.
 ///
-/// With two landmarks and nothing else there may be two focal lengths that their angle allows. Where refinement leads both
-/// to one camera, the worse root stays a candidate at its own focal length, with pan and tilt refined.
-fn candidates(base: &CameraBase, used: &[Observation], context: &SolveContext) -> Result<Vec<Fit>, SolveError> {
+/// With two landmarks and nothing else there may be two focal lengths that their angle allows.
+/// Where refinement leads both to one camera, the worse root stays a candidate at its own focal
+/// length, with pan and tilt refined.
+fn candidates(
+    base: &CameraBase,
+    used: &[Observation],
+    context: &SolveContext,
+) -> Result<Vec<Fit>, SolveError> {
     let starts = find_starts(base, used, context)?;
     let refined = |start: Ptz| {
         let refined = refine(base, start, used, context.loss, context.prior.as_ref());
@@ -164,11 +218,16 @@ fn candidates(base: &CameraBase, used: &[Observation], context: &SolveContext) -
     let mut found: Vec<Fit> = starts.iter().filter_map(|start| refined(*start)).collect();
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     // Beside the fold of the lens a pair may have a camera to which no pinhole leads.
-    if found.first().is_none_or(|best| best.cost > SAME_FIT) && used.len() == 2 && context.prior.is_none() {
+    if found.first().is_none_or(|best| best.cost > SAME_FIT)
+        && used.len() == 2
+        && context.prior.is_none()
+    {
         found.extend(scan_starts(base, used).into_iter().filter_map(refined));
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     }
-    found.dedup_by(|worse, better| camera_distance(&worse.candidate.ptz, &better.candidate.ptz) < SAME_CAMERA);
+    found.dedup_by(|worse, better| {
+        camera_distance(&worse.candidate.ptz, &better.candidate.ptz) < SAME_CAMERA
+    });
     if let ([one, two], [kept]) = (starts.as_slice(), found.as_slice())
         && used.len() == 2
         && context.prior.is_none()
@@ -186,11 +245,23 @@ fn candidates(base: &CameraBase, used: &[Observation], context: &SolveContext) -
 /// A prior that holds the focal length and leaves pan and tilt free.
 fn focal_held(ptz: Ptz) -> PtzPrior {
     let free = Angle::from_degrees(1e6);
-    PtzPrior { ptz, sigma_pan: free, sigma_tilt: free, sigma_focal_share: 1e-9, by_base: SMatrix::zeros() }
+    PtzPrior {
+        ptz,
+        sigma_pan: free,
+        sigma_tilt: free,
+        sigma_focal_share: 1e-9,
+        by_base: SMatrix::zeros(),
+    }
 }
 
 /// A camera with how well it fits; none if it is no camera that stands upright.
-fn fit(base: &CameraBase, ptz: Ptz, cost: f64, used: &[Observation], context: &SolveContext) -> Option<Fit> {
+fn fit(
+    base: &CameraBase,
+    ptz: Ptz,
+    cost: f64,
+    used: &[Observation],
+    context: &SolveContext,
+) -> Option<Fit> {
     if !ptz.is_finite() || ptz.tilt.abs().degrees() > 90.0 {
         return None;
     }
@@ -205,29 +276,45 @@ fn fit(base: &CameraBase, ptz: Ptz, cost: f64, used: &[Observation], context: &S
         }
     }
     let rms_px = (squares / f64::from(seen.max(1))).sqrt();
-    let candidate = Candidate { ptz, rms_px, chi_squared, plausible: context.ranges.contains(&ptz) };
+    let candidate = Candidate {
+        ptz,
+        rms_px,
+        chi_squared,
+        plausible: context.ranges.contains(&ptz),
+    };
     Some(Fit { cost, candidate })
 }
 
-/// Chooses among candidates: plausible before implausible, the better fit before the worse; where the clicks cannot tell,
-/// the one nearest to the start, or what the camera usually does, or the one nearest to the neighbouring frames. Gives the
-/// others, best first.
+/// Chooses among candidates: plausible before implausible, the better fit before the worse; where
+/// the clicks cannot tell, the one nearest to the start, or what the camera usually does, or the
+/// one nearest to the neighbouring frames. Gives the others, best first.
 fn choose(mut fits: Vec<Fit>, context: &SolveContext) -> Option<(Candidate, Vec<Candidate>)> {
     fits.sort_by_key(|fit| !fit.candidate.plausible);
     let first = fits.first()?;
     let (plausible, best_cost) = (first.candidate.plausible, first.cost);
-    let as_good =
-        fits.iter().take_while(|fit| fit.candidate.plausible == plausible && fit.cost <= best_cost + SAME_FIT).count();
+    let as_good = fits
+        .iter()
+        .take_while(|fit| fit.candidate.plausible == plausible && fit.cost <= best_cost + SAME_FIT)
+        .count();
     let expected = context.expected();
     let surprise = |fit: &Fit| match context.start {
         Some(_) => 0.0,
         None => context.motion.surprise(&fit.candidate.ptz, &PtzStep::ZERO),
     };
-    let distance = |fit: &Fit| expected.map_or(0.0, |expected| camera_distance(&fit.candidate.ptz, &expected));
+    let distance = |fit: &Fit| {
+        expected.map_or(0.0, |expected| {
+            camera_distance(&fit.candidate.ptz, &expected)
+        })
+    };
     // The first of equals is the best fit.
-    let by_what_is_known =
-        |a: &Fit, b: &Fit| surprise(a).total_cmp(&surprise(b)).then_with(|| distance(a).total_cmp(&distance(b)));
-    let chosen = (0..as_good).min_by(|&a, &b| by_what_is_known(&fits[a], &fits[b])).unwrap_or(0);
+    let by_what_is_known = |a: &Fit, b: &Fit| {
+        surprise(a)
+            .total_cmp(&surprise(b))
+            .then_with(|| distance(a).total_cmp(&distance(b)))
+    };
+    let chosen = (0..as_good)
+        .min_by(|&a, &b| by_what_is_known(&fits[a], &fits[b]))
+        .unwrap_or(0);
     let chosen = fits.remove(chosen).candidate;
     Some((chosen, fits.into_iter().map(|fit| fit.candidate).collect()))
 }
@@ -239,18 +326,31 @@ fn check(camera: &PtzCamera, uncertainty: &Uncertainty, observation: &Observatio
         let overlay = uncertainty.overlay_at_world(camera, here.nearest_in_world)?;
         let noise = Matrix2::identity() * (observation.sigma_px * observation.sigma_px);
         let covariance = here.by_image * overlay * here.by_image.transpose() + noise;
-        Some(here.value_px.dot(&(covariance.try_inverse()? * here.value_px)).sqrt())
+        Some(
+            here.value_px
+                .dot(&(covariance.try_inverse()? * here.value_px))
+                .sqrt(),
+        )
     };
     let found = here.and_then(|here| Some((here.value_px.norm(), z_score(&here)?)));
     let (error_px, z_score) = found.unzip();
-    CheckResult { click: observation.click, error_px, z_score }
+    CheckResult {
+        click: observation.click,
+        error_px,
+        z_score,
+    }
 }
 
 /// The largest distance between two landmark clicks, px.
 fn separation_px(used: &[Observation]) -> Option<f64> {
-    let landmarks = || used.iter().filter(|observation| observation.shape.point().is_some());
-    let pairs = landmarks()
-        .enumerate()
-        .flat_map(|(i, one)| landmarks().skip(i + 1).map(move |two| one.image.distance_px(two.image)));
+    let landmarks = || {
+        used.iter()
+            .filter(|observation| observation.shape.point().is_some())
+    };
+    let pairs = landmarks().enumerate().flat_map(|(i, one)| {
+        landmarks()
+            .skip(i + 1)
+            .map(move |two| one.image.distance_px(two.image))
+    });
     pairs.max_by(f64::total_cmp)
 }

@@ -1,8 +1,10 @@
-//! Graduated non-convexity: a robust loss whose scale shrinks, one Gauss–Newton step for each scale.
+//! Graduated non-convexity: a robust loss whose scale shrinks, one Gauss–Newton step for each
+//! scale.
 //!
-//! A loss that nearly ignores far residuals has many minima. Under a coarse scale there is hardly more than one, and each finer scale
-//! begins near the minimum of the one before (Blake and Zisserman: "Visual Reconstruction", 1987). One step for each scale is enough,
-//! because the minimum of a coarse scale is of no interest by itself.
+//! A loss that nearly ignores far residuals has many minima. Under a coarse scale there is hardly
+//! more than one, and each finer scale begins near the minimum of the one before (Blake and
+//! Zisserman: "Visual Reconstruction", 1987). One step for each scale is enough, because the
+//! minimum of a coarse scale is of no interest by itself.
 //!
 //! [`minimise`] does not do this: it takes a step only if the cost falls, and costs of two scales cannot be compared. Nor can costs
 //! before and after a step where each residual is paired anew with what lies nearest to it.
@@ -83,7 +85,10 @@ mod tests {
     fn points() -> Vec<Point> {
         let point = |index: u32| {
             let x = f64::from(index);
-            Point { x, y: 1.0 + 0.5 * x + if index % 3 == 1 { 4.0 } else { 0.0 } }
+            Point {
+                x,
+                y: 1.0 + 0.5 * x + if index % 3 == 1 { 4.0 } else { 0.0 },
+            }
         };
         (0..30).map(point).collect()
     }
@@ -91,25 +96,48 @@ mod tests {
     #[test]
     fn one_step_solves_what_is_linear() {
         let points: Vec<Point> = points().into_iter().step_by(3).collect();
-        let line = Line { points: &points, loss: Loss::Squared };
+        let line = Line {
+            points: &points,
+            loss: Loss::Squared,
+        };
         let found = gauss_newton_step(&line, &SVector::zeros()).unwrap();
-        assert!((found - SVector::<f64, 2>::new(1.0, 0.5)).norm() < 1e-12, "{found}");
+        assert!(
+            (found - SVector::<f64, 2>::new(1.0, 0.5)).norm() < 1e-12,
+            "{found}"
+        );
         assert_derivatives(&points[2], |_, step| found + step, "a point beside a line");
     }
 
     #[test]
     fn a_loss_whose_scale_shrinks_leaves_the_points_of_another_line() {
         let points = points();
-        // Scales in sigmas of 0.1: from ten times the distance of the other line to a twentieth of it.
-        let found = [400.0, 100.0, 20.0, 10.0, 5.0, 2.0].into_iter().fold(SVector::zeros(), |at, c| {
-            gauss_newton_step(&Line { points: &points, loss: Loss::GemanMcClure { c } }, &at).unwrap()
-        });
-        assert!((found - SVector::<f64, 2>::new(1.0, 0.5)).norm() < 0.01, "{found}");
+        // Scales in sigmas of 0.1: from ten times the distance of the other line to a twentieth of
+        // it.
+        let found =
+            [400.0, 100.0, 20.0, 10.0, 5.0, 2.0]
+                .into_iter()
+                .fold(SVector::zeros(), |at, c| {
+                    gauss_newton_step(
+                        &Line {
+                            points: &points,
+                            loss: Loss::GemanMcClure { c },
+                        },
+                        &at,
+                    )
+                    .unwrap()
+                });
+        assert!(
+            (found - SVector::<f64, 2>::new(1.0, 0.5)).norm() < 0.01,
+            "{found}"
+        );
     }
 
     #[test]
     fn what_is_left_open_has_no_step() {
-        let line = Line { points: &[Point { x: 1.0, y: 2.0 }], loss: Loss::Squared };
+        let line = Line {
+            points: &[Point { x: 1.0, y: 2.0 }],
+            loss: Loss::Squared,
+        };
         assert_eq!(gauss_newton_step(&line, &SVector::zeros()), None);
     }
 }

@@ -1,9 +1,10 @@
 //! The one optimiser: damped Gauss–Newton (Levenberg–Marquardt) over residuals with a robust loss.
 //!
 //! [`minimise`] takes steps; the equations say which. [`BlockEquations`] are the normal equations of one block, such as a
-//! frame: of fixed size, without allocation. [`BorderedEquations`] are many blocks that see each other only through shared
-//! parameters, such as the frames of one camera: each block's own parameters are eliminated (Schur complement), one small
-//! system is solved for the shared ones, and the blocks follow.
+//! frame: of fixed size, without allocation. [`BorderedEquations`] are many blocks that see each
+//! other only through shared parameters, such as the frames of one camera: each block's own
+//! parameters are eliminated (Schur complement), one small system is solved for the shared ones,
+//! and the blocks follow.
 
 use super::Loss;
 use super::loss::LossSum;
@@ -13,7 +14,8 @@ use nalgebra::{SMatrix, SVector};
 /// What a residual counts for that has no value, in sigmas.
 pub const NO_VALUE_SIGMAS: f64 = 1e3;
 
-/// Damping at the start, at least, and where the search gives up; as a share of the normal equations' diagonal.
+/// Damping at the start, at least, and where the search gives up; as a share of the normal
+/// equations' diagonal.
 const DAMPING: f64 = 1e-6;
 const MIN_DAMPING: f64 = 1e-15;
 const MAX_DAMPING: f64 = 1e12;
@@ -32,7 +34,11 @@ pub trait Problem {
     fn equations(&self, at: &Self::State) -> Self::Equations;
 
     /// The parameters after a step.
-    fn stepped(&self, from: &Self::State, step: &<Self::Equations as Equations>::Step) -> Self::State;
+    fn stepped(
+        &self,
+        from: &Self::State,
+        step: &<Self::Equations as Equations>::Step,
+    ) -> Self::State;
 }
 
 /// Normal equations with the cost that they belong to.
@@ -105,7 +111,11 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State, until: Stopping) -> Mi
             }
         }
     }
-    Minimum { state, equations, iterations }
+    Minimum {
+        state,
+        equations,
+        iterations,
+    }
 }
 
 /// Jᵀ W J and Jᵀ W r of one block's residuals, shared and own parameters apart.
@@ -149,7 +159,12 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
         R: Residual<ROWS, SHARED, OWN>,
     {
         let loss = residual.loss(loss);
-        let Some(Linearised { value, by_shared, by_own }) = residual.linearised(at) else {
+        let Some(Linearised {
+            value,
+            by_shared,
+            by_own,
+        }) = residual.linearised(at)
+        else {
             self.losses.add(NO_VALUE_SIGMAS * NO_VALUE_SIGMAS, loss);
             return;
         };
@@ -175,15 +190,23 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
         self.losses.total()
     }
 
-    /// The equations of the shared parameters once its own are eliminated; none where its residuals leave those open.
+    /// The equations of the shared parameters once its own are eliminated; none where its residuals
+    /// leave those open.
     #[must_use]
     pub fn eliminated(&self) -> Option<(SMatrix<f64, SHARED, SHARED>, SVector<f64, SHARED>)> {
         let gain = self.cross * self.own.try_inverse()?;
-        Some((self.shared - gain * self.cross.transpose(), self.shared_gradient - gain * self.own_gradient))
+        Some((
+            self.shared - gain * self.cross.transpose(),
+            self.shared_gradient - gain * self.own_gradient,
+        ))
     }
 
     /// The step of its own parameters that goes with one of the shared ones.
-    fn own_step(&self, damping: f64, shared_step: &SVector<f64, SHARED>) -> Option<SVector<f64, OWN>> {
+    fn own_step(
+        &self,
+        damping: f64,
+        shared_step: &SVector<f64, SHARED>,
+    ) -> Option<SVector<f64, OWN>> {
         let right = self.own_gradient + self.cross.transpose() * shared_step;
         Some(-(damped(&self.own, damping).try_inverse()? * right))
     }
@@ -225,9 +248,13 @@ pub(crate) struct BorderedStep<const SHARED: usize, const OWN: usize> {
 }
 
 impl<const SHARED: usize, const OWN: usize> BorderedEquations<SHARED, OWN> {
-    /// The equations of the shared parameters once all blocks' own are eliminated; parameters that are not free are left
-    /// with a 1 on the diagonal. None where a block's residuals leave its own parameters open.
-    pub fn reduced(&self, damping: f64) -> Option<(SMatrix<f64, SHARED, SHARED>, SVector<f64, SHARED>)> {
+    /// The equations of the shared parameters once all blocks' own are eliminated; parameters that
+    /// are not free are left with a 1 on the diagonal. None where a block's residuals leave its own
+    /// parameters open.
+    pub fn reduced(
+        &self,
+        damping: f64,
+    ) -> Option<(SMatrix<f64, SHARED, SHARED>, SVector<f64, SHARED>)> {
         let (mut matrix, mut gradient) = (self.priors.shared, self.priors.shared_gradient);
         for block in &self.blocks {
             matrix += block.shared;
@@ -259,12 +286,19 @@ impl<const SHARED: usize, const OWN: usize> Equations for BorderedEquations<SHAR
     fn step(&self, damping: f64) -> Option<Self::Step> {
         let (matrix, gradient) = self.reduced(damping)?;
         let shared = -matrix.cholesky()?.solve(&gradient);
-        let own = self.blocks.iter().map(|block| block.own_step(damping, &shared)).collect::<Option<_>>()?;
+        let own = self
+            .blocks
+            .iter()
+            .map(|block| block.own_step(damping, &shared))
+            .collect::<Option<_>>()?;
         Some(BorderedStep { shared, own })
     }
 
     fn length(step: &Self::Step) -> f64 {
-        step.own.iter().map(SVector::norm).fold(step.shared.norm(), f64::max)
+        step.own
+            .iter()
+            .map(SVector::norm)
+            .fold(step.shared.norm(), f64::max)
     }
 }
 
@@ -301,12 +335,17 @@ mod tests {
         }
 
         fn value(&self, (slopes, offset): &Self::State) -> Option<Vector1<f64>> {
-            (self.x >= 0.0).then(|| Vector1::new(slopes[0] * self.x + slopes[1] * self.y + offset - self.z))
+            (self.x >= 0.0)
+                .then(|| Vector1::new(slopes[0] * self.x + slopes[1] * self.y + offset - self.z))
         }
 
         fn linearised(&self, at: &Self::State) -> Option<Linearised<1, 2, 1>> {
             let by_shared = Matrix1x2::new(self.x, self.y);
-            Some(Linearised { value: self.value(at)?, by_shared, by_own: Matrix1::new(1.0) })
+            Some(Linearised {
+                value: self.value(at)?,
+                by_shared,
+                by_own: Matrix1::new(1.0),
+            })
         }
     }
 
@@ -325,22 +364,45 @@ mod tests {
                 block
             };
             let blocks = self.0.iter().zip(offsets).map(block).collect();
-            BorderedEquations { priors: BlockEquations::zero(), blocks, free: [true; 2] }
+            BorderedEquations {
+                priors: BlockEquations::zero(),
+                blocks,
+                free: [true; 2],
+            }
         }
 
-        fn stepped(&self, (slopes, offsets): &Self::State, step: &BorderedStep<2, 1>) -> Self::State {
-            (slopes + step.shared, offsets.iter().zip(&step.own).map(|(offset, step)| offset + step[0]).collect())
+        fn stepped(
+            &self,
+            (slopes, offsets): &Self::State,
+            step: &BorderedStep<2, 1>,
+        ) -> Self::State {
+            (
+                slopes + step.shared,
+                offsets
+                    .iter()
+                    .zip(&step.own)
+                    .map(|(offset, step)| offset + step[0])
+                    .collect(),
+            )
         }
     }
 
-    const FAR: Stopping = Stopping { max_iterations: 60, short_step: 1e-12, small_gain: 0.0 };
+    const FAR: Stopping = Stopping {
+        max_iterations: 60,
+        short_step: 1e-12,
+        small_gain: 0.0,
+    };
 
     fn planes(outlier: f64) -> Planes {
         let heights = |offset: f64| {
             let at = |i: u32| {
                 let (x, y) = (f64::from(i % 3), f64::from(i / 3));
                 let z = 0.7 * x - 0.2 * y + offset;
-                Height { x, y, z: if i == 4 { z + outlier } else { z } }
+                Height {
+                    x,
+                    y,
+                    z: if i == 4 { z + outlier } else { z },
+                }
             };
             (0..9).map(at).collect()
         };
@@ -351,7 +413,10 @@ mod tests {
     fn blocks_share_what_they_have_in_common_and_keep_their_own() {
         let found = minimise(&planes(0.0), (SVector::zeros(), vec![0.0; 3]), FAR);
         let (slopes, offsets) = found.state;
-        assert!((slopes - SVector::<f64, 2>::new(0.7, -0.2)).norm() < 1e-9, "{slopes}");
+        assert!(
+            (slopes - SVector::<f64, 2>::new(0.7, -0.2)).norm() < 1e-9,
+            "{slopes}"
+        );
         for (offset, truth) in offsets.iter().zip([1.0, -3.0, 0.5]) {
             assert!((offset - truth).abs() < 1e-9);
         }
@@ -360,7 +425,11 @@ mod tests {
     #[test]
     fn a_robust_loss_hardly_follows_what_is_far_off_and_a_minimum_has_no_gradient() {
         let found = minimise(&planes(100.0), (SVector::zeros(), vec![0.0; 3]), FAR);
-        assert!((found.state.0 - SVector::<f64, 2>::new(0.7, -0.2)).norm() < 0.01, "{}", found.state.0);
+        assert!(
+            (found.state.0 - SVector::<f64, 2>::new(0.7, -0.2)).norm() < 0.01,
+            "{}",
+            found.state.0
+        );
         for block in &found.equations.blocks {
             assert!(block.own_gradient.norm() < 1e-6);
         }
@@ -399,7 +468,18 @@ mod tests {
         equations.free = [true, false];
         assert_eq!(equations.step(0.0).unwrap().shared[1], 0.0);
         let mut block = BlockEquations::<2, 1>::zero();
-        block.add(&Height { x: -1.0, y: 0.0, z: 0.0 }, &(SVector::zeros(), 0.0), Loss::Squared);
-        assert_eq!((block.cost(), block.own[0]), (NO_VALUE_SIGMAS * NO_VALUE_SIGMAS, 0.0));
+        block.add(
+            &Height {
+                x: -1.0,
+                y: 0.0,
+                z: 0.0,
+            },
+            &(SVector::zeros(), 0.0),
+            Loss::Squared,
+        );
+        assert_eq!(
+            (block.cost(), block.own[0]),
+            (NO_VALUE_SIGMAS * NO_VALUE_SIGMAS, 0.0)
+        );
     }
 }

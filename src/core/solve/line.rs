@@ -1,8 +1,9 @@
 //! The point of a projected line, circle or arc that is nearest to a click.
 //!
-//! It is found with distortion and crown in it, so the residual is exact. Because the offset from the nearest point is
-//! perpendicular to the curve, a small motion of that point along the curve changes nothing: the derivative of the signed
-//! distance n · (click − p) is −n · ∂p/∂(parameters) at the nearest point.
+//! It is found with distortion and crown in it, so the residual is exact. Because the offset from
+//! the nearest point is perpendicular to the curve, a small motion of that point along the curve
+//! changes nothing: the derivative of the signed distance n · (click − p) is −n · ∂p/∂(parameters)
+//! at the nearest point.
 
 use super::world_curve::{CurvePoint, WorldCurve};
 use crate::camera::PtzCamera;
@@ -42,8 +43,8 @@ impl Nearest {
         click.offset_from(self.image.at)
     }
 
-    /// The signed distance of the click from the projected curve, px; positive on the left of the curve's direction as the
-    /// picture shows it (y down).
+    /// The signed distance of the click from the projected curve, px; positive on the left of the
+    /// curve's direction as the picture shows it (y down).
     pub fn distance_px(&self, click: ImagePoint) -> f64 {
         self.normal().dot(&self.offset_to(click))
     }
@@ -61,9 +62,13 @@ impl Nearest {
     }
 }
 
-/// The point of the projected curve nearest to a click: the best of evenly spaced samples, then Newton on
-/// (p(t) − click) · p'(t) = 0, halving steps that lead away.
-pub(super) fn nearest_point(camera: &PtzCamera, curve: &WorldCurve, click: ImagePoint) -> Option<Nearest> {
+/// The point of the projected curve nearest to a click: the best of evenly spaced samples, then
+/// Newton on (p(t) − click) · p'(t) = 0, halving steps that lead away.
+pub(super) fn nearest_point(
+    camera: &PtzCamera,
+    curve: &WorldCurve,
+    click: ImagePoint,
+) -> Option<Nearest> {
     const SEGMENT_SAMPLES: u32 = 8;
     const ARC_SAMPLES: u32 = 24;
     const STEPS: usize = 40;
@@ -79,7 +84,9 @@ pub(super) fn nearest_point(camera: &PtzCamera, curve: &WorldCurve, click: Image
     let mut sampled: Option<(f64, f64)> = None;
     for sample in 0..=samples {
         let t = f64::from(sample) / f64::from(samples);
-        let Some(squared) = projection.image(curve.point_at(t)).map(squared_px) else { continue };
+        let Some(squared) = projection.image(curve.point_at(t)).map(squared_px) else {
+            continue;
+        };
         if sampled.is_none_or(|(least, _)| squared < least) {
             sampled = Some((squared, t));
         }
@@ -92,7 +99,12 @@ pub(super) fn nearest_point(camera: &PtzCamera, curve: &WorldCurve, click: Image
         let speed_squared = first.norm_squared();
         let curvature = speed_squared + offset.dot(&second);
         let slope = offset.dot(&first);
-        let mut step = -slope / if curvature > 0.1 * speed_squared { curvature } else { speed_squared };
+        let mut step = -slope
+            / if curvature > 0.1 * speed_squared {
+                curvature
+            } else {
+                speed_squared
+            };
         if !step.is_finite() {
             return None;
         }
@@ -122,7 +134,10 @@ struct CurveProjection<'a> {
 
 impl<'a> CurveProjection<'a> {
     fn new(camera: &'a PtzCamera) -> Self {
-        Self { camera, cam_from_world: camera.cam_from_world() }
+        Self {
+            camera,
+            cam_from_world: camera.cam_from_world(),
+        }
     }
 
     /// A point in `cam`, m.
@@ -138,8 +153,12 @@ impl<'a> CurveProjection<'a> {
         let curve = curve.at(t);
         let q = self.in_cam(curve.at);
         let at = self.camera.image_from_cam(q).ok()?;
-        let (q1, q2) = (self.cam_from_world * curve.first, self.cam_from_world * curve.second);
-        // Ideal point i = (q_x, q_y) / q_z and its derivatives, then d = i (1 + k₁ i·i + k₂ (i·i)²).
+        let (q1, q2) = (
+            self.cam_from_world * curve.first,
+            self.cam_from_world * curve.second,
+        );
+        // Ideal point i = (q_x, q_y) / q_z and its derivatives, then d = i (1 + k₁ i·i + k₂
+        // (i·i)²).
         let ideal = q.xy() / q.z;
         let ideal1 = (q1.xy() - ideal * q1.z) / q.z;
         let ideal2 = (q2.xy() - ideal * q2.z - ideal1 * (2.0 * q1.z)) / q.z;
@@ -154,7 +173,11 @@ impl<'a> CurveProjection<'a> {
         let focal_px = self.camera.ptz().focal_px;
         let first = (ideal1 * stretch + ideal * stretch1) * focal_px;
         let second = (ideal2 * stretch + ideal1 * (2.0 * stretch1) + ideal * stretch2) * focal_px;
-        Some(Nearest { parameter: t, curve, image: ImageCurvePoint { at, first, second } })
+        Some(Nearest {
+            parameter: t,
+            curve,
+            image: ImageCurvePoint { at, first, second },
+        })
     }
 }
 
@@ -183,11 +206,24 @@ mod tests {
 
     fn curves() -> [WorldCurve; 4] {
         let field = field(0.2);
-        let halfway = Curve::Segment { from: Vec3::new(0.0, -34.0, 0.0), to: Vec3::new(0.0, 34.0, 0.0) };
-        let touchline = Curve::Segment { from: Vec3::new(-52.5, 34.0, 0.0), to: Vec3::new(52.5, 34.0, 0.0) };
-        let post = Curve::Segment { from: Vec3::new(-12.0, 3.66, 0.0), to: Vec3::new(-12.0, 3.66, 2.44) };
-        let circle =
-            Curve::Arc { centre: Vec3::zeros(), radius_m: 9.15, start: Angle::ZERO, sweep: Angle::from_degrees(360.0) };
+        let halfway = Curve::Segment {
+            from: Vec3::new(0.0, -34.0, 0.0),
+            to: Vec3::new(0.0, 34.0, 0.0),
+        };
+        let touchline = Curve::Segment {
+            from: Vec3::new(-52.5, 34.0, 0.0),
+            to: Vec3::new(52.5, 34.0, 0.0),
+        };
+        let post = Curve::Segment {
+            from: Vec3::new(-12.0, 3.66, 0.0),
+            to: Vec3::new(-12.0, 3.66, 2.44),
+        };
+        let circle = Curve::Arc {
+            centre: Vec3::zeros(),
+            radius_m: 9.15,
+            start: Angle::ZERO,
+            sweep: Angle::from_degrees(360.0),
+        };
         [halfway, touchline, post, circle].map(|curve| WorldCurve::on_field(&field, curve))
     }
 
@@ -195,10 +231,20 @@ mod tests {
     fn the_nearest_point_is_nearer_than_ten_thousand_others() {
         let camera = PtzCamera::new(base(), PTZ);
         for curve in curves() {
-            for click in [[700.0, 300.0], [1020.0, 700.0], [1300.0, 450.0], [950.0, 480.0]].map(ImagePoint::from) {
+            for click in [
+                [700.0, 300.0],
+                [1020.0, 700.0],
+                [1300.0, 450.0],
+                [950.0, 480.0],
+            ]
+            .map(ImagePoint::from)
+            {
                 let found = nearest_point(&camera, &curve, click).unwrap();
                 let distance_px = found.distance_px(click).abs();
-                assert!((distance_px - found.offset_to(click).norm()).abs() < 1e-6, "not perpendicular");
+                assert!(
+                    (distance_px - found.offset_to(click).norm()).abs() < 1e-6,
+                    "not perpendicular"
+                );
                 let projection = CurveProjection::new(&camera);
                 let least = (-5000..15_000)
                     .filter_map(|step| projection.at(&curve, f64::from(step) / 10_000.0))
@@ -214,9 +260,14 @@ mod tests {
         let camera = PtzCamera::new(base(), PTZ);
         let halfway = curves()[0];
         let on = camera.image_from_world(halfway.at(0.4).at).unwrap();
-        let distance_px = |click: ImagePoint| nearest_point(&camera, &halfway, click).unwrap().distance_px(click);
+        let distance_px = |click: ImagePoint| {
+            nearest_point(&camera, &halfway, click)
+                .unwrap()
+                .distance_px(click)
+        };
         assert!(distance_px(on).abs() < 1e-9);
-        // The halfway line runs away from the camera, up the picture; its left is the picture's left.
+        // The halfway line runs away from the camera, up the picture; its left is the picture's
+        // left.
         let left = distance_px(on.moved(Vec2::new(-5.0, 0.0)));
         assert!(left > 4.5, "{left}");
     }

@@ -15,7 +15,8 @@ pub enum Loss {
         /// Where the pull is strongest, sigmas.
         c: f64,
     },
-    /// z² / (1 + (z/c)²): what is far off adds a constant and does not pull (Geman and McClure, 1987).
+    /// z² / (1 + (z/c)²): what is far off adds a constant and does not pull (Geman and McClure,
+    /// 1987).
     GemanMcClure {
         /// Where half of the constant c² is reached, sigmas.
         c: f64,
@@ -55,8 +56,8 @@ impl Loss {
     }
 }
 
-/// A sum of losses. Logarithms take long, so the numbers of which Cauchy's loss takes them are multiplied first, as many as
-/// a number can hold.
+/// A sum of losses. Logarithms take long, so the numbers of which Cauchy's loss takes them are
+/// multiplied first, as many as a number can hold.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LossSum {
     cost: f64,
@@ -67,7 +68,11 @@ pub(super) struct LossSum {
 
 impl LossSum {
     /// Nothing yet.
-    pub const ZERO: Self = Self { cost: 0.0, product: 1.0, c: 1.0 };
+    pub const ZERO: Self = Self {
+        cost: 0.0,
+        product: 1.0,
+        c: 1.0,
+    };
 
     /// Adds the loss of z² sigmas²; returns its weight.
     #[inline]
@@ -80,12 +85,20 @@ impl LossSum {
             return weight;
         };
         if self.c != c {
-            *self = Self { cost: self.total(), product: 1.0, c };
+            *self = Self {
+                cost: self.total(),
+                product: 1.0,
+                c,
+            };
         }
         let factor = 1.0 + z_squared / (c * c);
         self.product *= factor;
         if !(self.product < LARGE) {
-            *self = Self { cost: self.total(), product: 1.0, c };
+            *self = Self {
+                cost: self.total(),
+                product: 1.0,
+                c,
+            };
         }
         1.0 / factor
     }
@@ -93,7 +106,11 @@ impl LossSum {
     /// The sum.
     #[inline]
     pub fn total(&self) -> f64 {
-        if self.product == 1.0 { self.cost } else { self.cost + self.c * self.c * self.product.ln() }
+        if self.product == 1.0 {
+            self.cost
+        } else {
+            self.cost + self.c * self.c * self.product.ln()
+        }
     }
 }
 
@@ -103,11 +120,19 @@ mod tests {
 
     #[test]
     fn the_weight_is_the_derivative_of_the_loss() {
-        for loss in [Loss::Squared, Loss::Huber { k: 2.0 }, Loss::Cauchy { c: 2.4 }, Loss::GemanMcClure { c: 2.1 }] {
+        for loss in [
+            Loss::Squared,
+            Loss::Huber { k: 2.0 },
+            Loss::Cauchy { c: 2.4 },
+            Loss::GemanMcClure { c: 2.1 },
+        ] {
             for z_squared in [0.3, 3.9, 4.1, 50.0] {
                 let h = 1e-6;
                 let numeric = (loss.of(z_squared + h).0 - loss.of(z_squared - h).0) / (2.0 * h);
-                assert!((loss.of(z_squared).1 - numeric).abs() < 1e-8, "{loss:?} {z_squared}");
+                assert!(
+                    (loss.of(z_squared).1 - numeric).abs() < 1e-8,
+                    "{loss:?} {z_squared}"
+                );
             }
         }
     }
@@ -123,11 +148,18 @@ mod tests {
         ];
         let (mut sum, mut expected) = (LossSum::ZERO, 0.0);
         for step in 0..4000u32 {
-            let (z_squared, loss) = (f64::from(step % 97).powi(3), kinds[(step as usize / 7) % kinds.len()]);
+            let (z_squared, loss) = (
+                f64::from(step % 97).powi(3),
+                kinds[(step as usize / 7) % kinds.len()],
+            );
             let (cost, weight) = loss.of(z_squared);
             expected += cost;
             assert!((sum.add(z_squared, loss) - weight).abs() < 1e-15);
         }
-        assert!((sum.total() / expected - 1.0).abs() < 1e-12, "{} {expected}", sum.total());
+        assert!(
+            (sum.total() / expected - 1.0).abs() < 1e-12,
+            "{} {expected}",
+            sum.total()
+        );
     }
 }

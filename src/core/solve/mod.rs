@@ -1,7 +1,8 @@
 //! From observations to parameters: one problem a file.
 //!
 //! [`Observation`] says what a click shows: a landmark, or a line on which it lies. Clicks, priors and whatever else is
-//! measured are [`Residual`]s, and everything that is fitted takes the steps of one [`Problem`]: [`minimise`] down to a minimum,
+//! measured are [`Residual`]s, and everything that is fitted takes the steps of one [`Problem`]:
+//! [`minimise`] down to a minimum,
 //! [`gauss_newton_step`] one for each scale of a robust loss that shrinks. [`FrameSolution`] is what a frame's clicks and a known base
 //! say about pan, tilt and focal length, with everything a person must know to trust it.
 //!
@@ -47,7 +48,9 @@ pub use frame::solve_frame;
 pub use graduated::gauss_newton_step;
 pub use identity::check_identity;
 pub use identity_finding::{Evidence, IdentityFinding, IdentityKind, Name, Rename};
-pub use least_squares::{BlockEquations, Equations, Minimum, NO_VALUE_SIGMAS, Problem, Stopping, minimise};
+pub use least_squares::{
+    BlockEquations, Equations, Minimum, NO_VALUE_SIGMAS, Problem, Stopping, minimise,
+};
 pub use loss::Loss;
 pub use motion_prior::{Motion, MotionPrior, PtzStep};
 pub use observation::Observation;
@@ -60,7 +63,8 @@ pub use residual::{Linearised, Residual};
 pub use shape::{ObservedShape, ShapeJacobian};
 pub use solution::{Candidate, CheckResult, ClickResidual, FrameSolution};
 pub use two_point::{
-    MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, focal_from_two_rays, solve_two_points,
+    MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, focal_from_two_rays,
+    solve_two_points,
 };
 pub use verdict::{CHECK_MISFIT, GOOD_CORNER_SIGMA_PX, Judgement, Verdict, judge};
 pub use warning::{UnknownWarningCode, Warning, WarningCode};

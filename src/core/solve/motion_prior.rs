@@ -1,7 +1,8 @@
-//! What a camera usually does, known from its other frames: the directions it looked in, and how fast it moves.
+//! What a camera usually does, known from its other frames: the directions it looked in, and how
+//! fast it moves.
 //!
-//! Names and numbers that fit a frame's clicks can still be nonsense; a camera that suddenly looks elsewhere is the one
-//! thing that gives two mirrored clicks away.
+//! Names and numbers that fit a frame's clicks can still be nonsense; a camera that suddenly looks
+//! elsewhere is the one thing that gives two mirrored clicks away.
 
 use super::{PtzRanges, Warning, WarningCode};
 use crate::camera::Ptz;
@@ -16,7 +17,8 @@ pub struct MotionPrior {
     pub motion: Option<Motion>,
 }
 
-/// Where a camera was in the nearest solved frame of the shot, and how far it usually gets from there.
+/// Where a camera was in the nearest solved frame of the shot, and how far it usually gets from
+/// there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// Pan, tilt and focal length there.
@@ -40,7 +42,11 @@ pub struct PtzStep {
 
 impl PtzStep {
     /// No change.
-    pub const ZERO: Self = Self { pan: Angle::ZERO, tilt: Angle::ZERO, log_focal: 0.0 };
+    pub const ZERO: Self = Self {
+        pan: Angle::ZERO,
+        tilt: Angle::ZERO,
+        log_focal: 0.0,
+    };
 
     /// How far it is from one direction to another.
     #[must_use]
@@ -64,7 +70,8 @@ const JUMP: f64 = 3.0;
 /// Below this nothing is a jump: degrees, degrees, log f.
 const NO_JUMP: [f64; 3] = [0.3, 0.2, 0.03];
 
-/// How far beyond the accepted frames is still usual, at least (degrees, degrees, log f), and as a share of their span.
+/// How far beyond the accepted frames is still usual, at least (degrees, degrees, log f), and as a
+/// share of their span.
 const MARGIN: [f64; 3] = [15.0, 4.0, 0.5];
 const MARGIN_SHARE: f64 = 0.5;
 
@@ -80,20 +87,30 @@ struct Odd {
 }
 
 impl MotionPrior {
-    /// How far a camera is from what it usually does, as χ² counts: 0 within, 25 at twice what is usual, 50 at most.
-    /// `slack` is how far off it may be because its clicks scatter.
+    /// How far a camera is from what it usually does, as χ² counts: 0 within, 25 at twice what is
+    /// usual, 50 at most. `slack` is how far off it may be because its clicks scatter.
     #[must_use]
     pub fn surprise(&self, ptz: &Ptz, slack: &PtzStep) -> f64 {
         let odd = [self.jump(ptz, slack), self.elsewhere(ptz, slack)];
-        odd.into_iter().flatten().map(|odd| SURPRISE * odd.excess.min(2.0)).fold(0.0, f64::max)
+        odd.into_iter()
+            .flatten()
+            .map(|odd| SURPRISE * odd.excess.min(2.0))
+            .fold(0.0, f64::max)
     }
 
     /// The largest jump from the nearest frame, if it is one.
     fn jump(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Odd> {
         let motion = self.motion.as_ref()?;
-        let (moved, usual) = (PtzStep::between(&motion.from, ptz).values(), motion.usual.values());
-        let limit = |which: usize| (JUMP * usual[which]).max(NO_JUMP[which]) + slack.values()[which];
-        largest((0..3).map(|which| Odd { which, excess: moved[which] / limit(which) - 1.0 }))
+        let (moved, usual) = (
+            PtzStep::between(&motion.from, ptz).values(),
+            motion.usual.values(),
+        );
+        let limit =
+            |which: usize| (JUMP * usual[which]).max(NO_JUMP[which]) + slack.values()[which];
+        largest((0..3).map(|which| Odd {
+            which,
+            excess: moved[which] / limit(which) - 1.0,
+        }))
     }
 
     /// What lies farthest outside of what the accepted frames have, if something does.
@@ -102,7 +119,10 @@ impl MotionPrior {
         let (widths, distances) = (seen.widths(), seen.distances(ptz));
         let outside = |which: usize| {
             let margin = MARGIN[which].max(MARGIN_SHARE * widths[which]) + slack[which];
-            Odd { which, excess: distances[which] / margin - 1.0 }
+            Odd {
+                which,
+                excess: distances[which] / margin - 1.0,
+            }
         };
         largest((0..3).map(outside))
     }
@@ -111,13 +131,26 @@ impl MotionPrior {
     pub(super) fn warning(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Warning> {
         let message = if let (Some(odd), Some(motion)) = (self.jump(ptz, slack), &self.motion) {
             let moved = PtzStep::between(&motion.from, ptz);
-            let frames = if motion.frames == 1 { "one frame".to_owned() } else { format!("{} frames", motion.frames) };
+            let frames = if motion.frames == 1 {
+                "one frame".to_owned()
+            } else {
+                format!("{} frames", motion.frames)
+            };
             let what = match odd.which {
-                0 => format!("pan jumps {:.1} in {frames} (usual ≤ {:.1})", moved.pan, motion.usual.pan),
-                1 => format!("tilt jumps {:.1} in {frames} (usual ≤ {:.1})", moved.tilt, motion.usual.tilt),
+                0 => format!(
+                    "pan jumps {:.1} in {frames} (usual ≤ {:.1})",
+                    moved.pan, motion.usual.pan
+                ),
+                1 => format!(
+                    "tilt jumps {:.1} in {frames} (usual ≤ {:.1})",
+                    moved.tilt, motion.usual.tilt
+                ),
                 _ => {
-                    let [by, usual] = [moved.log_focal, motion.usual.log_focal].map(|log| 100.0 * log.exp_m1());
-                    format!("the focal length changes by {by:.0} % in {frames} (usual ≤ {usual:.0} %)")
+                    let [by, usual] =
+                        [moved.log_focal, motion.usual.log_focal].map(|log| 100.0 * log.exp_m1());
+                    format!(
+                        "the focal length changes by {by:.0} % in {frames} (usual ≤ {usual:.0} %)"
+                    )
                 }
             };
             format!("Implausible: {what}. Cut or wrong name?")
@@ -127,16 +160,26 @@ impl MotionPrior {
                 0 => format!("pan {:.1}, accepted frames have {:.1}", ptz.pan, seen.pan),
                 1 => {
                     let (from, upto) = (seen.tilt.start(), seen.tilt.end());
-                    format!("tilt {:.1}, accepted frames have {from:.1} to {upto:.1}", ptz.tilt)
+                    format!(
+                        "tilt {:.1}, accepted frames have {from:.1} to {upto:.1}",
+                        ptz.tilt
+                    )
                 }
                 _ => {
                     let (from, upto) = (seen.focal_px.start(), seen.focal_px.end());
-                    format!("focal length {:.0} px, accepted frames have {from:.0} to {upto:.0}", ptz.focal_px)
+                    format!(
+                        "focal length {:.0} px, accepted frames have {from:.0} to {upto:.0}",
+                        ptz.focal_px
+                    )
                 }
             };
             format!("Implausible: {what}. Check the names of the points.")
         };
-        Some(Warning { code: WarningCode::Implausible, message, clicks: Vec::new() })
+        Some(Warning {
+            code: WarningCode::Implausible,
+            message,
+            clicks: Vec::new(),
+        })
     }
 }
 
@@ -144,7 +187,11 @@ impl PtzRanges {
     /// How wide each is, in degrees, degrees and log f.
     fn widths(&self) -> [f64; 3] {
         let tilt = *self.tilt.end() - *self.tilt.start();
-        [self.pan.width().degrees(), tilt.degrees(), (self.focal_px.end() / self.focal_px.start()).ln()]
+        [
+            self.pan.width().degrees(),
+            tilt.degrees(),
+            (self.focal_px.end() / self.focal_px.start()).ln(),
+        ]
     }
 
     /// How far a camera is from each, in degrees, degrees and log f; 0 within.
@@ -153,7 +200,11 @@ impl PtzRanges {
         let (tilts, focals) = (&self.tilt, &self.focal_px);
         [
             self.pan.distance(ptz.pan).degrees(),
-            outside(tilts.start().degrees(), ptz.tilt.degrees(), tilts.end().degrees()),
+            outside(
+                tilts.start().degrees(),
+                ptz.tilt.degrees(),
+                tilts.end().degrees(),
+            ),
             outside(focals.start().ln(), ptz.focal_px.ln(), focals.end().ln()),
         ]
     }
@@ -161,7 +212,8 @@ impl PtzRanges {
 
 /// The largest excess, if one is over the limit.
 fn largest(all: impl Iterator<Item = Odd>) -> Option<Odd> {
-    all.filter(|odd| odd.excess > 0.0).max_by(|a, b| a.excess.total_cmp(&b.excess))
+    all.filter(|odd| odd.excess > 0.0)
+        .max_by(|a, b| a.excess.total_cmp(&b.excess))
 }
 
 #[cfg(test)]
@@ -172,16 +224,34 @@ mod tests {
     fn prior() -> MotionPrior {
         let degrees = |from: f64, upto: f64| Angle::from_degrees(from)..=Angle::from_degrees(upto);
         let pan = AngleRange::new(Angle::from_degrees(-30.0), Angle::from_degrees(20.0));
-        let seen = PtzRanges { pan, tilt: degrees(-14.0, -8.0), focal_px: 1500.0..=3000.0 };
-        let usual = PtzStep { pan: Angle::from_degrees(0.4), tilt: Angle::from_degrees(0.1), log_focal: 0.01 };
-        let motion = Motion { from: Ptz::from_degrees(10.0, -10.0, 2000.0), frames: 1, usual };
-        MotionPrior { seen: Some(seen), motion: Some(motion) }
+        let seen = PtzRanges {
+            pan,
+            tilt: degrees(-14.0, -8.0),
+            focal_px: 1500.0..=3000.0,
+        };
+        let usual = PtzStep {
+            pan: Angle::from_degrees(0.4),
+            tilt: Angle::from_degrees(0.1),
+            log_focal: 0.01,
+        };
+        let motion = Motion {
+            from: Ptz::from_degrees(10.0, -10.0, 2000.0),
+            frames: 1,
+            usual,
+        };
+        MotionPrior {
+            seen: Some(seen),
+            motion: Some(motion),
+        }
     }
 
     fn said(prior: &MotionPrior, pan_deg: f64, tilt_deg: f64, focal_px: f64) -> Option<String> {
         let ptz = Ptz::from_degrees(pan_deg, tilt_deg, focal_px);
         let warning = prior.warning(&ptz, &PtzStep::ZERO);
-        assert_eq!(warning.is_some(), prior.surprise(&ptz, &PtzStep::ZERO) > 0.0);
+        assert_eq!(
+            warning.is_some(),
+            prior.surprise(&ptz, &PtzStep::ZERO) > 0.0
+        );
         warning.map(|warning| warning.message)
     }
 
@@ -190,26 +260,53 @@ mod tests {
         let prior = prior();
         assert_eq!(said(&prior, 11.1, -10.1, 2040.0), None);
         let jump = said(&prior, 16.2, -10.0, 2000.0).unwrap();
-        assert_eq!(jump, "Implausible: pan jumps 6.2° in one frame (usual ≤ 0.4°). Cut or wrong name?");
+        assert_eq!(
+            jump,
+            "Implausible: pan jumps 6.2° in one frame (usual ≤ 0.4°). Cut or wrong name?"
+        );
         let zoom = said(&prior, 10.0, -10.0, 3000.0).unwrap();
-        assert!(zoom.contains("focal length changes by 50 % in one frame (usual ≤ 1 %)"), "{zoom}");
+        assert!(
+            zoom.contains("focal length changes by 50 % in one frame (usual ≤ 1 %)"),
+            "{zoom}"
+        );
     }
 
     #[test]
     fn far_outside_of_the_accepted_frames_is_out_of_the_usual() {
-        let prior = MotionPrior { motion: None, ..prior() };
-        assert_eq!(said(&prior, 40.0, -10.0, 2000.0), None, "half of the span beyond is still usual");
+        let prior = MotionPrior {
+            motion: None,
+            ..prior()
+        };
+        assert_eq!(
+            said(&prior, 40.0, -10.0, 2000.0),
+            None,
+            "half of the span beyond is still usual"
+        );
         let far = said(&prior, 80.0, -10.0, 2000.0).unwrap();
-        assert!(far.starts_with("Implausible: pan 80.0°, accepted frames have -30.0° to 20.0°"), "{far}");
+        assert!(
+            far.starts_with("Implausible: pan 80.0°, accepted frames have -30.0° to 20.0°"),
+            "{far}"
+        );
         assert!(said(&prior, 0.0, -30.0, 2000.0).unwrap().contains("tilt"));
-        assert!(said(&prior, 0.0, -10.0, 9000.0).unwrap().contains("focal length"));
-        assert_eq!(said(&MotionPrior::default(), 170.0, -80.0, 99_999.0), None, "nothing is known");
+        assert!(
+            said(&prior, 0.0, -10.0, 9000.0)
+                .unwrap()
+                .contains("focal length")
+        );
+        assert_eq!(
+            said(&MotionPrior::default(), 170.0, -80.0, 99_999.0),
+            None,
+            "nothing is known"
+        );
     }
 
     #[test]
     fn what_clicks_leave_open_is_no_jump() {
         let ptz = Ptz::from_degrees(13.0, -10.0, 2000.0);
-        let slack = PtzStep { pan: Angle::from_degrees(2.5), ..PtzStep::ZERO };
+        let slack = PtzStep {
+            pan: Angle::from_degrees(2.5),
+            ..PtzStep::ZERO
+        };
         assert!(prior().warning(&ptz, &PtzStep::ZERO).is_some());
         assert!(prior().warning(&ptz, &slack).is_none());
     }

@@ -7,14 +7,16 @@ use crate::field::{FieldElement, FieldModel};
 use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 use nalgebra::SMatrix;
 
-/// One click, ready for solving: the pixel, what it shows and where that lies in `world`, and how well it is known.
+/// One click, ready for solving: the pixel, what it shows and where that lies in `world`, and how
+/// well it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
     /// The clicked pixel, px of the frame.
     pub image: ImagePoint,
     /// 1-σ of the click in each direction, px of the frame.
     pub sigma_px: f64,
-    /// Which landmark or line of the field it shows; none where it shows something else, such as a feature of the stadium.
+    /// Which landmark or line of the field it shows; none where it shows something else, such as a
+    /// feature of the stadium.
     pub element: Option<FieldElement>,
     /// Where that lies.
     pub shape: ObservedShape,
@@ -28,7 +30,14 @@ impl Observation {
     /// A pixel that shows a point of `world`, m, which is no landmark of a field.
     #[must_use]
     pub const fn of_point(at: Vec3, image: ImagePoint, sigma_px: f64, click: usize) -> Self {
-        Self { image, sigma_px, element: None, shape: ObservedShape::Point(at), click, check: false }
+        Self {
+            image,
+            sigma_px,
+            element: None,
+            shape: ObservedShape::Point(at),
+            click,
+            check: false,
+        }
     }
 
     /// A click on a landmark of the field, with the landmark's own click noise scaled to the frame.
@@ -42,12 +51,20 @@ impl Observation {
         image_size: ImageSize,
         click: usize,
     ) -> Result<Self, ObservationError> {
-        let unknown = || ObservationError::UnknownLandmark { name: name.to_owned(), template: field.template.clone() };
+        let unknown = || ObservationError::UnknownLandmark {
+            name: name.to_owned(),
+            template: field.template.clone(),
+        };
         let landmark = field.landmark(name).ok_or_else(unknown)?;
         let element = field.landmark_element(name).ok_or_else(unknown)?;
-        Self::of_point(Vec3::zeros(), image, landmark.click_sigma_px * image_size.scale_from_1920(), click)
-            .renamed(field, element)
-            .ok_or_else(unknown)
+        Self::of_point(
+            Vec3::zeros(),
+            image,
+            landmark.click_sigma_px * image_size.scale_from_1920(),
+            click,
+        )
+        .renamed(field, element)
+        .ok_or_else(unknown)
     }
 
     /// A click on a line of the field.
@@ -61,17 +78,33 @@ impl Observation {
         image_size: ImageSize,
         click: usize,
     ) -> Result<Self, ObservationError> {
-        let unknown = || ObservationError::UnknownLine { name: name.to_owned(), template: field.template.clone() };
+        let unknown = || ObservationError::UnknownLine {
+            name: name.to_owned(),
+            template: field.template.clone(),
+        };
         let element = field.line_element(name).ok_or_else(unknown)?;
-        Self::of_point(Vec3::zeros(), image, field.line_click_sigma_px * image_size.scale_from_1920(), click)
-            .renamed(field, element)
-            .ok_or_else(unknown)
+        Self::of_point(
+            Vec3::zeros(),
+            image,
+            field.line_click_sigma_px * image_size.scale_from_1920(),
+            click,
+        )
+        .renamed(field, element)
+        .ok_or_else(unknown)
     }
 
-    /// A place in the picture where the middle of a line's paint is seen; `place` numbers it. None if the field has no such line.
+    /// A place in the picture where the middle of a line's paint is seen; `place` numbers it. None
+    /// if the field has no such line.
     #[must_use]
-    pub fn of_paint(field: &FieldModel, line: usize, image: ImagePoint, sigma_px: f64, place: usize) -> Option<Self> {
-        Self::of_point(Vec3::zeros(), image, sigma_px, place).renamed(field, FieldElement::Paint(line))
+    pub fn of_paint(
+        field: &FieldModel,
+        line: usize,
+        image: ImagePoint,
+        sigma_px: f64,
+        place: usize,
+    ) -> Option<Self> {
+        Self::of_point(Vec3::zeros(), image, sigma_px, place)
+            .renamed(field, FieldElement::Paint(line))
     }
 
     /// Whether it is paint that was seen, not a click.
@@ -80,23 +113,33 @@ impl Observation {
         matches!(self.element, Some(FieldElement::Paint(_)))
     }
 
-    /// The same click under another name, or on another size of its field; its noise stays. None if the field has no such
-    /// element.
+    /// The same click under another name, or on another size of its field; its noise stays. None if
+    /// the field has no such element.
     #[must_use]
     pub fn renamed(self, field: &FieldModel, element: FieldElement) -> Option<Self> {
-        Some(Self { element: Some(element), shape: ObservedShape::of_element(field, element)?, ..self })
+        Some(Self {
+            element: Some(element),
+            shape: ObservedShape::of_element(field, element)?,
+            ..self
+        })
     }
 
     /// The same click on the same field with another crown.
     #[must_use]
     pub(super) fn recrowned(&self, from: &FieldModel, to: &FieldModel) -> Self {
-        Self { shape: self.shape.recrowned(from.crown(), to.crown()), ..*self }
+        Self {
+            shape: self.shape.recrowned(from.crown(), to.crown()),
+            ..*self
+        }
     }
 
     /// The same click, held out of the solve.
     #[must_use]
     pub const fn held_out(self) -> Self {
-        Self { check: true, ..self }
+        Self {
+            check: true,
+            ..self
+        }
     }
 
     /// How many equations it gives.
@@ -108,7 +151,9 @@ impl Observation {
     /// Its distance from what it shows, px; none where that has no image.
     #[must_use]
     pub fn distance_px(&self, camera: &PtzCamera) -> Option<f64> {
-        self.shape.residual_px(camera, self.image).map(|residual| residual.norm())
+        self.shape
+            .residual_px(camera, self.image)
+            .map(|residual| residual.norm())
     }
 }
 
@@ -134,6 +179,10 @@ impl Residual<2, 0, 3> for Observation {
     fn linearised(&self, camera: &PtzCamera) -> Option<Linearised<2, 0, 3>> {
         let (value, mut by_own) = self.shape.residual_by_ptz(camera, self.image)?;
         by_own.column_mut(2).scale_mut(camera.ptz().focal_px);
-        Some(Linearised { value, by_shared: SMatrix::zeros(), by_own })
+        Some(Linearised {
+            value,
+            by_shared: SMatrix::zeros(),
+            by_own,
+        })
     }
 }

@@ -1,11 +1,13 @@
 //! Pan and tilt from one point, focal length known (appendix 6.2 of the paper, made total).
 //!
-//! With b the unit direction to the point in `base`, u that of its pixel in `cam` and h = hypot(`b_x`, `b_z`):
+//! With b the unit direction to the point in `base`, u that of its pixel in `cam` and h =
+//! hypot(`b_x`, `b_z`):
 //!
-//! θ = atan2(`b_x`, `b_z`) − asin(`u_x` / h),  φ = atan2(`u_y`, `u_z`) − atan2(`b_y`, √(h² − `u_x`²)).
+//! θ = atan2(`b_x`, `b_z`) − asin(`u_x` / h), φ = atan2(`u_y`, `u_z`) − atan2(`b_y`, √(h² −
+//! `u_x`²)).
 //!
-//! It is the paper's quadratic in tan(pan) without the division that fails on the picture's vertical centre line; the
-//! other branch turns the camera upside down.
+//! It is the paper's quadratic in tan(pan) without the division that fails on the picture's
+//! vertical centre line; the other branch turns the camera upside down.
 
 use crate::camera::{CameraBase, Ptz, PtzCamera, UndistortError};
 use crate::geometry::{Angle, ImagePoint, Vec2, Vec3};
@@ -16,7 +18,9 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum OnePointError {
     /// The point is so steeply above or below the camera that no pan brings it to that column.
-    #[error("no pan brings a point at tilt {tilt_deg:.2}° to a pixel {column_deg:.2}° beside the optical axis")]
+    #[error(
+        "no pan brings a point at tilt {tilt_deg:.2}° to a pixel {column_deg:.2}° beside the optical axis"
+    )]
     OutOfReach {
         /// The tilt of the point's ray, degrees.
         tilt_deg: f64,
@@ -28,11 +32,15 @@ pub enum OnePointError {
     Undistort(#[from] UndistortError),
 }
 
-/// Pan and tilt that bring a direction (in `base`, any length but zero) to an ideal point on the plane z = 1 of `cam`.
+/// Pan and tilt that bring a direction (in `base`, any length but zero) to an ideal point on the
+/// plane z = 1 of `cam`.
 ///
 /// # Errors
 /// [`OnePointError::OutOfReach`] near the poles of the pan axis, and for a direction that is zero or not finite.
-pub fn pan_tilt_from_one_ray(direction_in_base: Vec3, ideal_in_cam: Vec2) -> Result<(Angle, Angle), OnePointError> {
+pub fn pan_tilt_from_one_ray(
+    direction_in_base: Vec3,
+    ideal_in_cam: Vec2,
+) -> Result<(Angle, Angle), OnePointError> {
     let b = direction_in_base.normalize();
     let u = Vec3::new(ideal_in_cam.x, ideal_in_cam.y, 1.0).normalize();
     let horizontal = b.x.hypot(b.z);
@@ -45,7 +53,10 @@ pub fn pan_tilt_from_one_ray(direction_in_base: Vec3, ideal_in_cam: Vec2) -> Res
     let pan = b.x.atan2(b.z) - (u.x / horizontal).asin();
     let ahead = ((horizontal - u.x) * (horizontal + u.x)).sqrt();
     let tilt = u.y.atan2(u.z) - b.y.atan2(ahead);
-    Ok((Angle::from_radians(pan).wrapped(), Angle::from_radians(tilt).wrapped()))
+    Ok((
+        Angle::from_radians(pan).wrapped(),
+        Angle::from_radians(tilt).wrapped(),
+    ))
 }
 
 /// Pan and tilt that bring a world point to a pixel at a given focal length, distortion included.
@@ -58,10 +69,21 @@ pub fn pan_tilt_from_one_point(
     point_in_world: Vec3,
     image: ImagePoint,
 ) -> Result<Ptz, OnePointError> {
-    let lens = PtzCamera::new(*base, Ptz { pan: Angle::ZERO, tilt: Angle::ZERO, focal_px });
+    let lens = PtzCamera::new(
+        *base,
+        Ptz {
+            pan: Angle::ZERO,
+            tilt: Angle::ZERO,
+            focal_px,
+        },
+    );
     let ideal = lens.cam_plane_from_image(image)?;
     let (pan, tilt) = pan_tilt_from_one_ray(base.base_from_world_point(point_in_world), ideal)?;
-    Ok(Ptz { pan, tilt, focal_px })
+    Ok(Ptz {
+        pan,
+        tilt,
+        focal_px,
+    })
 }
 
 #[cfg(test)]
@@ -75,7 +97,11 @@ mod tests {
             distortion: FocalCurve::constant(k1),
             ..CameraBase::new(
                 Vec3::new(2.0, -60.0, 18.0),
-                BaseAngles { pitch: Angle::from_degrees(1.0), ..BaseAngles::default() }.base_from_world(),
+                BaseAngles {
+                    pitch: Angle::from_degrees(1.0),
+                    ..BaseAngles::default()
+                }
+                .base_from_world(),
                 ImagePoint::new(960.0, 540.0),
             )
         }
@@ -100,9 +126,16 @@ mod tests {
     #[test]
     fn a_click_on_the_principal_point_is_an_ordinary_case() {
         let base = base(-0.05);
-        let found = pan_tilt_from_one_point(&base, 2000.0, Vec3::zeros(), base.principal_point).unwrap();
+        let found =
+            pan_tilt_from_one_point(&base, 2000.0, Vec3::zeros(), base.principal_point).unwrap();
         let camera = PtzCamera::new(base, found);
-        assert!(camera.image_from_world(Vec3::zeros()).unwrap().distance_px(base.principal_point) < 1e-9);
+        assert!(
+            camera
+                .image_from_world(Vec3::zeros())
+                .unwrap()
+                .distance_px(base.principal_point)
+                < 1e-9
+        );
     }
 
     #[test]

@@ -1,11 +1,11 @@
 //! A camera from four or more landmarks on the ground, nothing else known but the principal point.
 //!
-//! The homography of the plane z = 0 has K [r₁ r₂ t] for its columns, up to scale. Zero skew and square pixels make two
-//! equations, linear in 1/f², of r₁ ⟂ r₂ and |r₁| = |r₂| (Zhang 2000, section 3.1, with a known principal point); then R and
-//! the position follow.
+//! The homography of the plane z = 0 has K [r₁ r₂ t] for its columns, up to scale. Zero skew and
+//! square pixels make two equations, linear in 1/f², of r₁ ⟂ r₂ and |r₁| = |r₂| (Zhang 2000,
+//! section 3.1, with a known principal point); then R and the position follow.
 //!
-//! That is a camera, but not the nearest one: a homography has one degree of freedom more than it. [`PlanePose::refined`] brings
-//! it as near to the points as a camera can come.
+//! That is a camera, but not the nearest one: a homography has one degree of freedom more than it.
+//! [`PlanePose::refined`] brings it as near to the points as a camera can come.
 
 use super::Loss;
 use super::least_squares::{BlockEquations, Problem, Stopping, minimise};
@@ -41,7 +41,8 @@ pub enum PlanePoseError {
     /// No homography.
     #[error(transparent)]
     Homography(#[from] HomographyError),
-    /// No focal length explains the homography: the clicks are too noisy or too close together, or their names are wrong.
+    /// No focal length explains the homography: the clicks are too noisy or too close together, or
+    /// their names are wrong.
     #[error("no focal length explains these points (1/f² = {inverse_square:.2e} px⁻²)")]
     NoFocalLength {
         /// The least-squares solution for 1/f², px⁻².
@@ -50,15 +51,22 @@ pub enum PlanePoseError {
 }
 
 impl PlanePose {
-    /// The camera near this one with the least squared distances in px from `points` to where it shows them.
+    /// The camera near this one with the least squared distances in px from `points` to where it
+    /// shows them.
     #[must_use]
     pub fn refined(self, points: &[(Vec2, ImagePoint)], principal_point: ImagePoint) -> Self {
         let shown = |(ground, image): &(Vec2, ImagePoint)| ShownGround {
             ground_m: Vec3::new(ground.x, ground.y, 0.0),
             offset_px: image.offset_from(principal_point),
         };
-        let problem = NearestPose { points: points.iter().map(shown).collect() };
-        let until = Stopping { max_iterations: MAX_ITERATIONS, short_step: ENOUGH, small_gain: 0.0 };
+        let problem = NearestPose {
+            points: points.iter().map(shown).collect(),
+        };
+        let until = Stopping {
+            max_iterations: MAX_ITERATIONS,
+            short_step: ENOUGH,
+            small_gain: 0.0,
+        };
         minimise(&problem, self, until).state
     }
 }
@@ -102,10 +110,18 @@ impl Residual<2, 0, 7> for ShownGround {
         let by_seen = Matrix2x3::new(1.0, 0.0, -x, 0.0, 1.0, -y) * (pose.focal_px / seen.z);
         let at = Vector2::new(x, y) * pose.focal_px;
         let mut by_own = SMatrix::<f64, 2, 7>::zeros();
-        by_own.fixed_columns_mut::<3>(0).copy_from(&(by_seen * -skew(seen)));
-        by_own.fixed_columns_mut::<3>(3).copy_from(&(by_seen * -pose.cam_from_world));
+        by_own
+            .fixed_columns_mut::<3>(0)
+            .copy_from(&(by_seen * -skew(seen)));
+        by_own
+            .fixed_columns_mut::<3>(3)
+            .copy_from(&(by_seen * -pose.cam_from_world));
         by_own.set_column(6, &at);
-        Some(Linearised { value: at - self.offset_px, by_shared: SMatrix::zeros(), by_own })
+        Some(Linearised {
+            value: at - self.offset_px,
+            by_shared: SMatrix::zeros(),
+            by_own,
+        })
     }
 }
 
@@ -148,15 +164,20 @@ pub fn pose_from_plane(
     points: &[(Vec2, ImagePoint)],
     principal_point: ImagePoint,
 ) -> Result<PlanePose, PlanePoseError> {
-    let pairs: Vec<(Vec2, Vec2)> =
-        points.iter().map(|(ground, image)| (*ground, image.offset_from(principal_point))).collect();
+    let pairs: Vec<(Vec2, Vec2)> = points
+        .iter()
+        .map(|(ground, image)| (*ground, image.offset_from(principal_point)))
+        .collect();
     let h = homography(&pairs)?;
     let (h1, h2) = (h.column(0), h.column(1));
     // a · w + b = 0 with w = 1/f².
     let orthogonal = (h1.x * h2.x + h1.y * h2.y, h1.z * h2.z);
-    let equal = (h1.x * h1.x + h1.y * h1.y - h2.x * h2.x - h2.y * h2.y, h1.z * h1.z - h2.z * h2.z);
-    let inverse_square =
-        -(orthogonal.0 * orthogonal.1 + equal.0 * equal.1) / (orthogonal.0 * orthogonal.0 + equal.0 * equal.0);
+    let equal = (
+        h1.x * h1.x + h1.y * h1.y - h2.x * h2.x - h2.y * h2.y,
+        h1.z * h1.z - h2.z * h2.z,
+    );
+    let inverse_square = -(orthogonal.0 * orthogonal.1 + equal.0 * equal.1)
+        / (orthogonal.0 * orthogonal.0 + equal.0 * equal.0);
     if !(inverse_square > 0.0 && inverse_square.is_finite()) {
         return Err(PlanePoseError::NoFocalLength { inverse_square });
     }
@@ -164,13 +185,20 @@ pub fn pose_from_plane(
     let mut columns = Mat3::from_diagonal(&Vec3::new(1.0 / focal_px, 1.0 / focal_px, 1.0)) * h;
     columns *= 2.0 / (columns.column(0).norm() + columns.column(1).norm());
     // Of the two signs the one that has the points before the camera.
-    let depths: f64 = points.iter().map(|(ground, _)| (columns * Vec3::new(ground.x, ground.y, 1.0)).z).sum();
+    let depths: f64 = points
+        .iter()
+        .map(|(ground, _)| (columns * Vec3::new(ground.x, ground.y, 1.0)).z)
+        .sum();
     if depths < 0.0 {
         columns = -columns;
     }
     let [r1, r2, t] = [0, 1, 2].map(|i| Vec3::from(columns.column(i)));
     let cam_from_world = nearest_rotation(&Mat3::from_columns(&[r1, r2, r1.cross(&r2)]));
-    Ok(PlanePose { position_m: -(cam_from_world.transpose() * t), cam_from_world, focal_px })
+    Ok(PlanePose {
+        position_m: -(cam_from_world.transpose() * t),
+        cam_from_world,
+        focal_px,
+    })
 }
 
 #[cfg(test)]
@@ -181,9 +209,15 @@ mod tests {
     use crate::solve::residual::assert_derivatives;
 
     fn leaning() -> PtzCamera {
-        let angles = BaseAngles { roll: crate::geometry::Angle::from_degrees(1.5), ..BaseAngles::default() };
-        let base =
-            CameraBase::new(Vec3::new(-8.0, -62.0, 17.0), angles.base_from_world(), ImagePoint::new(640.0, 360.0));
+        let angles = BaseAngles {
+            roll: crate::geometry::Angle::from_degrees(1.5),
+            ..BaseAngles::default()
+        };
+        let base = CameraBase::new(
+            Vec3::new(-8.0, -62.0, 17.0),
+            angles.base_from_world(),
+            ImagePoint::new(640.0, 360.0),
+        );
         PtzCamera::new(base, Ptz::from_degrees(-12.0, -11.0, 1800.0))
     }
 
@@ -196,9 +230,15 @@ mod tests {
             focal_px: camera.ptz().focal_px,
         };
         for ground in [[-20.0, 3.0], [-31.0, 20.0], [0.0, 34.0]] {
-            let point =
-                ShownGround { ground_m: Vec3::new(ground[0], ground[1], 0.0), offset_px: Vec2::new(12.0, -80.0) };
-            assert_derivatives(&point, |_: &SVector<f64, 0>, step| stepped(&pose, step), "ground");
+            let point = ShownGround {
+                ground_m: Vec3::new(ground[0], ground[1], 0.0),
+                offset_px: Vec2::new(12.0, -80.0),
+            };
+            assert_derivatives(
+                &point,
+                |_: &SVector<f64, 0>, step| stepped(&pose, step),
+                "ground",
+            );
         }
     }
 
@@ -208,50 +248,89 @@ mod tests {
         let pp = camera.base().principal_point;
         let (mut points, mut exact) = (Vec::new(), Vec::new());
         for index in 0..81_u32 {
-            let ground = Vec2::new(-35.0 + 4.0 * f64::from(index % 9), -5.0 + 4.0 * f64::from(index / 9));
-            let Ok(image) = camera.image_from_world(Vec3::new(ground.x, ground.y, 0.0)) else { continue };
+            let ground = Vec2::new(
+                -35.0 + 4.0 * f64::from(index % 9),
+                -5.0 + 4.0 * f64::from(index / 9),
+            );
+            let Ok(image) = camera.image_from_world(Vec3::new(ground.x, ground.y, 0.0)) else {
+                continue;
+            };
             // The picture a little sheared, as homographies without a camera are.
             exact.push((ground, image));
-            points.push((ground, ImagePoint::new(image.x + 0.02 * (image.y - pp.y), image.y)));
+            points.push((
+                ground,
+                ImagePoint::new(image.x + 0.02 * (image.y - pp.y), image.y),
+            ));
         }
         let rms_px = |pose: &PlanePose, points: &[(Vec2, ImagePoint)]| {
             let squared = |(ground, image): &(Vec2, ImagePoint)| {
-                let shown =
-                    ShownGround { ground_m: Vec3::new(ground.x, ground.y, 0.0), offset_px: image.offset_from(pp) };
+                let shown = ShownGround {
+                    ground_m: Vec3::new(ground.x, ground.y, 0.0),
+                    offset_px: image.offset_from(pp),
+                };
                 shown.value(pose).unwrap().norm_squared()
             };
             (points.iter().map(squared).sum::<f64>() / points.len() as f64).sqrt()
         };
         let closed = pose_from_plane(&points, pp).unwrap();
         let refined = closed.refined(&points, pp);
-        assert!(rms_px(&refined, &points) < 0.7 * rms_px(&closed, &points), "{closed:?} {refined:?}");
+        assert!(
+            rms_px(&refined, &points) < 0.7 * rms_px(&closed, &points),
+            "{closed:?} {refined:?}"
+        );
         for parameter in 0..7 {
             for side in [-1e-4, 1e-4] {
                 let mut step = PoseStep::zeros();
                 step[parameter] = side;
-                assert!(rms_px(&stepped(&refined, &step), &points) >= rms_px(&refined, &points) - 1e-12);
+                assert!(
+                    rms_px(&stepped(&refined, &step), &points) >= rms_px(&refined, &points) - 1e-12
+                );
             }
         }
         let of_exact = pose_from_plane(&exact, pp).unwrap().refined(&exact, pp);
-        assert!((of_exact.position_m - camera.base().position_m).norm() < 1e-6, "{of_exact:?}");
+        assert!(
+            (of_exact.position_m - camera.base().position_m).norm() < 1e-6,
+            "{of_exact:?}"
+        );
     }
 
     #[test]
     fn exact_points_give_the_camera() {
         let pp = ImagePoint::new(950.0, 545.0);
-        let base = CameraBase::new(Vec3::new(5.0, -70.0, 21.0), BaseAngles::default().base_from_world(), pp);
+        let base = CameraBase::new(
+            Vec3::new(5.0, -70.0, 21.0),
+            BaseAngles::default().base_from_world(),
+            pp,
+        );
         let camera = PtzCamera::new(base, Ptz::from_degrees(24.0, -14.0, 2100.0));
-        let ground = [[36.0, 20.16], [52.5, -20.16], [36.0, -20.16], [52.5, 20.16], [41.5, 0.0]];
+        let ground = [
+            [36.0, 20.16],
+            [52.5, -20.16],
+            [36.0, -20.16],
+            [52.5, 20.16],
+            [41.5, 0.0],
+        ];
         let points: Vec<(Vec2, ImagePoint)> = ground
             .iter()
-            .map(|&[x, y]| (Vec2::new(x, y), camera.image_from_world(Vec3::new(x, y, 0.0)).unwrap()))
+            .map(|&[x, y]| {
+                (
+                    Vec2::new(x, y),
+                    camera.image_from_world(Vec3::new(x, y, 0.0)).unwrap(),
+                )
+            })
             .collect();
         for points in [&points[..4], &points[..]] {
             let pose = pose_from_plane(points, pp).unwrap();
-            assert!((pose.position_m - base.position_m).norm() < 1e-4, "{pose:?}");
+            assert!(
+                (pose.position_m - base.position_m).norm() < 1e-4,
+                "{pose:?}"
+            );
             assert!((pose.focal_px - 2100.0).abs() < 1e-3);
             assert!(angle_between(&pose.cam_from_world, &camera.cam_from_world()).degrees() < 1e-5);
         }
-        assert!(matches!(pose_from_plane(&points[..3], pp), Err(PlanePoseError::Homography(_))));
+        assert!(matches!(
+            pose_from_plane(&points[..3], pp),
+            Err(PlanePoseError::Homography(_))
+        ));
     }
 }

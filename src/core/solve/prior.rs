@@ -18,8 +18,8 @@ pub struct PtzPrior {
     pub sigma_tilt: Angle,
     /// 1-σ of the focal length as a share of it.
     pub sigma_focal_share: f64,
-    /// How what is expected follows an error of the base, as [`Uncertainty::by_base`] has it: not at all where it was not found
-    /// with that base.
+    /// How what is expected follows an error of the base, as [`Uncertainty::by_base`] has it: not
+    /// at all where it was not found with that base.
     ///
     /// [`Uncertainty::by_base`]: super::Uncertainty::by_base
     pub by_base: SMatrix<f64, 3, SHARED_COLUMNS>,
@@ -28,12 +28,19 @@ pub struct PtzPrior {
 impl PtzPrior {
     /// 1 / σ of (pan rad, tilt rad, log f).
     fn inverse_sigmas(&self) -> Vec3 {
-        Vec3::new(self.sigma_pan.radians(), self.sigma_tilt.radians(), self.sigma_focal_share).map(f64::recip)
+        Vec3::new(
+            self.sigma_pan.radians(),
+            self.sigma_tilt.radians(),
+            self.sigma_focal_share,
+        )
+        .map(f64::recip)
     }
 
     /// Its information on (pan rad, tilt rad, focal px) at a focal length.
     pub(super) fn information(&self, focal_px: f64) -> Mat3 {
-        let inverse = self.inverse_sigmas().component_div(&Vec3::new(1.0, 1.0, focal_px));
+        let inverse = self
+            .inverse_sigmas()
+            .component_div(&Vec3::new(1.0, 1.0, focal_px));
         Mat3::from_diagonal(&inverse.component_mul(&inverse))
     }
 }
@@ -62,7 +69,11 @@ impl Residual<3, 0, 3> for PtzPrior {
 
     fn linearised(&self, camera: &PtzCamera) -> Option<Linearised<3, 0, 3>> {
         let by_own = Mat3::from_diagonal(&self.inverse_sigmas());
-        Some(Linearised { value: self.value(camera)?, by_shared: SMatrix::zeros(), by_own })
+        Some(Linearised {
+            value: self.value(camera)?,
+            by_shared: SMatrix::zeros(),
+            by_own,
+        })
     }
 
     fn loss(&self, _: Loss) -> Loss {

@@ -16,7 +16,8 @@ pub struct PtzRanges {
 }
 
 impl PtzRanges {
-    /// Any pan, tilt from straight down to 20° up, fields of view from 1.5° to 90° of a frame this wide.
+    /// Any pan, tilt from straight down to 20° up, fields of view from 1.5° to 90° of a frame this
+    /// wide.
     #[must_use]
     pub fn for_width(width_px: u32) -> Self {
         let width_px = f64::from(width_px);
@@ -30,6 +31,8 @@ impl PtzRanges {
     /// Whether all three lie within.
     #[must_use]
     pub fn contains(&self, ptz: &Ptz) -> bool {
-        self.pan.contains(ptz.pan) && self.tilt.contains(&ptz.tilt) && self.focal_px.contains(&ptz.focal_px)
+        self.pan.contains(ptz.pan)
+            && self.tilt.contains(&ptz.tilt)
+            && self.focal_px.contains(&ptz.focal_px)
     }
 }

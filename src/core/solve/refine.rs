@@ -1,7 +1,8 @@
-//! One frame of a known base: pan, tilt and log focal length over everything that is measured in it.
+//! One frame of a known base: pan, tilt and log focal length over everything that is measured in
+//! it.
 //!
-//! A landmark gives two residuals, a point on a line one, a prior three; all in sigmas, with analytic Jacobians. Nothing is
-//! allocated.
+//! A landmark gives two residuals, a point on a line one, a prior three; all in sigmas, with
+//! analytic Jacobians. Nothing is allocated.
 
 use super::least_squares::{BlockEquations, NO_VALUE_SIGMAS, Problem, Stopping, minimise};
 use super::residual::Residual;
@@ -26,7 +27,8 @@ pub struct Refined {
     pub iterations: usize,
 }
 
-/// Refines pan, tilt and focal length over all observations (held-out ones as well: leave them out before).
+/// Refines pan, tilt and focal length over all observations (held-out ones as well: leave them out
+/// before).
 #[must_use]
 pub fn refine(
     base: &CameraBase,
@@ -49,10 +51,30 @@ pub fn refine_until(
     prior: Option<&PtzPrior>,
     enough: f64,
 ) -> Refined {
-    let until = Stopping { max_iterations: MAX_ITERATIONS, short_step: enough, small_gain: 0.0 };
-    let found = minimise(&FrameProblem { base, residuals: observations, loss, prior }, start, until);
-    let ptz = Ptz { pan: found.state.pan.wrapped(), ..found.state };
-    Refined { ptz, cost: found.equations.cost(), iterations: found.iterations }
+    let until = Stopping {
+        max_iterations: MAX_ITERATIONS,
+        short_step: enough,
+        small_gain: 0.0,
+    };
+    let found = minimise(
+        &FrameProblem {
+            base,
+            residuals: observations,
+            loss,
+            prior,
+        },
+        start,
+        until,
+    );
+    let ptz = Ptz {
+        pan: found.state.pan.wrapped(),
+        ..found.state
+    };
+    Refined {
+        ptz,
+        cost: found.equations.cost(),
+        iterations: found.iterations,
+    }
 }
 
 /// The pan, tilt and focal length of one frame, from residuals of one kind and a prior.
@@ -99,13 +121,20 @@ pub(super) fn stepped(ptz: &Ptz, step: &Vec3) -> Ptz {
 
 /// The cost of a camera without refining it.
 pub(super) fn cost(camera: &PtzCamera, observations: &[Observation], loss: Loss) -> f64 {
-    let of = |observation: &Observation| squared_sigmas(observation.distance_px(camera), observation.sigma_px);
-    observations.iter().map(|observation| loss.of(of(observation)).0).sum()
+    let of = |observation: &Observation| {
+        squared_sigmas(observation.distance_px(camera), observation.sigma_px)
+    };
+    observations
+        .iter()
+        .map(|observation| loss.of(of(observation)).0)
+        .sum()
 }
 
 /// The square of a distance in sigmas; a large constant where there is no image.
 pub(super) fn squared_sigmas(distance_px: Option<f64>, sigma_px: f64) -> f64 {
-    distance_px.map_or(NO_VALUE_SIGMAS * NO_VALUE_SIGMAS, |distance| (distance / sigma_px).powi(2))
+    distance_px.map_or(NO_VALUE_SIGMAS * NO_VALUE_SIGMAS, |distance| {
+        (distance / sigma_px).powi(2)
+    })
 }
 
 #[cfg(test)]
@@ -118,16 +147,28 @@ mod tests {
     use std::collections::BTreeMap;
 
     #[test]
-    fn the_cost_of_many_observations_is_the_sum_of_their_losses_and_the_last_digits_need_not_be_waited_for() {
-        let base = CameraBase::new(Vec3::zeros(), Mat3::identity(), ImagePoint::new(640.0, 360.0));
+    fn the_cost_of_many_observations_is_the_sum_of_their_losses_and_the_last_digits_need_not_be_waited_for()
+     {
+        let base = CameraBase::new(
+            Vec3::zeros(),
+            Mat3::identity(),
+            ImagePoint::new(640.0, 360.0),
+        );
         let truth = Ptz::from_degrees(4.0, -9.0, 2300.0);
         let camera = PtzCamera::new(base, truth);
-        // Noise, and every fourth far off, one without an image: products beyond what a number holds many times over.
+        // Noise, and every fourth far off, one without an image: products beyond what a number
+        // holds many times over.
         let observations: Vec<Observation> = (0..2000u32)
             .map(|i| {
                 let (x, y) = (f64::from(i * 7919 % 1280), f64::from(i * 104_729 % 720));
-                let direction = camera.world_direction_from_image(ImagePoint::new(x, y)).unwrap();
-                let off = if i % 4 == 0 { 300.0 } else { f64::from(i % 13) / 13.0 };
+                let direction = camera
+                    .world_direction_from_image(ImagePoint::new(x, y))
+                    .unwrap();
+                let off = if i % 4 == 0 {
+                    300.0
+                } else {
+                    f64::from(i % 13) / 13.0
+                };
                 let at = if i == 1001 { -direction } else { direction };
                 Observation::of_point(at, ImagePoint::new(x + off, y - off / 2.0), 0.5, 0)
             })
@@ -136,7 +177,11 @@ mod tests {
         let start = Ptz::from_degrees(4.01, -9.02, 2305.0);
         let refined = refine(&base, start, &observations, loss, None);
         let summed = cost(&PtzCamera::new(base, refined.ptz), &observations, loss);
-        assert!((refined.cost - summed).abs() < 1e-9 * summed, "{} is not {summed}", refined.cost);
+        assert!(
+            (refined.cost - summed).abs() < 1e-9 * summed,
+            "{} is not {summed}",
+            refined.cost
+        );
         let sooner = refine_until(&base, start, &observations, loss, None, 1e-8);
         assert!(sooner.iterations < refined.iterations);
         assert!((sooner.ptz.pan - refined.ptz.pan).radians().abs() < 1e-8);
@@ -146,16 +191,29 @@ mod tests {
     #[test]
     fn clicks_and_priors_change_with_pan_tilt_and_focal_length_as_their_jacobians_say() {
         let base = CameraBase {
-            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.2, ..FocalCurve::NONE },
+            distortion: FocalCurve {
+                at_focal_px: 2000.0,
+                value: -0.05,
+                per_1000_px: 0.2,
+                ..FocalCurve::NONE
+            },
             ..CameraBase::new(
                 Vec3::new(3.0, -62.0, 17.0),
-                BaseAngles { roll: Angle::from_degrees(0.7), ..BaseAngles::default() }.base_from_world(),
+                BaseAngles {
+                    roll: Angle::from_degrees(0.7),
+                    ..BaseAngles::default()
+                }
+                .base_from_world(),
                 ImagePoint::new(955.0, 543.0),
             )
         };
         let ptz = Ptz::from_degrees(-4.0, -15.0, 1910.0);
-        let stepped = |_: &nalgebra::SVector<f64, 0>, step: &Vec3| PtzCamera::new(base, stepped(&ptz, step));
-        let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.15).unwrap();
+        let stepped =
+            |_: &nalgebra::SVector<f64, 0>, step: &Vec3| PtzCamera::new(base, stepped(&ptz, step));
+        let field = builtin("soccer")
+            .unwrap()
+            .model(&BTreeMap::new(), 0.15)
+            .unwrap();
         let (image, size) = (ImagePoint::new(880.0, 400.0), ImageSize::new(1920, 1080));
         for name in ["centre_mark", "centre_circle_left", "post_far_left_top"] {
             let click = Observation::of_landmark(&field, name, image, size, 0).unwrap();

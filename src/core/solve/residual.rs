@@ -1,6 +1,8 @@
-//! What a least-squares problem adds up: one trait for clicks, priors and whatever else is measured.
+//! What a least-squares problem adds up: one trait for clicks, priors and whatever else is
+//! measured.
 //!
-//! A new kind of measurement is one type with one implementation of [`Residual`]. [`BlockEquations::add`] takes it, and
+//! A new kind of measurement is one type with one implementation of [`Residual`].
+//! [`BlockEquations::add`] takes it, and
 //! [`assert_derivatives`] tests its Jacobian.
 //!
 //! [`BlockEquations::add`]: super::least_squares::BlockEquations::add
@@ -9,21 +11,25 @@ use super::Loss;
 use crate::field::FieldElement;
 use nalgebra::{SMatrix, SVector};
 
-/// A measurement as `ROWS` numbers that would be zero if the parameters were right and nothing scattered.
+/// A measurement as `ROWS` numbers that would be zero if the parameters were right and nothing
+/// scattered.
 ///
-/// The parameters come in two groups: `SHARED` ones that all pictures have in common (none where the base is known), and
-/// `OWN` ones of one picture (pan in rad, tilt in rad, logarithm of the focal length).
+/// The parameters come in two groups: `SHARED` ones that all pictures have in common (none where
+/// the base is known), and `OWN` ones of one picture (pan in rad, tilt in rad, logarithm of the
+/// focal length).
 pub trait Residual<const ROWS: usize, const SHARED: usize, const OWN: usize> {
     /// What it is evaluated at, such as a camera.
     type State;
 
-    /// The landmark or line of the field that it is of; none for a prior, or a point that is no part of the field.
+    /// The landmark or line of the field that it is of; none for a prior, or a point that is no
+    /// part of the field.
     fn element(&self) -> Option<FieldElement>;
 
     /// 1-σ of each of its numbers, in their unit.
     fn sigma(&self) -> f64;
 
-    /// Its numbers; none where the state predicts nothing to compare with, such as a point behind the camera.
+    /// Its numbers; none where the state predicts nothing to compare with, such as a point behind
+    /// the camera.
     fn value(&self, at: &Self::State) -> Option<SVector<f64, ROWS>>;
 
     /// Its numbers and their derivatives by the parameters.
@@ -46,8 +52,8 @@ pub struct Linearised<const ROWS: usize, const SHARED: usize, const OWN: usize> 
     pub by_own: SMatrix<f64, ROWS, OWN>,
 }
 
-/// Compares a residual's Jacobian with central differences, parameter by parameter. `stepped` gives the state after a step
-/// of the parameters; `what` is named where it fails.
+/// Compares a residual's Jacobian with central differences, parameter by parameter. `stepped` gives
+/// the state after a step of the parameters; `what` is named where it fails.
 #[cfg(test)]
 pub(crate) fn assert_derivatives<const ROWS: usize, const SHARED: usize, const OWN: usize, R>(
     residual: &R,
@@ -60,22 +66,44 @@ pub(crate) fn assert_derivatives<const ROWS: usize, const SHARED: usize, const O
     let here = stepped(&SVector::zeros(), &SVector::zeros());
     let linearised = residual.linearised(&here).unwrap();
     let value = residual.value(&here).unwrap();
-    assert!((linearised.value - value).norm() < 1e-8, "{what}: {} is not {value}", linearised.value);
-    let at = |shared: &SVector<f64, SHARED>, own: &SVector<f64, OWN>| residual.value(&stepped(shared, own)).unwrap();
-    let agree = |analytic: SVector<f64, ROWS>, numeric: SVector<f64, ROWS>, group: &str, parameter: usize| {
+    assert!(
+        (linearised.value - value).norm() < 1e-8,
+        "{what}: {} is not {value}",
+        linearised.value
+    );
+    let at = |shared: &SVector<f64, SHARED>, own: &SVector<f64, OWN>| {
+        residual.value(&stepped(shared, own)).unwrap()
+    };
+    let agree = |analytic: SVector<f64, ROWS>,
+                 numeric: SVector<f64, ROWS>,
+                 group: &str,
+                 parameter: usize| {
         let error = (analytic - numeric).norm();
-        assert!(error < 2e-5 * (1.0 + numeric.norm()), "{what}, {group} {parameter}: {analytic} is not {numeric}");
+        assert!(
+            error < 2e-5 * (1.0 + numeric.norm()),
+            "{what}, {group} {parameter}: {analytic} is not {numeric}"
+        );
     };
     for parameter in 0..SHARED {
         let mut step = SVector::<f64, SHARED>::zeros();
         step[parameter] = H;
         let numeric = (at(&step, &SVector::zeros()) - at(&-step, &SVector::zeros())) / (2.0 * H);
-        agree(linearised.by_shared.column(parameter).into_owned(), numeric, "shared", parameter);
+        agree(
+            linearised.by_shared.column(parameter).into_owned(),
+            numeric,
+            "shared",
+            parameter,
+        );
     }
     for parameter in 0..OWN {
         let mut step = SVector::<f64, OWN>::zeros();
         step[parameter] = H;
         let numeric = (at(&SVector::zeros(), &step) - at(&SVector::zeros(), &-step)) / (2.0 * H);
-        agree(linearised.by_own.column(parameter).into_owned(), numeric, "own", parameter);
+        agree(
+            linearised.by_own.column(parameter).into_owned(),
+            numeric,
+            "own",
+            parameter,
+        );
     }
 }

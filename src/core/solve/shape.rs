@@ -1,7 +1,7 @@
 //! Where the landmark or line lies that a click shows, and how far off a camera puts the click.
 //!
-//! This is the only place that tells points from curves in solving: a point gives two equations, a curve one, and both give
-//! the same kind of residual.
+//! This is the only place that tells points from curves in solving: a point gives two equations, a
+//! curve one, and both give the same kind of residual.
 
 use super::WorldCurve;
 use super::line::nearest_point;
@@ -16,14 +16,16 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix2x6, SMatrix};
 pub enum ObservedShape {
     /// A point, m, the crown included: two equations.
     Point(Vec3),
-    /// Some point of a curve: one equation. Straight lines count beyond their ends, arcs as their whole circle.
+    /// Some point of a curve: one equation. Straight lines count beyond their ends, arcs as their
+    /// whole circle.
     Curve(WorldCurve),
 }
 
 /// How far a click is from a shape, px, and how that changes.
 ///
-/// For a point it is the offset from the click to the point's image. For a curve the first number is the signed distance
-/// of the click from the projected curve, positive on its left as the picture shows it (y down), and the second is zero.
+/// For a point it is the offset from the click to the point's image. For a curve the first number
+/// is the signed distance of the click from the projected curve, positive on its left as the
+/// picture shows it (y down), and the second is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeJacobian {
     /// The residual, px.
@@ -48,7 +50,14 @@ impl ShapeJacobian {
     /// By everything that frames share.
     #[must_use]
     pub fn by_shared(&self, camera: &PtzCamera) -> SMatrix<f64, 2, SHARED_COLUMNS> {
-        by_shared(camera, &self.by_base, self.by_k1, &self.by_world, &self.by_image, self.nearest_in_world)
+        by_shared(
+            camera,
+            &self.by_base,
+            self.by_k1,
+            &self.by_world,
+            &self.by_image,
+            self.nearest_in_world,
+        )
     }
 }
 
@@ -57,15 +66,18 @@ impl ObservedShape {
     #[must_use]
     pub fn of_element(field: &FieldModel, element: FieldElement) -> Option<Self> {
         match element {
-            FieldElement::Landmark(index) => {
-                field.landmarks.get(index).map(|landmark| Self::Point(field.landmark_in_world(landmark)))
-            }
-            FieldElement::Line(index) => {
-                field.lines.get(index).map(|line| Self::Curve(WorldCurve::on_field(field, line.curve)))
-            }
-            FieldElement::Paint(index) => {
-                field.lines.get(index).map(|line| Self::Curve(WorldCurve::on_field(field, line.paint_centre)))
-            }
+            FieldElement::Landmark(index) => field
+                .landmarks
+                .get(index)
+                .map(|landmark| Self::Point(field.landmark_in_world(landmark))),
+            FieldElement::Line(index) => field
+                .lines
+                .get(index)
+                .map(|line| Self::Curve(WorldCurve::on_field(field, line.curve))),
+            FieldElement::Paint(index) => field
+                .lines
+                .get(index)
+                .map(|line| Self::Curve(WorldCurve::on_field(field, line.paint_centre))),
         }
     }
 
@@ -97,12 +109,18 @@ impl ObservedShape {
         at.iter().all(|x| x.is_finite())
     }
 
-    /// From where a camera puts it (of a curve: from the nearest point) to a click, px; none where it has no image.
+    /// From where a camera puts it (of a curve: from the nearest point) to a click, px; none where
+    /// it has no image.
     #[must_use]
     pub fn offset_px(&self, camera: &PtzCamera, click: ImagePoint) -> Option<Vec2> {
         match self {
-            Self::Point(at) => camera.image_from_world(*at).ok().map(|image| click.offset_from(image)),
-            Self::Curve(curve) => nearest_point(camera, curve, click).map(|nearest| nearest.offset_to(click)),
+            Self::Point(at) => camera
+                .image_from_world(*at)
+                .ok()
+                .map(|image| click.offset_from(image)),
+            Self::Curve(curve) => {
+                nearest_point(camera, curve, click).map(|nearest| nearest.offset_to(click))
+            }
         }
     }
 
@@ -110,18 +128,25 @@ impl ObservedShape {
     #[inline]
     pub(super) fn residual_px(&self, camera: &PtzCamera, click: ImagePoint) -> Option<Vec2> {
         match self {
-            Self::Point(at) => camera.image_from_world(*at).ok().map(|image| image.offset_from(click)),
-            Self::Curve(curve) => {
-                nearest_point(camera, curve, click).map(|nearest| Vec2::new(nearest.distance_px(click), 0.0))
-            }
+            Self::Point(at) => camera
+                .image_from_world(*at)
+                .ok()
+                .map(|image| image.offset_from(click)),
+            Self::Curve(curve) => nearest_point(camera, curve, click)
+                .map(|nearest| Vec2::new(nearest.distance_px(click), 0.0)),
         }
     }
 
-    /// The residual and its derivatives by pan (px/rad), tilt (px/rad) and focal length (px/px): what of
+    /// The residual and its derivatives by pan (px/rad), tilt (px/rad) and focal length (px/px):
+    /// what of
     /// [`Self::jacobian`] a fit over a known base needs.
     #[inline]
     #[must_use]
-    pub fn residual_by_ptz(&self, camera: &PtzCamera, click: ImagePoint) -> Option<(Vec2, Matrix2x3<f64>)> {
+    pub fn residual_by_ptz(
+        &self,
+        camera: &PtzCamera,
+        click: ImagePoint,
+    ) -> Option<(Vec2, Matrix2x3<f64>)> {
         match self {
             Self::Point(at) => {
                 let (image, by_ptz) = camera.image_from_world_by_ptz(*at).ok()?;
@@ -130,7 +155,10 @@ impl ObservedShape {
             Self::Curve(curve) => {
                 let nearest = nearest_point(camera, curve, click)?;
                 let (_, by_ptz) = camera.image_from_world_by_ptz(nearest.in_world()).ok()?;
-                Some((Vec2::new(nearest.distance_px(click), 0.0), nearest.by_image() * by_ptz))
+                Some((
+                    Vec2::new(nearest.distance_px(click), 0.0),
+                    nearest.by_image() * by_ptz,
+                ))
             }
         }
     }
@@ -143,7 +171,12 @@ impl ObservedShape {
             Self::Curve(curve) => {
                 let nearest = nearest_point(camera, curve, click)?;
                 let value_px = Vec2::new(nearest.distance_px(click), 0.0);
-                (nearest.in_world(), nearest.parameter(), Some(value_px), nearest.by_image())
+                (
+                    nearest.in_world(),
+                    nearest.parameter(),
+                    Some(value_px),
+                    nearest.by_image(),
+                )
             }
         };
         let here = camera.image_from_world_jacobian(nearest_in_world).ok()?;
@@ -171,7 +204,8 @@ impl ObservedShape {
         }
     }
 
-    /// The point, or the curve's point at a parameter, as it would be on flat ground; the shape is one on flat ground.
+    /// The point, or the curve's point at a parameter, as it would be on flat ground; the shape is
+    /// one on flat ground.
     pub(super) fn nominal_at(&self, parameter: f64) -> Vec3 {
         match self {
             Self::Point(at) => *at,
@@ -183,7 +217,9 @@ impl ObservedShape {
     #[must_use]
     pub(super) fn moved(self, from: &Self, to: &Self, share: f64) -> Self {
         match (self, from, to) {
-            (Self::Point(at), Self::Point(from), Self::Point(to)) => Self::Point(at + (to - from) * share),
+            (Self::Point(at), Self::Point(from), Self::Point(to)) => {
+                Self::Point(at + (to - from) * share)
+            }
             (Self::Curve(curve), Self::Curve(from), Self::Curve(to)) => {
                 Self::Curve(curve.moved(from.nominal(), to.nominal(), share))
             }
@@ -211,55 +247,144 @@ mod tests {
     const PTZ: Ptz = Ptz::from_degrees(-4.0, -15.0, 1910.0);
 
     fn shapes() -> Vec<ObservedShape> {
-        let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.2).unwrap();
-        let landmarks = ["centre_mark", "centre_circle_left", "post_far_left_top"].map(|id| field.landmark_element(id));
-        let lines =
-            ["halfway_line", "touchline_far", "post_far_left", "centre_circle"].map(|id| field.line_element(id));
+        let field = builtin("soccer")
+            .unwrap()
+            .model(&BTreeMap::new(), 0.2)
+            .unwrap();
+        let landmarks = ["centre_mark", "centre_circle_left", "post_far_left_top"]
+            .map(|id| field.landmark_element(id));
+        let lines = [
+            "halfway_line",
+            "touchline_far",
+            "post_far_left",
+            "centre_circle",
+        ]
+        .map(|id| field.line_element(id));
         let elements = landmarks.into_iter().chain(lines);
-        elements.map(|element| ObservedShape::of_element(&field, element.unwrap()).unwrap()).collect()
+        elements
+            .map(|element| ObservedShape::of_element(&field, element.unwrap()).unwrap())
+            .collect()
     }
 
     #[test]
     fn every_group_of_derivatives_agrees_with_central_differences() {
         let click = ImagePoint::new(890.0, 420.0);
         for shape in shapes() {
-            let at = |base: CameraBase, ptz: Ptz| shape.residual_px(&PtzCamera::new(base, ptz), click).unwrap();
+            let at = |base: CameraBase, ptz: Ptz| {
+                shape
+                    .residual_px(&PtzCamera::new(base, ptz), click)
+                    .unwrap()
+            };
             let camera = PtzCamera::new(base(), PTZ);
             let here = shape.jacobian(&camera, click).unwrap();
             assert!((here.value_px - at(base(), PTZ)).norm() < 1e-9);
             let agrees = |analytic: Vec2, value: &dyn Fn(f64) -> Vec2, h: f64, what: &str| {
                 let numeric = (value(h) - value(-h)) / (2.0 * h);
                 let error = (analytic - numeric).norm();
-                assert!(error < 1e-5 * (1.0 + numeric.norm()), "{shape:?}, {what}: {analytic} is not {numeric}");
+                assert!(
+                    error < 1e-5 * (1.0 + numeric.norm()),
+                    "{shape:?}, {what}: {analytic} is not {numeric}"
+                );
             };
             let radians = Angle::from_radians;
             let by_ptz = |column: usize| here.by_ptz.column(column).into_owned();
-            agrees(by_ptz(0), &|h| at(base(), Ptz { pan: PTZ.pan + radians(h), ..PTZ }), 1e-6, "pan");
-            agrees(by_ptz(1), &|h| at(base(), Ptz { tilt: PTZ.tilt + radians(h), ..PTZ }), 1e-6, "tilt");
-            agrees(by_ptz(2), &|h| at(base(), Ptz { focal_px: PTZ.focal_px + h, ..PTZ }), 1e-3, "focal length");
+            agrees(
+                by_ptz(0),
+                &|h| {
+                    at(
+                        base(),
+                        Ptz {
+                            pan: PTZ.pan + radians(h),
+                            ..PTZ
+                        },
+                    )
+                },
+                1e-6,
+                "pan",
+            );
+            agrees(
+                by_ptz(1),
+                &|h| {
+                    at(
+                        base(),
+                        Ptz {
+                            tilt: PTZ.tilt + radians(h),
+                            ..PTZ
+                        },
+                    )
+                },
+                1e-6,
+                "tilt",
+            );
+            agrees(
+                by_ptz(2),
+                &|h| {
+                    at(
+                        base(),
+                        Ptz {
+                            focal_px: PTZ.focal_px + h,
+                            ..PTZ
+                        },
+                    )
+                },
+                1e-3,
+                "focal length",
+            );
             for axis in 0..3 {
                 let unit = Vec3::ith(axis, 1.0);
-                let moved = |h: f64| CameraBase { position_m: base().position_m + unit * h, ..base() };
+                let moved = |h: f64| CameraBase {
+                    position_m: base().position_m + unit * h,
+                    ..base()
+                };
                 let turned = |h: f64| CameraBase {
                     base_from_world: base().base_from_world * from_rotation_vector(unit * h),
                     ..base()
                 };
-                agrees(here.by_base.column(axis).into_owned(), &|h| at(moved(h), PTZ), 1e-5, "position");
-                agrees(here.by_base.column(3 + axis).into_owned(), &|h| at(turned(h), PTZ), 1e-6, "rotation");
+                agrees(
+                    here.by_base.column(axis).into_owned(),
+                    &|h| at(moved(h), PTZ),
+                    1e-5,
+                    "position",
+                );
+                agrees(
+                    here.by_base.column(3 + axis).into_owned(),
+                    &|h| at(turned(h), PTZ),
+                    1e-6,
+                    "rotation",
+                );
                 if let ObservedShape::Point(world) = shape {
-                    let raised = |h: f64| ObservedShape::Point(world + unit * h).residual_px(&camera, click).unwrap();
-                    agrees(here.by_world.column(axis).into_owned(), &raised, 1e-5, "world");
+                    let raised = |h: f64| {
+                        ObservedShape::Point(world + unit * h)
+                            .residual_px(&camera, click)
+                            .unwrap()
+                    };
+                    agrees(
+                        here.by_world.column(axis).into_owned(),
+                        &raised,
+                        1e-5,
+                        "world",
+                    );
                 }
             }
             let bent = |h: f64| CameraBase {
-                distortion: FocalCurve { value: base().distortion.value + h, ..base().distortion },
+                distortion: FocalCurve {
+                    value: base().distortion.value + h,
+                    ..base().distortion
+                },
                 ..base()
             };
             agrees(here.by_k1, &|h| at(bent(h), PTZ), 1e-5, "k1");
             for (column, towards) in [Vec2::x(), Vec2::y()].into_iter().enumerate() {
-                let shifted =
-                    |h: f64| CameraBase { principal_point: base().principal_point.moved(towards * h), ..base() };
-                agrees(here.by_image.column(column).into_owned(), &|h| at(shifted(h), PTZ), 1e-4, "image");
+                let shifted = |h: f64| CameraBase {
+                    principal_point: base().principal_point.moved(towards * h),
+                    ..base()
+                };
+                agrees(
+                    here.by_image.column(column).into_owned(),
+                    &|h| at(shifted(h), PTZ),
+                    1e-4,
+                    "image",
+                );
             }
             let (value, quick) = shape.residual_by_ptz(&camera, click).unwrap();
             assert!((value - here.value_px).norm() < 1e-9 && (quick - here.by_ptz).norm() < 1e-9);
@@ -271,20 +396,34 @@ mod tests {
         let camera = PtzCamera::new(base(), PTZ);
         let click = ImagePoint::new(990.0, 520.0);
         for shape in shapes() {
-            let (offset, residual) =
-                (shape.offset_px(&camera, click).unwrap(), shape.residual_px(&camera, click).unwrap());
+            let (offset, residual) = (
+                shape.offset_px(&camera, click).unwrap(),
+                shape.residual_px(&camera, click).unwrap(),
+            );
             assert!((offset.norm() - residual.norm()).abs() < 1e-6, "{shape:?}");
         }
         let template = builtin("soccer").unwrap();
-        let small = template.model(&BTreeMap::from([("length_m".to_owned(), 100.0)]), 0.1).unwrap();
-        let large = template.model(&BTreeMap::from([("length_m".to_owned(), 101.0)]), 0.1).unwrap();
-        let middle = template.model(&BTreeMap::from([("length_m".to_owned(), 100.25)]), 0.1).unwrap();
-        for element in FieldElement::Landmark(0).alike(&small).chain(FieldElement::Line(0).alike(&small)) {
-            let [from, to, there] =
-                [&small, &large, &middle].map(|field| ObservedShape::of_element(field, element).unwrap());
+        let small = template
+            .model(&BTreeMap::from([("length_m".to_owned(), 100.0)]), 0.1)
+            .unwrap();
+        let large = template
+            .model(&BTreeMap::from([("length_m".to_owned(), 101.0)]), 0.1)
+            .unwrap();
+        let middle = template
+            .model(&BTreeMap::from([("length_m".to_owned(), 100.25)]), 0.1)
+            .unwrap();
+        for element in FieldElement::Landmark(0)
+            .alike(&small)
+            .chain(FieldElement::Line(0).alike(&small))
+        {
+            let [from, to, there] = [&small, &large, &middle]
+                .map(|field| ObservedShape::of_element(field, element).unwrap());
             let moved = from.moved(&from, &to, 0.25);
             for parameter in [0.0, 0.3, 1.0] {
-                assert!((moved.nominal_at(parameter) - there.nominal_at(parameter)).norm() < 1e-9, "{element:?}");
+                assert!(
+                    (moved.nominal_at(parameter) - there.nominal_at(parameter)).norm() < 1e-9,
+                    "{element:?}"
+                );
             }
         }
     }

@@ -5,8 +5,9 @@ use crate::field::Crown;
 use crate::geometry::{Vec2, Vec3};
 use nalgebra::{Matrix2, Matrix2x3, SMatrix};
 
-/// How a projected point moves with everything that frames share, in the order of [`crate::camera::BaseSigma::root`]: given its
-/// derivatives by the base's pose, by k₁, by the world point and by a shift of the picture.
+/// How a projected point moves with everything that frames share, in the order of
+/// [`crate::camera::BaseSigma::root`]: given its derivatives by the base's pose, by k₁, by the
+/// world point and by a shift of the picture.
 pub(super) fn by_shared(
     camera: &PtzCamera,
     by_pose: &SMatrix<f64, 2, 6>,
@@ -26,8 +27,14 @@ pub(super) fn by_shared(
     by.set_column(7, &(by_k1 * kilo_px));
     if base.sigma.crown_m > 0.0 {
         // A higher crown lowers the ground beside the middle.
-        let crown = Crown { height_m: 0.0, width_m: base.sigma.crown_width_m };
-        by.set_column(8, &(by_world.column(2) * -crown.drop_share(point_in_world.y)));
+        let crown = Crown {
+            height_m: 0.0,
+            width_m: base.sigma.crown_width_m,
+        };
+        by.set_column(
+            8,
+            &(by_world.column(2) * -crown.drop_share(point_in_world.y)),
+        );
     }
     by.fixed_columns_mut::<2>(9).copy_from(by_image);
     by

@@ -23,8 +23,8 @@ pub struct Candidate {
 pub struct ClickResidual {
     /// Which click, from 0.
     pub click: usize,
-    /// From the projected landmark, or the nearest point of the projected line, to the click, px. None where the
-    /// solution gives what it shows no image (it is behind the camera).
+    /// From the projected landmark, or the nearest point of the projected line, to the click, px.
+    /// None where the solution gives what it shows no image (it is behind the camera).
     pub offset_px: Option<Vec2>,
     /// The click's own 1-σ, px.
     pub sigma_px: f64,
@@ -35,7 +35,11 @@ impl ClickResidual {
     #[must_use]
     pub fn of(camera: &PtzCamera, observation: &Observation) -> Self {
         let offset_px = observation.shape.offset_px(camera, observation.image);
-        Self { click: observation.click, offset_px, sigma_px: observation.sigma_px }
+        Self {
+            click: observation.click,
+            offset_px,
+            sigma_px: observation.sigma_px,
+        }
     }
 
     /// The distance, px.
@@ -50,10 +54,12 @@ impl ClickResidual {
 pub struct CheckResult {
     /// Which click, from 0.
     pub click: usize,
-    /// Its distance from the projected landmark or line, px; none where the solution gives it no image.
+    /// Its distance from the projected landmark or line, px; none where the solution gives it no
+    /// image.
     pub error_px: Option<f64>,
-    /// That distance in sigmas of click and prediction together: for a landmark the Mahalanobis distance (of right
-    /// ones half are below 1.2, 99 % below 3.0), for a line the plain ratio. None where there is no image.
+    /// That distance in sigmas of click and prediction together: for a landmark the Mahalanobis
+    /// distance (of right ones half are below 1.2, 99 % below 3.0), for a line the plain ratio.
+    /// None where there is no image.
     pub z_score: Option<f64>,
 }
 
@@ -68,22 +74,26 @@ pub struct FrameSolution {
     /// Covariance in the order pan (deg), tilt (deg), focal length (px), as documents hold it.
     #[serde(serialize_with = "crate::geometry::rows")]
     pub covariance: Mat3,
-    /// The same in radians, with the base's part kept apart: gives the overlay's own uncertainty at any pixel.
+    /// The same in radians, with the base's part kept apart: gives the overlay's own uncertainty at
+    /// any pixel.
     #[serde(skip)]
     pub uncertainty: Uncertainty,
     /// One for each click that took part, in the order given.
     pub residuals: Vec<ClickResidual>,
     /// Root mean square of their distances, px.
     pub rms_px: f64,
-    /// Surplus equations: 0 means the residuals prove nothing; two landmarks leave one, a weak check.
+    /// Surplus equations: 0 means the residuals prove nothing; two landmarks leave one, a weak
+    /// check.
     pub redundancy: usize,
     /// Σ (distance / sigma)² of the residuals.
     pub chi_squared: f64,
-    /// What `chi_squared` is on average where all names are right: `redundancy`, and more where the base is uncertain.
+    /// What `chi_squared` is on average where all names are right: `redundancy`, and more where the
+    /// base is uncertain.
     pub expected_chi_squared: f64,
     /// Other cameras that fit the same clicks, best first.
     pub alternatives: Vec<Candidate>,
-    /// 1-σ (root of the trace) of the overlay at the frame's worst corner, px; the base's uncertainty included.
+    /// 1-σ (root of the trace) of the overlay at the frame's worst corner, px; the base's
+    /// uncertainty included.
     pub worst_corner_sigma_px: f64,
     /// The largest distance between two landmark clicks, px; none with fewer than two.
     pub separation_px: Option<f64>,
@@ -97,24 +107,29 @@ pub struct FrameSolution {
 }
 
 impl FrameSolution {
-    /// Whether the residuals say anything about the truth: more than two clicks, and more equations than unknowns.
-    /// With two clicks and nothing else show "no evidence" instead of a small number.
+    /// Whether the residuals say anything about the truth: more than two clicks, and more equations
+    /// than unknowns. With two clicks and nothing else show "no evidence" instead of a small
+    /// number.
     #[must_use]
     pub fn residuals_are_evidence(&self) -> bool {
         self.redundancy > 0 && self.residuals.len() > 2
     }
 
-    /// How many times larger than expected the residuals are (root of χ² over its expectation); none without surplus
-    /// equations.
+    /// How many times larger than expected the residuals are (root of χ² over its expectation);
+    /// none without surplus equations.
     #[must_use]
     pub fn misfit(&self) -> Option<f64> {
         (self.redundancy > 0).then(|| (self.chi_squared / self.expected_chi_squared).sqrt())
     }
 
-    /// The largest distance of a click that took part from its projection, px; 0 where all are out of sight.
+    /// The largest distance of a click that took part from its projection, px; 0 where all are out
+    /// of sight.
     #[must_use]
     pub fn farthest_px(&self) -> f64 {
-        self.residuals.iter().filter_map(ClickResidual::distance_px).fold(0.0, f64::max)
+        self.residuals
+            .iter()
+            .filter_map(ClickResidual::distance_px)
+            .fold(0.0, f64::max)
     }
 
     /// 1-σ of the pan.
@@ -132,7 +147,8 @@ impl FrameSolution {
     /// Adds what the search for other names found, before all other warnings.
     #[must_use]
     pub fn with_identity(mut self, found: Option<IdentityFinding>) -> Self {
-        self.warnings.splice(0..0, found.as_ref().map(IdentityFinding::warning));
+        self.warnings
+            .splice(0..0, found.as_ref().map(IdentityFinding::warning));
         self.identity = found;
         self
     }
@@ -146,8 +162,13 @@ impl FrameSolution {
             WarningCode::Contradiction => warning.clicks.len() < self.residuals.len().max(2),
             _ => false,
         };
-        let mut clicks: Vec<usize> =
-            self.warnings.iter().filter(of).flat_map(|warning| &warning.clicks).copied().collect();
+        let mut clicks: Vec<usize> = self
+            .warnings
+            .iter()
+            .filter(of)
+            .flat_map(|warning| &warning.clicks)
+            .copied()
+            .collect();
         clicks.sort_unstable();
         clicks.dedup();
         clicks
@@ -157,7 +178,11 @@ impl FrameSolution {
     pub(super) fn slack(&self) -> PtzStep {
         let angle = |sigma: Angle| Angle::from_radians(3.0 * sigma.radians());
         let log_focal = 3.0 * self.sigma_focal_px() / self.ptz.focal_px;
-        PtzStep { pan: angle(self.sigma_pan()), tilt: angle(self.sigma_tilt()), log_focal }
+        PtzStep {
+            pan: angle(self.sigma_pan()),
+            tilt: angle(self.sigma_tilt()),
+            log_focal,
+        }
     }
 
     /// 1-σ of the focal length, px.

@@ -1,4 +1,5 @@
-//! Where the refinement of a frame starts: cameras that some of its observations determine in closed form.
+//! Where the refinement of a frame starts: cameras that some of its observations determine in
+//! closed form.
 //!
 //! | landmark clicks | starts |
 //! |---|---|
@@ -7,14 +8,16 @@
 //! | 1 | for every focal length the camera that shows the landmark where it was clicked; those that fit the other observations locally best |
 //! | 0 (lines only) | a grid over pan, tilt and focal length, its best cells refined by a few steps |
 //!
-//! Starts are ranked by a robust cost over *all* observations, so that one misnamed landmark spoils the pairs that it is part of and no
-//! others; the best distinct ones are refined (`refine.rs`) and compared (`frame.rs`). Cameras that are known from elsewhere (a prior,
-//! the previous solution, neighbouring frames) stand in where the clicks give none.
+//! Starts are ranked by a robust cost over *all* observations, so that one misnamed landmark spoils
+//! the pairs that it is part of and no others; the best distinct ones are refined (`refine.rs`) and
+//! compared (`frame.rs`). Cameras that are known from elsewhere (a prior, the previous solution,
+//! neighbouring frames) stand in where the clicks give none.
 
 use super::one_point::pan_tilt_from_one_point;
 use super::refine::{cost, refine};
 use super::two_point::{
-    MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, scan_two_points, solve_two_points,
+    MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, scan_two_points,
+    solve_two_points,
 };
 use super::{Loss, Observation, PtzRanges, SolveContext, SolveError};
 use crate::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
@@ -32,7 +35,8 @@ const MAX_KNOWN: usize = 3;
 /// Starts nearer to each other than this lead to one solution ([`camera_distance`]).
 const MIN_START_DISTANCE: f64 = 0.05;
 
-/// The loss that ranks starts. A click beyond 5 σ hardly counts, so one wrong name does not hide a good start.
+/// The loss that ranks starts. A click beyond 5 σ hardly counts, so one wrong name does not hide a
+/// good start.
 const RANKING_LOSS: Loss = Loss::Cauchy { c: 5.0 };
 
 /// A landmark click.
@@ -63,14 +67,21 @@ pub(super) fn find_starts(
     let known = known_cameras(context);
     let mut starts = match landmarks.as_slice() {
         [] => [known.clone(), grid_starts(base, observations, context)].concat(),
-        [one] => [known.clone(), sweep_focal_length(base, *one, observations, context)].concat(),
+        [one] => [
+            known.clone(),
+            sweep_focal_length(base, *one, observations, context),
+        ]
+        .concat(),
         [one, two] => {
             let roots = solve_pair(base, *one, *two);
-            // Both roots fit two points exactly: without other observations there is nothing to rank them by.
+            // Both roots fit two points exactly: without other observations there is nothing to
+            // rank them by.
             if observations.len() == 2 && context.prior.is_none() {
                 return Ok(roots?.iter().collect());
             }
-            roots.map(|roots| roots.iter().collect()).unwrap_or_default()
+            roots
+                .map(|roots| roots.iter().collect())
+                .unwrap_or_default()
         }
         many => solve_pairs(base, many)?,
     };
@@ -82,7 +93,9 @@ pub(super) fn find_starts(
             [one, two, ..] => solve_pair(base, *one, *two).err(),
             _ => None,
         };
-        return Err(pair_error.unwrap_or(SolveError::NoFit { observations: observations.len() }));
+        return Err(pair_error.unwrap_or(SolveError::NoFit {
+            observations: observations.len(),
+        }));
     }
     Ok(keep_best_distinct(base, &starts, observations))
 }
@@ -90,36 +103,61 @@ pub(super) fn find_starts(
 fn landmark_clicks(observations: &[Observation]) -> Vec<LandmarkClick> {
     let landmark_click = |observation: &Observation| {
         let Observation { image, click, .. } = *observation;
-        Some(LandmarkClick { point_in_world: observation.shape.point()?, image, click })
+        Some(LandmarkClick {
+            point_in_world: observation.shape.point()?,
+            image,
+            click,
+        })
     };
     observations.iter().filter_map(landmark_click).collect()
 }
 
-/// What is known of the camera without the clicks: a prior, the previous solution, neighbouring frames.
+/// What is known of the camera without the clicks: a prior, the previous solution, neighbouring
+/// frames.
 fn known_cameras(context: &SolveContext) -> Vec<Ptz> {
     let prior = context.prior.iter().map(|prior| prior.ptz);
-    prior.chain(context.start).chain(context.neighbours.iter().copied()).take(MAX_KNOWN).collect()
+    prior
+        .chain(context.start)
+        .chain(context.neighbours.iter().copied())
+        .take(MAX_KNOWN)
+        .collect()
 }
 
 /// The two-point solve of one pair, with its clicks named in the error.
-fn solve_pair(base: &CameraBase, one: LandmarkClick, two: LandmarkClick) -> Result<OneOrTwo<Ptz>, SolveError> {
+fn solve_pair(
+    base: &CameraBase,
+    one: LandmarkClick,
+    two: LandmarkClick,
+) -> Result<OneOrTwo<Ptz>, SolveError> {
     let clicks = [one.click, two.click];
-    let found = solve_two_points(base, [one.point_in_world, two.point_in_world], [one.image, two.image]);
+    let found = solve_two_points(
+        base,
+        [one.point_in_world, two.point_in_world],
+        [one.image, two.image],
+    );
     found.map_err(|error| match error {
-        TwoPointError::PointsTooClose { separation_px } => {
-            SolveError::PointsTooClose { separation_px, needed_px: MIN_SEPARATION_PX }
-        }
-        TwoPointError::SameRay { angle_deg } => {
-            SolveError::SameRay { clicks, angle_deg, needed_deg: MIN_RAY_ANGLE_DEG }
-        }
-        TwoPointError::NoRealRoot { separation_px, angle_deg } => {
-            SolveError::NoRealRoot { clicks, separation_px, angle_deg }
-        }
+        TwoPointError::PointsTooClose { separation_px } => SolveError::PointsTooClose {
+            separation_px,
+            needed_px: MIN_SEPARATION_PX,
+        },
+        TwoPointError::SameRay { angle_deg } => SolveError::SameRay {
+            clicks,
+            angle_deg,
+            needed_deg: MIN_RAY_ANGLE_DEG,
+        },
+        TwoPointError::NoRealRoot {
+            separation_px,
+            angle_deg,
+        } => SolveError::NoRealRoot {
+            clicks,
+            separation_px,
+            angle_deg,
+        },
     })
 }
 
-/// All cameras of two landmark clicks, those near the fold of the lens included ([`scan_two_points`]); none for other observations,
-/// or without a lens.
+/// All cameras of two landmark clicks, those near the fold of the lens included
+/// ([`scan_two_points`]); none for other observations, or without a lens.
 pub(super) fn scan_starts(base: &CameraBase, used: &[Observation]) -> Vec<Ptz> {
     let [one, two] = used else { return Vec::new() };
     match (one.shape.point(), two.shape.point()) {
@@ -130,7 +168,8 @@ pub(super) fn scan_starts(base: &CameraBase, used: &[Observation]) -> Vec<Ptz> {
     }
 }
 
-/// The two-point solves of the pairs farthest apart in the picture, which determine the focal length best.
+/// The two-point solves of the pairs farthest apart in the picture, which determine the focal
+/// length best.
 ///
 /// # Errors
 /// The error of the farthest pair, if no pair has a solution.
@@ -157,8 +196,8 @@ fn solve_pairs(base: &CameraBase, landmarks: &[LandmarkClick]) -> Result<Vec<Ptz
     }
 }
 
-/// One landmark: pan and tilt follow from the focal length, which leaves one parameter to sweep. Every local minimum of the cost is
-/// the start of one solution.
+/// One landmark: pan and tilt follow from the focal length, which leaves one parameter to sweep.
+/// Every local minimum of the cost is the start of one solution.
 fn sweep_focal_length(
     base: &CameraBase,
     landmark: LandmarkClick,
@@ -168,14 +207,18 @@ fn sweep_focal_length(
     const STEPS: usize = 48;
     let mut swept = Vec::with_capacity(STEPS + 1);
     for focal_px in log_spaced_focals(context, STEPS) {
-        if let Ok(ptz) = pan_tilt_from_one_point(base, focal_px, landmark.point_in_world, landmark.image) {
+        if let Ok(ptz) =
+            pan_tilt_from_one_point(base, focal_px, landmark.point_in_world, landmark.image)
+        {
             swept.push(rank(base, ptz, observations));
         }
     }
     let mut minima = Vec::new();
     for (index, start) in swept.iter().enumerate() {
         let falls_to = index == 0 || swept[index - 1].cost >= start.cost;
-        let rises_from = swept.get(index + 1).is_none_or(|next| next.cost >= start.cost);
+        let rises_from = swept
+            .get(index + 1)
+            .is_none_or(|next| next.cost >= start.cost);
         if falls_to && rises_from {
             minima.push(start.ptz);
         }
@@ -183,23 +226,41 @@ fn sweep_focal_length(
     minima
 }
 
-/// No landmark: lines do not determine a camera in closed form. Tries a coarse grid over what this camera does and refines the best
-/// cells by a few steps each.
-fn grid_starts(base: &CameraBase, observations: &[Observation], context: &SolveContext) -> Vec<Ptz> {
+/// No landmark: lines do not determine a camera in closed form. Tries a coarse grid over what this
+/// camera does and refines the best cells by a few steps each.
+fn grid_starts(
+    base: &CameraBase,
+    observations: &[Observation],
+    context: &SolveContext,
+) -> Vec<Ptz> {
     const FOCAL_STEPS: usize = 10;
     const MAX_CELLS: usize = 40;
-    let PtzRanges { pan: pans, tilt: tilts, .. } = &context.ranges;
+    let PtzRanges {
+        pan: pans,
+        tilt: tilts,
+        ..
+    } = &context.ranges;
     let mut cells: Vec<RankedStart> = Vec::new();
     for focal_px in log_spaced_focals(context, FOCAL_STEPS) {
-        // Steps of a quarter of the field of view in pan and of half that in tilt, but not of less than 4° and 2°.
-        let quarter_view_deg = (0.5 * f64::from(context.image_size.width) / focal_px).atan().to_degrees() / 2.0;
+        // Steps of a quarter of the field of view in pan and of half that in tilt, but not of less
+        // than 4° and 2°.
+        let quarter_view_deg = (0.5 * f64::from(context.image_size.width) / focal_px)
+            .atan()
+            .to_degrees()
+            / 2.0;
         let step_deg = quarter_view_deg.max(4.0);
         for pan in evenly_spaced(pans.start(), pans.end(), step_deg) {
             for tilt in evenly_spaced(*tilts.start(), *tilts.end(), step_deg / 2.0) {
-                let ptz = Ptz { pan, tilt, focal_px };
+                let ptz = Ptz {
+                    pan,
+                    tilt,
+                    focal_px,
+                };
                 let camera = PtzCamera::new(*base, ptz);
                 // A cell that does not show every line is dropped.
-                let distances_px = observations.iter().map(|observation| observation.distance_px(&camera));
+                let distances_px = observations
+                    .iter()
+                    .map(|observation| observation.distance_px(&camera));
                 if let Some(cost) = distances_px.sum::<Option<f64>>() {
                     cells.push(RankedStart { cost, ptz });
                 }
@@ -208,35 +269,61 @@ fn grid_starts(base: &CameraBase, observations: &[Observation], context: &SolveC
     }
     cells.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     cells.truncate(MAX_CELLS);
-    let refine_cell =
-        |cell: RankedStart| refine(base, cell.ptz, observations, Loss::Squared, context.prior.as_ref()).ptz;
-    cells.into_iter().map(refine_cell).filter(Ptz::is_finite).collect()
+    let refine_cell = |cell: RankedStart| {
+        refine(
+            base,
+            cell.ptz,
+            observations,
+            Loss::Squared,
+            context.prior.as_ref(),
+        )
+        .ptz
+    };
+    cells
+        .into_iter()
+        .map(refine_cell)
+        .filter(Ptz::is_finite)
+        .collect()
 }
 
 /// Angles from one to another, both included, at most `step_deg` apart and at most 91.
 fn evenly_spaced(from: Angle, upto: Angle, step_deg: f64) -> impl Iterator<Item = Angle> {
     let (from_deg, upto_deg) = (from.degrees(), upto.degrees());
     let count = ((upto_deg - from_deg) / step_deg).ceil().clamp(1.0, 90.0);
-    (0..=count as usize).map(move |step| Angle::from_degrees(from_deg + (upto_deg - from_deg) * step as f64 / count))
+    (0..=count as usize).map(move |step| {
+        Angle::from_degrees(from_deg + (upto_deg - from_deg) * step as f64 / count)
+    })
 }
 
 /// Focal lengths over the plausible range, evenly spaced in log f.
 fn log_spaced_focals(context: &SolveContext, count: usize) -> impl Iterator<Item = f64> + use<> {
-    let (from, upto) = (context.ranges.focal_px.start().max(1.0).ln(), context.ranges.focal_px.end().max(1.0).ln());
+    let (from, upto) = (
+        context.ranges.focal_px.start().max(1.0).ln(),
+        context.ranges.focal_px.end().max(1.0).ln(),
+    );
     (0..=count).map(move |step| (from + (upto - from) * step as f64 / count as f64).exp())
 }
 
 fn rank(base: &CameraBase, ptz: Ptz, observations: &[Observation]) -> RankedStart {
-    RankedStart { cost: cost(&PtzCamera::new(*base, ptz), observations, RANKING_LOSS), ptz }
+    RankedStart {
+        cost: cost(&PtzCamera::new(*base, ptz), observations, RANKING_LOSS),
+        ptz,
+    }
 }
 
 /// The best starts, near duplicates left out.
 fn keep_best_distinct(base: &CameraBase, starts: &[Ptz], observations: &[Observation]) -> Vec<Ptz> {
-    let mut ranked: Vec<RankedStart> = starts.iter().map(|ptz| rank(base, *ptz, observations)).collect();
+    let mut ranked: Vec<RankedStart> = starts
+        .iter()
+        .map(|ptz| rank(base, *ptz, observations))
+        .collect();
     ranked.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let mut kept: Vec<Ptz> = Vec::with_capacity(MAX_STARTS);
     for start in ranked {
-        if kept.iter().all(|other| camera_distance(other, &start.ptz) > MIN_START_DISTANCE) {
+        if kept
+            .iter()
+            .all(|other| camera_distance(other, &start.ptz) > MIN_START_DISTANCE)
+        {
             kept.push(start.ptz);
         }
         if kept.len() == MAX_STARTS {
@@ -246,8 +333,8 @@ fn keep_best_distinct(base: &CameraBase, starts: &[Ptz], observations: &[Observa
     kept
 }
 
-/// How differently two cameras see: the largest of the differences in pan and tilt, as shifts of the picture in units of 1000 px, and of
-/// that in log focal length.
+/// How differently two cameras see: the largest of the differences in pan and tilt, as shifts of
+/// the picture in units of 1000 px, and of that in log focal length.
 pub(super) fn camera_distance(one: &Ptz, two: &Ptz) -> f64 {
     let per_radian = one.focal_px.min(two.focal_px) / 1000.0;
     let pan = one.pan.turn_from(two.pan).abs().radians() * per_radian;

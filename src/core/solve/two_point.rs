@@ -1,27 +1,29 @@
 //! The two-point solve: pan, tilt and focal length of a camera with a known base, in closed form.
 //!
-//! After J. Chen, F. Zhu, J. J. Little: "A Two-point Method for PTZ Camera Calibration in Sports", WACV 2018, section 3.1 and
-//! appendix 6. Equation numbers are the paper's.
+//! After J. Chen, F. Zhu, J. J. Little: "A Two-point Method for PTZ Camera Calibration in Sports",
+//! WACV 2018, section 3.1 and appendix 6. Equation numbers are the paper's.
 //!
 //! # Derivation
 //!
-//! Position and base rotation are known, so every world point has a known unit ray r in `base`. Pan and tilt rotate the rays, and a
-//! rotation keeps the angle α between them. The focal length is the f at which the two pixels subtend that angle (Eq. 3); x₁, x₂
-//! are the pixels relative to the principal point:
+//! Position and base rotation are known, so every world point has a known unit ray r in `base`. Pan
+//! and tilt rotate the rays, and a rotation keeps the angle α between them. The focal length is the
+//! f at which the two pixels subtend that angle (Eq. 3); x₁, x₂ are the pixels relative to the
+//! principal point:
 //!
 //! ```text
 //! cos α = r₁·r₂ = (x₁·x₂ + f²) / √((|x₁|² + f²) (|x₂|² + f²))
 //! ```
 //!
-//! Squared, with s = f², a = |x₁|², b = |x₂|², c = x₁·x₂ and d = cos α, this is the quadratic that Eq. 9 solves:
+//! Squared, with s = f², a = |x₁|², b = |x₂|², c = x₁·x₂ and d = cos α, this is the quadratic that
+//! Eq. 9 solves:
 //!
 //! ```text
 //! (1 − d²) s² + (2c − d² (a + b)) s + (c² − d² a b) = 0
 //! ```
 //!
-//! A telephoto lens sees rays a degree or less apart. Then d is nearly 1, and in 1 − d² the leading digits cancel: six of sixteen
-//! for pixels 3 px apart at f = 6000 px. Lagrange's identity turns the differences into products, and this is the form that is
-//! evaluated:
+//! A telephoto lens sees rays a degree or less apart. Then d is nearly 1, and in 1 − d² the leading
+//! digits cancel: six of sixteen for pixels 3 px apart at f = 6000 px. Lagrange's identity turns
+//! the differences into products, and this is the form that is evaluated:
 //!
 //! ```text
 //! S = |r₁ × r₂|² = 1 − d²        X = x₁ × x₂, X² = a b − c²        D = |x₁ − x₂|² = a + b − 2c
@@ -33,17 +35,19 @@
 //!
 //! # Number of solutions
 //!
-//! While f grows from 0 to ∞, the angle that the pixels subtend goes from β, their angle at the principal point, to 0. If α < β,
-//! exactly one f subtends α; if α > β, none or two do. Two are found for about one pair in 40: both pixels then lie in nearly the same
-//! direction from the principal point. The shorter one is nearly always a fish-eye lens, but two points alone cannot rule it out:
-//! both are returned, in ascending order.
+//! While f grows from 0 to ∞, the angle that the pixels subtend goes from β, their angle at the
+//! principal point, to 0. If α < β, exactly one f subtends α; if α > β, none or two do. Two are
+//! found for about one pair in 40: both pixels then lie in nearly the same direction from the
+//! principal point. The shorter one is nearly always a fish-eye lens, but two points alone cannot
+//! rule it out: both are returned, in ascending order.
 //!
 //! # Distortion
 //!
-//! With a lens, x₁ and x₂ are the *undistorted* pixels and depend on f, so that the equation is no longer quadratic. Each root of
-//! the pinhole is followed by fixed-point iteration: undistort at f, solve the quadratic, repeat. Where that finds nothing, the
-//! excess angle (subtended minus α) is sampled over log f and its zeros are bracketed. This is slower, but it also finds the roots
-//! near the fold of the lens model, to which no pinhole leads.
+//! With a lens, x₁ and x₂ are the *undistorted* pixels and depend on f, so that the equation is no
+//! longer quadratic. Each root of the pinhole is followed by fixed-point iteration: undistort at f,
+//! solve the quadratic, repeat. Where that finds nothing, the excess angle (subtended minus α) is
+//! sampled over log f and its zeros are bracketed. This is slower, but it also finds the roots near
+//! the fold of the lens model, to which no pinhole leads.
 
 use super::one_point::pan_tilt_from_one_ray;
 use crate::camera::{CameraBase, FocalCurve, Ptz, undistort};
@@ -93,7 +97,10 @@ impl<T: Copy> OneOrTwo<T> {
     fn from_pair([first, second]: [Option<T>; 2]) -> Option<Self> {
         match (first, second) {
             (Some(first), second) => Some(Self { first, second }),
-            (None, Some(first)) => Some(Self { first, second: None }),
+            (None, Some(first)) => Some(Self {
+                first,
+                second: None,
+            }),
             (None, None) => None,
         }
     }
@@ -114,11 +121,13 @@ impl<T: Copy> OneOrTwo<T> {
     }
 }
 
-/// Every (pan, tilt, focal length) for which two world points appear at two pixels, in ascending order of focal length.
+/// Every (pan, tilt, focal length) for which two world points appear at two pixels, in ascending
+/// order of focal length.
 ///
-/// The focal length comes from both points, pan and tilt from the first one; from the second one where the first is so steeply
-/// above or below the camera that no pan reaches its pixel. With exact points the other point then fits too. With noisy ones it is
-/// off by the noise, which is what the least-squares refinement ([`super::refine()`]) starts from.
+/// The focal length comes from both points, pan and tilt from the first one; from the second one
+/// where the first is so steeply above or below the camera that no pan reaches its pixel. With
+/// exact points the other point then fits too. With noisy ones it is off by the noise, which is
+/// what the least-squares refinement ([`super::refine()`]) starts from.
 ///
 /// # Errors
 /// Coinciding pixels or rays, no valid root, or a root at which the lens has no such pixel.
@@ -138,7 +147,11 @@ pub fn solve_two_points(
     };
     let from_pinhole = pinhole_focals.and_then(|focals| {
         focals.filter_map(|focal_px| {
-            let root = if is_pinhole { pair.pinhole_root(focal_px) } else { pair.follow_root(focal_px)? };
+            let root = if is_pinhole {
+                pair.pinhole_root(focal_px)
+            } else {
+                pair.follow_root(focal_px)?
+            };
             pair.ptz_from_either_point(&root)
         })
     });
@@ -146,25 +159,39 @@ pub fn solve_two_points(
         return Ok(found);
     }
 
-    let mut scanned = if is_pinhole { Vec::new() } else { pair.scan_roots() }
-        .into_iter()
-        .filter_map(|root| pair.ptz_from_either_point(&root));
+    let mut scanned = if is_pinhole {
+        Vec::new()
+    } else {
+        pair.scan_roots()
+    }
+    .into_iter()
+    .filter_map(|root| pair.ptz_from_either_point(&root));
     OneOrTwo::from_pair([scanned.next(), scanned.next()]).ok_or_else(|| pair.no_real_root())
 }
 
-/// Every camera for which two world points appear at two pixels, found by scanning all focal lengths. Slow, but it also finds
-/// those near the fold of the lens, to which no pinhole leads.
-pub(super) fn scan_two_points(base: &CameraBase, points_in_world: [Vec3; 2], pixels: [ImagePoint; 2]) -> Vec<Ptz> {
+/// Every camera for which two world points appear at two pixels, found by scanning all focal
+/// lengths. Slow, but it also finds those near the fold of the lens, to which no pinhole leads.
+pub(super) fn scan_two_points(
+    base: &CameraBase,
+    points_in_world: [Vec3; 2],
+    pixels: [ImagePoint; 2],
+) -> Vec<Ptz> {
     let pair = PointPair::new(base, points_in_world, pixels);
-    pair.scan_roots().iter().filter_map(|root| pair.ptz_from_point(0, root)).collect()
+    pair.scan_roots()
+        .iter()
+        .filter_map(|root| pair.ptz_from_point(0, root))
+        .collect()
 }
 
-/// The focal lengths (px) at which two ideal pixels (px from the principal point) subtend the angle between two unit rays, in
-/// ascending order. A double root is returned twice.
+/// The focal lengths (px) at which two ideal pixels (px from the principal point) subtend the angle
+/// between two unit rays, in ascending order. A double root is returned twice.
 ///
 /// # Errors
 /// Coinciding pixels or rays (NaN counts as coinciding), or no valid root.
-pub fn focal_from_two_rays(pixels: [Vec2; 2], rays: [Vec3; 2]) -> Result<OneOrTwo<f64>, TwoPointError> {
+pub fn focal_from_two_rays(
+    pixels: [Vec2; 2],
+    rays: [Vec3; 2],
+) -> Result<OneOrTwo<f64>, TwoPointError> {
     let ([x1, x2], [r1, r2]) = (pixels, rays);
 
     // Degenerate input; written so that NaN is caught as well.
@@ -187,18 +214,23 @@ pub fn focal_from_two_rays(pixels: [Vec2; 2], rays: [Vec3; 2]) -> Result<OneOrTw
         sine_squared,
     );
 
-    // Squaring Eq. 3 has added the roots that belong to −cos α: the numerator x₁·x₂ + s must have the sign of cos α.
+    // Squaring Eq. 3 has added the roots that belong to −cos α: the numerator x₁·x₂ + s must have
+    // the sign of cos α.
     let focal_from_root = |s: f64| (s > 0.0 && (x1.dot(&x2) + s) * cosine >= 0.0).then(|| s.sqrt());
     roots
         .and_then(|roots| OneOrTwo::from_pair(roots.map(focal_from_root)))
-        .ok_or(TwoPointError::NoRealRoot { separation_px, angle_deg })
+        .ok_or(TwoPointError::NoRealRoot {
+            separation_px,
+            angle_deg,
+        })
 }
 
 /// The real roots of q₀ + q₁ s + q₂ s² = 0 (q₂ > 0) in ascending order; a double root twice.
 ///
-/// The root of larger magnitude is computed first, where q₁ and the square root add up without cancellation; the other one
-/// follows from the product of the roots, q₀/q₂ (Press et al., Numerical Recipes, section 5.6). A discriminant that is negative by
-/// rounding alone counts as zero.
+/// The root of larger magnitude is computed first, where q₁ and the square root add up without
+/// cancellation; the other one follows from the product of the roots, q₀/q₂ (Press et al.,
+/// Numerical Recipes, section 5.6). A discriminant that is negative by rounding alone counts as
+/// zero.
 fn solve_quadratic(q0: f64, q1: f64, q2: f64) -> Option<[f64; 2]> {
     let discriminant = q1 * q1 - 4.0 * q2 * q0;
     if !(discriminant >= -8.0 * f64::EPSILON * q1 * q1) {
@@ -241,12 +273,18 @@ impl<'a> PointPair<'a> {
     fn new(base: &'a CameraBase, points_in_world: [Vec3; 2], pixels: [ImagePoint; 2]) -> Self {
         let directions_in_base = points_in_world.map(|point| base.base_from_world_point(point));
         let rays_in_base = directions_in_base.map(|direction| direction.normalize());
-        Self { base, pixels, directions_in_base, rays_in_base }
+        Self {
+            base,
+            pixels,
+            directions_in_base,
+            rays_in_base,
+        }
     }
 
     /// The pixels relative to the principal point, still distorted.
     fn offsets_px(&self) -> [Vec2; 2] {
-        self.pixels.map(|pixel| pixel.offset_from(self.base.principal_point))
+        self.pixels
+            .map(|pixel| pixel.offset_from(self.base.principal_point))
     }
 
     fn no_real_root(&self) -> TwoPointError {
@@ -257,18 +295,28 @@ impl<'a> PointPair<'a> {
         }
     }
 
-    /// Pan and tilt from one of the points once the focal length is known; none if no pan reaches its pixel.
+    /// Pan and tilt from one of the points once the focal length is known; none if no pan reaches
+    /// its pixel.
     fn ptz_from_point(&self, point: usize, root: &FocalRoot) -> Option<Ptz> {
-        let (pan, tilt) = pan_tilt_from_one_ray(self.directions_in_base[point], root.ideal_in_cam[point]).ok()?;
-        Some(Ptz { pan, tilt, focal_px: root.focal_px })
+        let (pan, tilt) =
+            pan_tilt_from_one_ray(self.directions_in_base[point], root.ideal_in_cam[point]).ok()?;
+        Some(Ptz {
+            pan,
+            tilt,
+            focal_px: root.focal_px,
+        })
     }
 
     fn ptz_from_either_point(&self, root: &FocalRoot) -> Option<Ptz> {
-        self.ptz_from_point(0, root).or_else(|| self.ptz_from_point(1, root))
+        self.ptz_from_point(0, root)
+            .or_else(|| self.ptz_from_point(1, root))
     }
 
     fn pinhole_root(&self, focal_px: f64) -> FocalRoot {
-        FocalRoot { focal_px, ideal_in_cam: self.offsets_px().map(|offset| offset / focal_px) }
+        FocalRoot {
+            focal_px,
+            ideal_in_cam: self.offsets_px().map(|offset| offset / focal_px),
+        }
     }
 
     /// The pixels undistorted at a focal length; none beyond the fold of the lens model.
@@ -277,21 +325,30 @@ impl<'a> PointPair<'a> {
         let [x1, x2] = self.offsets_px();
         Some(FocalRoot {
             focal_px,
-            ideal_in_cam: [undistort(x1 / focal_px, lens).ok()?, undistort(x2 / focal_px, lens).ok()?],
+            ideal_in_cam: [
+                undistort(x1 / focal_px, lens).ok()?,
+                undistort(x2 / focal_px, lens).ok()?,
+            ],
         })
     }
 
-    /// Follows a root of the pinhole to the one of the lens by fixed-point iteration: undistorts the pixels at the current focal
-    /// length, solves the quadratic for them and goes to the nearer of its roots.
+    /// Follows a root of the pinhole to the one of the lens by fixed-point iteration: undistorts
+    /// the pixels at the current focal length, solves the quadratic for them and goes to the nearer
+    /// of its roots.
     fn follow_root(&self, pinhole_focal_px: f64) -> Option<FocalRoot> {
         const MAX_ITERATIONS: usize = 30;
         const CONVERGED_LOG_FOCAL: f64 = 1e-13;
         let mut focal_px = pinhole_focal_px;
         for _ in 0..MAX_ITERATIONS {
-            let ideal_px = self.undistort_at(focal_px)?.ideal_in_cam.map(|point| point * focal_px);
+            let ideal_px = self
+                .undistort_at(focal_px)?
+                .ideal_in_cam
+                .map(|point| point * focal_px);
             let focals = focal_from_two_rays(ideal_px, self.rays_in_base).ok()?;
             let log_change = |next: f64| (next / focal_px).ln().abs();
-            let next = focals.iter().min_by(|a, b| log_change(*a).total_cmp(&log_change(*b)))?;
+            let next = focals
+                .iter()
+                .min_by(|a, b| log_change(*a).total_cmp(&log_change(*b)))?;
             let has_converged = log_change(next) < CONVERGED_LOG_FOCAL;
             focal_px = next;
             if has_converged {
@@ -301,13 +358,13 @@ impl<'a> PointPair<'a> {
         self.undistort_at(focal_px)
     }
 
-    /// All roots of the excess angle over focal lengths from a fifth to fifty times the pixels' distance from the principal point,
-    /// in ascending order.
+    /// All roots of the excess angle over focal lengths from a fifth to fifty times the pixels'
+    /// distance from the principal point, in ascending order.
     fn scan_roots(&self) -> Vec<FocalRoot> {
         let mut roots = Vec::new();
         for mut samples in self.sample_excess() {
-            // Two roots between neighbouring samples change the sign twice, which no sample shows. A sample from between them
-            // separates the two.
+            // Two roots between neighbouring samples change the sign twice, which no sample shows.
+            // A sample from between them separates the two.
             let separating = self.sample_dips(&samples);
             samples.extend(separating);
             samples.sort_by(|a, b| a.log_focal.total_cmp(&b.log_focal));
@@ -322,26 +379,43 @@ impl<'a> PointPair<'a> {
 
     /// The excess angle at a focal length; none beyond the fold of the lens model.
     fn excess_at(&self, log_focal: f64) -> Option<ExcessSample> {
-        let [one, two] = self.undistort_at(log_focal.exp())?.ideal_in_cam.map(|point| Vec3::new(point.x, point.y, 1.0));
+        let [one, two] = self
+            .undistort_at(log_focal.exp())?
+            .ideal_in_cam
+            .map(|point| Vec3::new(point.x, point.y, 1.0));
         let [r1, r2] = &self.rays_in_base;
-        Some(ExcessSample { log_focal, excess_rad: angle_between(&one, &two) - angle_between(r1, r2) })
+        Some(ExcessSample {
+            log_focal,
+            excess_rad: angle_between(&one, &two) - angle_between(r1, r2),
+        })
     }
 
-    /// Samples the excess angle evenly in log f and on both sides of each fold of the lens, where it changes fastest. A fold ends
-    /// the range of focal lengths at which both pixels have a ray: there is one list for each such range, ascending.
+    /// Samples the excess angle evenly in log f and on both sides of each fold of the lens, where
+    /// it changes fastest. A fold ends the range of focal lengths at which both pixels have a ray:
+    /// there is one list for each such range, ascending.
     fn sample_excess(&self) -> Vec<Vec<ExcessSample>> {
         const STEPS: u32 = 64;
         /// Distance of the samples beside a fold from it, in log f.
         const FOLD_MARGIN: f64 = 1e-9;
-        let reach_px = self.pixels.map(|pixel| pixel.distance_px(self.base.principal_point));
+        let reach_px = self
+            .pixels
+            .map(|pixel| pixel.distance_px(self.base.principal_point));
         let farthest_px = reach_px[0].max(reach_px[1]);
         let (from, upto) = ((0.2 * farthest_px).ln(), (50.0 * farthest_px).ln());
 
-        let mut log_focals: Vec<f64> =
-            (0..=STEPS).map(|step| from + (upto - from) * f64::from(step) / f64::from(STEPS)).collect();
-        for fold_px in reach_px.into_iter().flat_map(|reach_px| self.base.distortion.fold_focals(reach_px)) {
+        let mut log_focals: Vec<f64> = (0..=STEPS)
+            .map(|step| from + (upto - from) * f64::from(step) / f64::from(STEPS))
+            .collect();
+        for fold_px in reach_px
+            .into_iter()
+            .flat_map(|reach_px| self.base.distortion.fold_focals(reach_px))
+        {
             let beside_fold = [fold_px.ln() - FOLD_MARGIN, fold_px.ln() + FOLD_MARGIN];
-            log_focals.extend(beside_fold.into_iter().filter(|log_focal| (from..=upto).contains(log_focal)));
+            log_focals.extend(
+                beside_fold
+                    .into_iter()
+                    .filter(|log_focal| (from..=upto).contains(log_focal)),
+            );
         }
         log_focals.sort_by(f64::total_cmp);
 
@@ -358,8 +432,8 @@ impl<'a> PointPair<'a> {
         ranges
     }
 
-    /// For each sample at which |excess| has a minimum without a change of sign: a sample of the other sign beside it, or the
-    /// minimum itself where it does not cross zero.
+    /// For each sample at which |excess| has a minimum without a change of sign: a sample of the
+    /// other sign beside it, or the minimum itself where it does not cross zero.
     fn sample_dips(&self, samples: &[ExcessSample]) -> Vec<ExcessSample> {
         let mut found = Vec::new();
         for three in samples.windows(3) {
@@ -372,7 +446,8 @@ impl<'a> PointPair<'a> {
         found
     }
 
-    /// Golden-section search for the smallest |excess| between two samples of one sign; ends early at a sample of the other sign.
+    /// Golden-section search for the smallest |excess| between two samples of one sign; ends early
+    /// at a sample of the other sign.
     fn minimise_excess(&self, from: ExcessSample, upto: ExcessSample) -> Option<ExcessSample> {
         const ITERATIONS: usize = 40;
         /// 1/φ, the golden section.
@@ -423,7 +498,10 @@ mod tests {
     /// Two pixels and the unit rays that a pinhole of this focal length sees there.
     fn pixels_and_rays(focal_px: f64, pixels: [[f64; 2]; 2]) -> ([Vec2; 2], [Vec3; 2]) {
         let pixels = pixels.map(Vec2::from);
-        (pixels, pixels.map(|pixel| Vec3::new(pixel.x, pixel.y, focal_px).normalize()))
+        (
+            pixels,
+            pixels.map(|pixel| Vec3::new(pixel.x, pixel.y, focal_px).normalize()),
+        )
     }
 
     /// Eq. 9 of the paper as it is printed.
@@ -441,10 +519,17 @@ mod tests {
             (6000.0, [[200.0, 100.0], [203.0, 101.0]], 1e-8..1e-4),
         ] {
             let (pixels, rays) = pixels_and_rays(focal_px, pixels);
-            let found = focal_from_two_rays(pixels, rays).unwrap().iter().last().unwrap();
+            let found = focal_from_two_rays(pixels, rays)
+                .unwrap()
+                .iter()
+                .last()
+                .unwrap();
             assert!((found - focal_px).abs() < 1e-10, "{found}");
             let published = focal_as_published(pixels, rays);
-            assert!(published_error_px.contains(&(published - focal_px).abs()), "{published}");
+            assert!(
+                published_error_px.contains(&(published - focal_px).abs()),
+                "{published}"
+            );
         }
     }
 
@@ -465,13 +550,28 @@ mod tests {
     fn degenerate_pairs_are_named() {
         let (pixels, rays) = pixels_and_rays(2000.0, [[-300.0, 0.0], [300.0, 0.0]]);
         let same_pixel = focal_from_two_rays([pixels[0], pixels[0]], rays);
-        assert!(matches!(same_pixel, Err(TwoPointError::PointsTooClose { .. })), "{same_pixel:?}");
+        assert!(
+            matches!(same_pixel, Err(TwoPointError::PointsTooClose { .. })),
+            "{same_pixel:?}"
+        );
         let same_ray = focal_from_two_rays(pixels, [rays[0], rays[0]]);
-        assert!(matches!(same_ray, Err(TwoPointError::SameRay { .. })), "{same_ray:?}");
+        assert!(
+            matches!(same_ray, Err(TwoPointError::SameRay { .. })),
+            "{same_ray:?}"
+        );
         let not_a_number = focal_from_two_rays([pixels[0], Vec2::new(f64::NAN, 0.0)], rays);
-        assert!(matches!(not_a_number, Err(TwoPointError::PointsTooClose { .. })), "{not_a_number:?}");
+        assert!(
+            matches!(not_a_number, Err(TwoPointError::PointsTooClose { .. })),
+            "{not_a_number:?}"
+        );
         // No focal length makes pixels 10 px apart on one side of the principal point subtend 90°.
-        let beside = focal_from_two_rays([Vec2::new(300.0, 0.0), Vec2::new(310.0, 0.0)], [Vec3::x(), Vec3::y()]);
-        assert!(matches!(beside, Err(TwoPointError::NoRealRoot { .. })), "{beside:?}");
+        let beside = focal_from_two_rays(
+            [Vec2::new(300.0, 0.0), Vec2::new(310.0, 0.0)],
+            [Vec3::x(), Vec3::y()],
+        );
+        assert!(
+            matches!(beside, Err(TwoPointError::NoRealRoot { .. })),
+            "{beside:?}"
+        );
     }
 }

@@ -46,29 +46,54 @@ pub struct Judgement {
     pub reason: String,
 }
 
-/// Judges a solved frame by its check clicks, its names, the contradiction among its clicks, its warnings and its worst corner, in
-/// this order.
+/// Judges a solved frame by its check clicks, its names, the contradiction among its clicks, its
+/// warnings and its worst corner, in this order.
 #[must_use]
 pub fn judge(solution: &FrameSolution, image_size: ImageSize) -> Judgement {
     let judgement = |verdict, reason| Judgement { verdict, reason };
     let corner = format!("worst corner ±{:.1} px", solution.worst_corner_sigma_px);
-    // Names that fit better are wrong; where they fit as well, and only the camera's motion prior speaks for them, look at it.
-    let contradicted = solution.identity.as_ref().is_some_and(|found| found.evidence == Evidence::Clicks);
-    let tells_of_names = |code| matches!(code, WarningCode::Swapped | WarningCode::WrongLine | WarningCode::Mirrored);
+    // Names that fit better are wrong; where they fit as well, and only the camera's motion prior
+    // speaks for them, look at it.
+    let contradicted = solution
+        .identity
+        .as_ref()
+        .is_some_and(|found| found.evidence == Evidence::Clicks);
+    let tells_of_names = |code| {
+        matches!(
+            code,
+            WarningCode::Swapped | WarningCode::WrongLine | WarningCode::Mirrored
+        )
+    };
     let wrong = |warning: &&Warning| {
-        matches!(warning.code, WarningCode::CheckFailed | WarningCode::OtherCamera)
-            || (contradicted && tells_of_names(warning.code))
+        matches!(
+            warning.code,
+            WarningCode::CheckFailed | WarningCode::OtherCamera
+        ) || (contradicted && tells_of_names(warning.code))
     };
     if let Some(warning) = solution.warnings.iter().find(wrong) {
         return judgement(Verdict::Wrong, warning.message.clone());
     }
     // A single surplus equation is large by chance more often than the mean of many.
     let chance = 1.0 / solution.redundancy.max(1) as f64;
-    if let Some(misfit) = solution.misfit().filter(|misfit| *misfit > CHECK_MISFIT + chance) {
-        let verdict = if misfit > WRONG_MISFIT + chance { Verdict::Wrong } else { Verdict::Check };
-        let contradicting = solution.warnings.iter().find(|warning| warning.code == WarningCode::Contradiction);
-        let on_average =
-            || format!("points are up to {:.1} px off, {misfit:.1} times what is usual", solution.farthest_px());
+    if let Some(misfit) = solution
+        .misfit()
+        .filter(|misfit| *misfit > CHECK_MISFIT + chance)
+    {
+        let verdict = if misfit > WRONG_MISFIT + chance {
+            Verdict::Wrong
+        } else {
+            Verdict::Check
+        };
+        let contradicting = solution
+            .warnings
+            .iter()
+            .find(|warning| warning.code == WarningCode::Contradiction);
+        let on_average = || {
+            format!(
+                "points are up to {:.1} px off, {misfit:.1} times what is usual",
+                solution.farthest_px()
+            )
+        };
         let reason = contradicting.map_or_else(on_average, |warning| warning.message.clone());
         return judgement(verdict, reason);
     }

@@ -95,7 +95,11 @@ impl FromStr for WarningCode {
     type Err = UnknownWarningCode;
 
     fn from_str(name: &str) -> Result<Self, Self::Err> {
-        Self::ALL.iter().copied().find(|code| code.as_str() == name).ok_or_else(|| UnknownWarningCode(name.to_owned()))
+        Self::ALL
+            .iter()
+            .copied()
+            .find(|code| code.as_str() == name)
+            .ok_or_else(|| UnknownWarningCode(name.to_owned()))
     }
 }
 

@@ -23,13 +23,19 @@ impl WorldCurve {
     /// A nominal curve of a field.
     #[must_use]
     pub const fn on_field(field: &FieldModel, nominal: Curve) -> Self {
-        Self { nominal, crown: field.crown() }
+        Self {
+            nominal,
+            crown: field.crown(),
+        }
     }
 
     /// A curve on flat ground.
     #[must_use]
     pub const fn flat(nominal: Curve) -> Self {
-        Self { nominal, crown: Crown::FLAT }
+        Self {
+            nominal,
+            crown: Crown::FLAT,
+        }
     }
 
     /// The nominal curve.
@@ -44,19 +50,47 @@ impl WorldCurve {
         Self { crown, ..self }
     }
 
-    /// This curve moved by a share of the way that leads from one nominal curve to another of its kind.
+    /// This curve moved by a share of the way that leads from one nominal curve to another of its
+    /// kind.
     #[must_use]
     pub(super) fn moved(self, from: &Curve, to: &Curve, share: f64) -> Self {
         let nominal = match (self.nominal, from, to) {
             (
-                Curve::Segment { from: start, to: end },
-                Curve::Segment { from: start_0, to: end_0 },
-                Curve::Segment { from: start_1, to: end_1 },
-            ) => Curve::Segment { from: start + (start_1 - start_0) * share, to: end + (end_1 - end_0) * share },
+                Curve::Segment {
+                    from: start,
+                    to: end,
+                },
+                Curve::Segment {
+                    from: start_0,
+                    to: end_0,
+                },
+                Curve::Segment {
+                    from: start_1,
+                    to: end_1,
+                },
+            ) => Curve::Segment {
+                from: start + (start_1 - start_0) * share,
+                to: end + (end_1 - end_0) * share,
+            },
             (
-                Curve::Arc { centre, radius_m, start, sweep },
-                Curve::Arc { centre: centre_0, radius_m: radius_0, start: start_0, sweep: sweep_0 },
-                Curve::Arc { centre: centre_1, radius_m: radius_1, start: start_1, sweep: sweep_1 },
+                Curve::Arc {
+                    centre,
+                    radius_m,
+                    start,
+                    sweep,
+                },
+                Curve::Arc {
+                    centre: centre_0,
+                    radius_m: radius_0,
+                    start: start_0,
+                    sweep: sweep_0,
+                },
+                Curve::Arc {
+                    centre: centre_1,
+                    radius_m: radius_1,
+                    start: start_1,
+                    sweep: sweep_1,
+                },
             ) => Curve::Arc {
                 centre: centre + (centre_1 - centre_0) * share,
                 radius_m: radius_m + (radius_1 - radius_0) * share,
@@ -73,7 +107,8 @@ impl WorldCurve {
         self.crown.world_from_nominal(self.nominal.point_at(t))
     }
 
-    /// The point at a parameter and its derivatives; the crown is z = −c (2y / width)² within the field.
+    /// The point at a parameter and its derivatives; the crown is z = −c (2y / width)² within the
+    /// field.
     pub(crate) fn at(&self, t: f64) -> CurvePoint {
         let mut at = self.nominal.point_at(t);
         let mut first = self.nominal.tangent_at(t);
@@ -101,7 +136,10 @@ mod tests {
 
     #[test]
     fn derivatives_of_curves_on_a_crowned_field_agree_with_differences() {
-        let segment = Curve::Segment { from: Vec3::new(-3.0, -30.0, 0.0), to: Vec3::new(10.0, 25.0, 0.0) };
+        let segment = Curve::Segment {
+            from: Vec3::new(-3.0, -30.0, 0.0),
+            to: Vec3::new(10.0, 25.0, 0.0),
+        };
         let circle = Curve::Arc {
             centre: Vec3::new(2.0, -5.0, 0.0),
             radius_m: 9.15,
@@ -109,7 +147,13 @@ mod tests {
             sweep: Angle::from_degrees(-300.0),
         };
         for nominal in [segment, circle] {
-            let curve = WorldCurve { nominal, crown: Crown { height_m: 0.3, width_m: 68.0 } };
+            let curve = WorldCurve {
+                nominal,
+                crown: Crown {
+                    height_m: 0.3,
+                    width_m: 68.0,
+                },
+            };
             for t in [0.0, 0.3, 0.77, 1.1] {
                 let (h, here) = (1e-5, curve.at(t));
                 let (before, after) = (curve.at(t - h), curve.at(t + h));

@@ -47,7 +47,12 @@ const BROKEN: &[(&str, &str, &str, &str)] = &[
         "yard.json: unknown field `landmark`, expected one of `format`, `version`, `name`, `title`, `notes`, `params`, \
          `dimensions`, `extent_m`, `symmetry`, `click_sigma_px`, `landmarks`, `lines` at line 7 column 12",
     ),
-    ("a missing key", "\"title\": \"A yard\",", "", "yard.json: missing field `title` at line 13 column 1"),
+    (
+        "a missing key",
+        "\"title\": \"A yard\",",
+        "",
+        "yard.json: missing field `title` at line 13 column 1",
+    ),
     (
         "a number beyond all numbers",
         "\"default\": 20",
@@ -229,8 +234,8 @@ fn every_mistake_in_a_template_has_its_message() {
     for (what, sound, broken, message) in BROKEN {
         assert!(SOUND.contains(sound), "{what}: nothing to break");
         let text = SOUND.replacen(sound, broken, 1);
-        let said =
-            Template::from_json(&text, "yard.json").map_or_else(|error| error.to_string(), |_| "read".to_owned());
+        let said = Template::from_json(&text, "yard.json")
+            .map_or_else(|error| error.to_string(), |_| "read".to_owned());
         if said != *message {
             wrong.push(format!("{what}:\n  said   {said}\n  wanted {message}"));
         }
@@ -240,8 +245,11 @@ fn every_mistake_in_a_template_has_its_message() {
 
 #[test]
 fn text_that_is_no_template_has_its_message() {
-    let twice =
-        SOUND.replacen("\"dimensions\": {", "\"dimensions\": { \"width_m\": { \"value\": 1, \"source\": \"a\" },", 1);
+    let twice = SOUND.replacen(
+        "\"dimensions\": {",
+        "\"dimensions\": { \"width_m\": { \"value\": 1, \"source\": \"a\" },",
+        1,
+    );
     let no_landmarks = {
         let from = SOUND.find("\"landmarks\": [").unwrap();
         let to = SOUND.find("\"lines\"").unwrap();
@@ -249,15 +257,34 @@ fn text_that_is_no_template_has_its_message() {
     };
     let mut wrong = Vec::new();
     for (text, message) in [
-        ("", "yard.json: the file is empty; a field template is a JSON object"),
-        ("[]", "yard.json: invalid length 0, expected a field template, which is a JSON object at line 1 column 2"),
-        ("null", "yard.json: invalid type: null, expected a field template, which is a JSON object at line 1 column 4"),
-        ("{}", "yard.json: not a field template: it has no \"format\": \"touchline-field\""),
-        (&SOUND[..200], "yard.json: EOF while parsing an object at line 3 column 118"),
-        (&twice, "yard.json: \"width_m\" is given twice at line 4 column 69"),
+        (
+            "",
+            "yard.json: the file is empty; a field template is a JSON object",
+        ),
+        (
+            "[]",
+            "yard.json: invalid length 0, expected a field template, which is a JSON object at line 1 column 2",
+        ),
+        (
+            "null",
+            "yard.json: invalid type: null, expected a field template, which is a JSON object at line 1 column 4",
+        ),
+        (
+            "{}",
+            "yard.json: not a field template: it has no \"format\": \"touchline-field\"",
+        ),
+        (
+            &SOUND[..200],
+            "yard.json: EOF while parsing an object at line 3 column 118",
+        ),
+        (
+            &twice,
+            "yard.json: \"width_m\" is given twice at line 4 column 69",
+        ),
         (&no_landmarks, "yard.json: landmarks: there are none"),
     ] {
-        let said = Template::from_json(text, "yard.json").map_or_else(|error| error.to_string(), |_| "read".to_owned());
+        let said = Template::from_json(text, "yard.json")
+            .map_or_else(|error| error.to_string(), |_| "read".to_owned());
         if said != message {
             wrong.push(format!("said   {said}\n  wanted {message}"));
         }
@@ -274,16 +301,41 @@ fn files_that_cannot_be_read_have_their_message() {
     fs::create_dir(at("folder.json")).unwrap();
     fs::write(at("yard.JSON"), SOUND).unwrap();
     for (name, message) in [
-        ("empty.json", "the file is empty; a field template is a JSON object"),
-        ("latin.json", "cannot be read: it is not UTF-8 text (byte 12)"),
-        ("folder.json", "cannot be read: it is a folder; give the template's JSON file"),
-        ("missing.json", "cannot be read: No such file or directory (os error 2)"),
+        (
+            "empty.json",
+            "the file is empty; a field template is a JSON object",
+        ),
+        (
+            "latin.json",
+            "cannot be read: it is not UTF-8 text (byte 12)",
+        ),
+        (
+            "folder.json",
+            "cannot be read: it is a folder; give the template's JSON file",
+        ),
+        (
+            "missing.json",
+            "cannot be read: No such file or directory (os error 2)",
+        ),
     ] {
-        let error = template_named(name, folder.path()).map(|_| ()).expect_err(name);
-        assert_eq!(error.to_string(), format!("{}: {message}", at(name).display()));
+        let error = template_named(name, folder.path())
+            .map(|_| ())
+            .expect_err(name);
+        assert_eq!(
+            error.to_string(),
+            format!("{}: {message}", at(name).display())
+        );
     }
-    assert_eq!(template_named("yard.JSON", folder.path()).unwrap().name, "yard");
-    assert_eq!(template_named("soccer", Path::new("/nowhere")).unwrap().name, "soccer");
+    assert_eq!(
+        template_named("yard.JSON", folder.path()).unwrap().name,
+        "yard"
+    );
+    assert_eq!(
+        template_named("soccer", Path::new("/nowhere"))
+            .unwrap()
+            .name,
+        "soccer"
+    );
 }
 
 #[test]

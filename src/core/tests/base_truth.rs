@@ -13,19 +13,33 @@ use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
 use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
-    AdjustOptions, BaseError, BaseModel, BaseOptions, BaseProgress, BesideFrames, CameraClicks, CrownModel,
-    FrameClicks, LensModel, adjust_base, estimate_base,
+    AdjustOptions, BaseError, BaseModel, BaseOptions, BaseProgress, BesideFrames, CameraClicks,
+    CrownModel, FrameClicks, LensModel, adjust_base, estimate_base,
 };
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
 fn field(crown_m: f64) -> FieldModel {
-    builtin("soccer").unwrap().model(&BTreeMap::new(), crown_m).unwrap()
+    builtin("soccer")
+        .unwrap()
+        .model(&BTreeMap::new(), crown_m)
+        .unwrap()
 }
 
 fn true_base(distortion: FocalCurve) -> CameraBase {
-    let angles = BaseAngles { heading: Angle::ZERO, pitch: Angle::from_degrees(-0.4), roll: Angle::from_degrees(0.3) };
-    CameraBase { distortion, ..CameraBase::new(Vec3::new(2.0, -66.0, 19.0), angles.base_from_world(), SIZE.centre()) }
+    let angles = BaseAngles {
+        heading: Angle::ZERO,
+        pitch: Angle::from_degrees(-0.4),
+        roll: Angle::from_degrees(0.3),
+    };
+    CameraBase {
+        distortion,
+        ..CameraBase::new(
+            Vec3::new(2.0, -66.0, 19.0),
+            angles.base_from_world(),
+            SIZE.centre(),
+        )
+    }
 }
 
 /// Frames that look along the field, with at most `most` clicks each, of 1-σ `noise_px`.
@@ -48,11 +62,17 @@ fn frames(
         let camera = PtzCamera::new(*base, ptz);
         let mut observations: Vec<Observation> = Vec::new();
         for landmark in &field.landmarks {
-            let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else { continue };
+            let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else {
+                continue;
+            };
             let image = exact.moved(Vec2::new(normal(rng), normal(rng)) * noise_px);
             if SIZE.contains(image) && landmark.nominal_m.z == 0.0 {
-                let seen = Observation::of_landmark(field, landmark.id.as_str(), image, SIZE, 0).unwrap();
-                observations.push(Observation { sigma_px: noise_px.max(0.01), ..seen });
+                let seen =
+                    Observation::of_landmark(field, landmark.id.as_str(), image, SIZE, 0).unwrap();
+                observations.push(Observation {
+                    sigma_px: noise_px.max(0.01),
+                    ..seen
+                });
             }
         }
         while observations.len() > most {
@@ -64,14 +84,21 @@ fn frames(
         for (click, observation) in observations.iter_mut().enumerate() {
             observation.click = click;
         }
-        frames.push(FrameClicks { observations, start: None });
+        frames.push(FrameClicks {
+            observations,
+            start: None,
+        });
         truth.push(ptz);
     }
     (frames, truth)
 }
 
 fn prescribed(lens: LensModel, crown: CrownModel) -> BaseOptions {
-    BaseOptions { lens: Some(lens), crown: Some(crown), ..BaseOptions::default() }
+    BaseOptions {
+        lens: Some(lens),
+        crown: Some(crown),
+        ..BaseOptions::default()
+    }
 }
 
 #[test]
@@ -81,14 +108,37 @@ fn a_frame_in_which_nothing_was_seen_holds_nothing_back() {
     let base = true_base(FocalCurve::NONE);
     let (mut frames, truth) = frames(&base, &field, 6, 8, 0.5, &mut rng);
     let mut ptz: Vec<Option<Ptz>> = truth.into_iter().map(Some).collect();
-    let start = CameraBase { position_m: base.position_m + Vec3::new(0.5, -1.0, 0.4), ..base };
-    let pinhole = BaseModel { lens: LensModel::Pinhole, crown: CrownModel::Fixed(0.0), principal_point: None };
+    let start = CameraBase {
+        position_m: base.position_m + Vec3::new(0.5, -1.0, 0.4),
+        ..base
+    };
+    let pinhole = BaseModel {
+        lens: LensModel::Pinhole,
+        crown: CrownModel::Fixed(0.0),
+        principal_point: None,
+    };
     let adjusted = |frames: &[FrameClicks], ptz: &[Option<Ptz>]| {
-        adjust_base(&CameraClicks::centred(&field, frames, SIZE), &start, ptz, &pinhole, &AdjustOptions::default())
+        adjust_base(
+            &CameraClicks::centred(&field, frames, SIZE),
+            &start,
+            ptz,
+            &pinhole,
+            &AdjustOptions::default(),
+        )
     };
     let without = adjusted(&frames, &ptz);
-    assert!((without.base.position_m - base.position_m).norm() < 0.3, "{:?}", without.base.position_m);
-    frames.insert(2, FrameClicks { observations: Vec::new(), start: None });
+    assert!(
+        (without.base.position_m - base.position_m).norm() < 0.3,
+        "{:?}",
+        without.base.position_m
+    );
+    frames.insert(
+        2,
+        FrameClicks {
+            observations: Vec::new(),
+            start: None,
+        },
+    );
     ptz.insert(2, Some(Ptz::from_degrees(1.0, -12.0, 2000.0)));
     let with = adjusted(&frames, &ptz);
     assert_eq!(with.base, without.base);
@@ -102,14 +152,26 @@ fn exact_clicks_give_the_exact_base() {
     let base = true_base(FocalCurve::NONE);
     let (frames, truth) = frames(&base, &field, 8, 12, 0.0, &mut rng);
     let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
-    let found =
-        estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &options, &Progress::default()).unwrap();
-    assert!((found.base.position_m - base.position_m).norm() < 1e-4, "{:?}", found.base.position_m);
+    let found = estimate_base(
+        &CameraClicks::centred(&field, &frames, SIZE),
+        None,
+        &options,
+        &Progress::default(),
+    )
+    .unwrap();
+    assert!(
+        (found.base.position_m - base.position_m).norm() < 1e-4,
+        "{:?}",
+        found.base.position_m
+    );
     let turned = found.base.rotation_from(&base);
     assert!(turned.norm() < 1e-5, "{turned:?} {:?}", found.base);
     for (fit, truth) in found.frames.iter().zip(truth) {
         let ptz = fit.unwrap().ptz;
-        assert!((ptz.pan - truth.pan).abs().degrees() < 1e-4 && (ptz.focal_px - truth.focal_px).abs() < 1e-2);
+        assert!(
+            (ptz.pan - truth.pan).abs().degrees() < 1e-4
+                && (ptz.focal_px - truth.focal_px).abs() < 1e-2
+        );
     }
     assert!(found.disputed.is_empty() && found.mirrored.is_empty());
 }
@@ -123,26 +185,39 @@ fn z_scores(found: &CameraBase, truth: &CameraBase) -> Vec3 {
 fn the_position_is_as_good_as_its_sigma_says() {
     let mut rng = seeded::rng("the_position_is_as_good_as_its_sigma_says");
     let field = field(0.12);
-    let base = true_base(FocalCurve { at_focal_px: 2000.0, value: -0.03, per_1000_px: 0.2, ..FocalCurve::NONE });
+    let base = true_base(FocalCurve {
+        at_focal_px: 2000.0,
+        value: -0.03,
+        per_1000_px: 0.2,
+        ..FocalCurve::NONE
+    });
     let options = prescribed(LensModel::K1Focal, CrownModel::Free);
     for count in [5, 10, 30] {
         let (mut squares, trials) = (0.0, 6);
         for _ in 0..trials {
             let (frames, _) = frames(&base, &field, count, 10, 2.0, &mut rng);
-            let found =
-                estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &options, &Progress::default())
-                    .unwrap();
+            let found = estimate_base(
+                &CameraClicks::centred(&field, &frames, SIZE),
+                None,
+                &options,
+                &Progress::default(),
+            )
+            .unwrap();
             let z = z_scores(&found.base, &base);
             assert!(z.amax() < 4.0, "{count} frames: {z:?}");
             squares += z.norm_squared() / f64::from(trials) / 3.0;
         }
-        // Landmarks of real grounds lie off their places and these do not: a little is stated on top.
-        assert!((0.05..1.5).contains(&squares), "{count} frames: mean z² {squares:.2}");
+        // Landmarks of real grounds lie off their places and these do not: a little is stated on
+        // top.
+        assert!(
+            (0.05..1.5).contains(&squares),
+            "{count} frames: mean z² {squares:.2}"
+        );
     }
 }
 
-/// The least sigma of the position that clicks of known noise allow (Cramér and Rao), m: pinhole, flat ground, every frame's
-/// own parameters eliminated.
+/// The least sigma of the position that clicks of known noise allow (Cramér and Rao), m: pinhole,
+/// flat ground, every frame's own parameters eliminated.
 fn bound_m(base: &CameraBase, field: &FieldModel, frames: &[FrameClicks], truth: &[Ptz]) -> Vec3 {
     let mut information = SMatrix::<f64, 5, 5>::zeros();
     for (frame, ptz) in frames.iter().zip(truth) {
@@ -150,7 +225,9 @@ fn bound_m(base: &CameraBase, field: &FieldModel, frames: &[FrameClicks], truth:
         let (mut shared, mut own) = (SMatrix::<f64, 5, 5>::zeros(), SMatrix::<f64, 3, 3>::zeros());
         let mut cross = SMatrix::<f64, 5, 3>::zeros();
         for click in &frame.observations {
-            let Some(at) = click.shape.point() else { continue };
+            let Some(at) = click.shape.point() else {
+                continue;
+            };
             assert_eq!(at.z, 0.0, "{}", field.template);
             let here = camera.image_from_world_jacobian(at).unwrap();
             let (by_base, weight) = (here.by_base.fixed_columns::<5>(0), click.sigma_px.powi(-2));
@@ -160,12 +237,19 @@ fn bound_m(base: &CameraBase, field: &FieldModel, frames: &[FrameClicks], truth:
         }
         information += shared - cross * own.try_inverse().unwrap() * cross.transpose();
     }
-    information.try_inverse().unwrap().diagonal().fixed_rows::<3>(0).map(f64::sqrt)
+    information
+        .try_inverse()
+        .unwrap()
+        .diagonal()
+        .fixed_rows::<3>(0)
+        .map(f64::sqrt)
 }
 
 #[test]
 fn the_position_is_within_three_sigmas_of_the_bound_with_and_without_gross_errors() {
-    let mut rng = seeded::rng("the_position_is_within_three_sigmas_of_the_bound_with_and_without_gross_errors");
+    let mut rng = seeded::rng(
+        "the_position_is_within_three_sigmas_of_the_bound_with_and_without_gross_errors",
+    );
     let field = field(0.0);
     let base = true_base(FocalCurve::NONE);
     let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
@@ -173,31 +257,52 @@ fn the_position_is_within_three_sigmas_of_the_bound_with_and_without_gross_error
         let (mut squares, trials) = (0.0, 4);
         for _ in 0..trials {
             let (mut clicked, truth) = frames(&base, &field, count, 12, 2.0, &mut rng);
-            let good = if spoiled { spoil(&mut clicked, &mut rng).1 } else { clicked.clone() };
-            let found =
-                estimate_base(&CameraClicks::centred(&field, &clicked, SIZE), None, &options, &Progress::default())
-                    .unwrap();
-            let z = (found.base.position_m - base.position_m).component_div(&bound_m(&base, &field, &good, &truth));
+            let good = if spoiled {
+                spoil(&mut clicked, &mut rng).1
+            } else {
+                clicked.clone()
+            };
+            let found = estimate_base(
+                &CameraClicks::centred(&field, &clicked, SIZE),
+                None,
+                &options,
+                &Progress::default(),
+            )
+            .unwrap();
+            let z = (found.base.position_m - base.position_m)
+                .component_div(&bound_m(&base, &field, &good, &truth));
             assert!(z.amax() < 3.0, "{count} frames, spoiled {spoiled}: {z:?}");
             squares += z.norm_squared() / f64::from(trials) / 3.0;
         }
-        println!("{count} frames, gross errors {spoiled}: error / bound {:.2} (rms)", squares.sqrt());
+        println!(
+            "{count} frames, gross errors {spoiled}: error / bound {:.2} (rms)",
+            squares.sqrt()
+        );
     }
 }
 
 /// Moves a tenth of the clicks far away; which ones, and the frames without them.
-fn spoil(frames: &mut [FrameClicks], rng: &mut Pcg64Mcg) -> (Vec<(usize, usize)>, Vec<FrameClicks>) {
+fn spoil(
+    frames: &mut [FrameClicks],
+    rng: &mut Pcg64Mcg,
+) -> (Vec<(usize, usize)>, Vec<FrameClicks>) {
     let (mut wrong, mut good) = (Vec::new(), frames.to_vec());
     for (index, frame) in frames.iter_mut().enumerate() {
         for (click, observation) in frame.observations.iter_mut().enumerate() {
             if rng.random_bool(0.1) {
-                let far = Vec2::new(rng.random_range(60.0..300.0), rng.random_range(-200.0..200.0));
+                let far = Vec2::new(
+                    rng.random_range(60.0..300.0),
+                    rng.random_range(-200.0..200.0),
+                );
                 let moved = observation.image.moved(far);
-                observation.image = ImagePoint::new(moved.x.clamp(0.0, 1920.0), moved.y.clamp(0.0, 1080.0));
+                observation.image =
+                    ImagePoint::new(moved.x.clamp(0.0, 1920.0), moved.y.clamp(0.0, 1080.0));
                 wrong.push((index, click));
             }
         }
-        good[index].observations.retain(|click| !wrong.contains(&(index, click.click)));
+        good[index]
+            .observations
+            .retain(|click| !wrong.contains(&(index, click.click)));
     }
     (wrong, good)
 }
@@ -206,7 +311,12 @@ fn spoil(frames: &mut [FrameClicks], rng: &mut Pcg64Mcg) -> (Vec<(usize, usize)>
 fn gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named() {
     let mut rng = seeded::rng("gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named");
     let field = field(0.1);
-    let base = true_base(FocalCurve { at_focal_px: 2000.0, value: -0.04, per_1000_px: 0.2, ..FocalCurve::NONE });
+    let base = true_base(FocalCurve {
+        at_focal_px: 2000.0,
+        value: -0.04,
+        per_1000_px: 0.2,
+        ..FocalCurve::NONE
+    });
     let (mut frames, _) = frames(&base, &field, 20, 12, 2.0, &mut rng);
     let (wrong, _) = spoil(&mut frames, &mut rng);
     let found = estimate_base(
@@ -216,11 +326,22 @@ fn gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named() {
         &Progress::default(),
     )
     .unwrap();
-    assert!(z_scores(&found.base, &base).amax() < 4.0, "{:?}", found.base);
-    let named: Vec<(usize, usize)> = found.disputed.iter().map(|click| (click.frame, click.click)).collect();
+    assert!(
+        z_scores(&found.base, &base).amax() < 4.0,
+        "{:?}",
+        found.base
+    );
+    let named: Vec<(usize, usize)> = found
+        .disputed
+        .iter()
+        .map(|click| (click.frame, click.click))
+        .collect();
     let missed = wrong.iter().filter(|click| !named.contains(click)).count();
     let false_alarms = named.iter().filter(|click| !wrong.contains(click)).count();
-    assert!(missed <= wrong.len() / 20 && false_alarms <= 1, "{missed} missed, {false_alarms} false of {wrong:?}");
+    assert!(
+        missed <= wrong.len() / 20 && false_alarms <= 1,
+        "{missed} missed, {false_alarms} false of {wrong:?}"
+    );
 }
 
 #[test]
@@ -229,24 +350,52 @@ fn what_cannot_be_estimated_says_why() {
     let field = field(0.0);
     let base = true_base(FocalCurve::NONE);
     let estimate = |frames: &[FrameClicks]| {
-        estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &BaseOptions::default(), &Progress::default())
-            .unwrap_err()
+        estimate_base(
+            &CameraClicks::centred(&field, frames, SIZE),
+            None,
+            &BaseOptions::default(),
+            &Progress::default(),
+        )
+        .unwrap_err()
     };
-    assert!(matches!(estimate(&[]), BaseError::NoStart { frames: 0, most_landmarks: 0 }));
+    assert!(matches!(
+        estimate(&[]),
+        BaseError::NoStart {
+            frames: 0,
+            most_landmarks: 0
+        }
+    ));
     let (three, _) = frames(&base, &field, 4, 3, 1.0, &mut rng);
     let error = estimate(&three);
-    assert!(matches!(error, BaseError::NoStart { frames: 4, most_landmarks: 3 }), "{error}");
-    assert!(error.to_string().contains("click four or more on wide frames"));
+    assert!(
+        matches!(
+            error,
+            BaseError::NoStart {
+                frames: 4,
+                most_landmarks: 3
+            }
+        ),
+        "{error}"
+    );
+    assert!(
+        error
+            .to_string()
+            .contains("click four or more on wide frames")
+    );
     // Names dealt out at random.
     let (mut nonsense, _) = frames(&base, &field, 5, 8, 1.0, &mut rng);
     for frame in &mut nonsense {
         for observation in &mut frame.observations {
-            observation.image = ImagePoint::new(rng.random_range(0.0..1920.0), rng.random_range(0.0..1080.0));
+            observation.image =
+                ImagePoint::new(rng.random_range(0.0..1920.0), rng.random_range(0.0..1080.0));
         }
     }
     let error = estimate(&nonsense);
     assert!(
-        matches!(error, BaseError::NoFit { .. } | BaseError::NoStart { .. } | BaseError::Undetermined { .. }),
+        matches!(
+            error,
+            BaseError::NoFit { .. } | BaseError::NoStart { .. } | BaseError::Undetermined { .. }
+        ),
         "{error}"
     );
 }
@@ -262,7 +411,10 @@ fn landmarks_on_one_line_and_one_view_alone_are_told() {
     for frame in &mut one_line {
         frame.observations.retain(on_halfway_line);
     }
-    assert!(one_line.iter().any(|frame| frame.observations.len() > 3), "four of them are on it");
+    assert!(
+        one_line.iter().any(|frame| frame.observations.len() > 3),
+        "four of them are on it"
+    );
     let error = estimate_base(
         &CameraClicks::centred(&field, &one_line, SIZE),
         None,
@@ -271,16 +423,28 @@ fn landmarks_on_one_line_and_one_view_alone_are_told() {
     )
     .unwrap_err();
     assert!(matches!(error, BaseError::NoStart { .. }), "{error}");
-    assert!(error.to_string().contains("that are not on one line"), "{error}");
+    assert!(
+        error.to_string().contains("that are not on one line"),
+        "{error}"
+    );
 
     let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
     let estimate = |frames: &[FrameClicks]| {
-        estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &options, &Progress::default()).unwrap()
+        estimate_base(
+            &CameraClicks::centred(&field, frames, SIZE),
+            None,
+            &options,
+            &Progress::default(),
+        )
+        .unwrap()
     };
     assert_eq!(estimate(&many).one_view(), None);
     let same = vec![many[3].clone(); 5];
     let told = estimate(&same).one_view().unwrap();
-    assert!(told.starts_with("all 5 frames look the same way (pan within 0.0°)"), "{told}");
+    assert!(
+        told.starts_with("all 5 frames look the same way (pan within 0.0°)"),
+        "{told}"
+    );
 }
 
 #[test]
@@ -291,28 +455,60 @@ fn few_frames_on_one_side_ask_for_one_on_the_other() {
     let (many, _) = frames(&true_base(FocalCurve::NONE), &field, 8, 4, 2.0, &mut rng);
     let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
     let estimate = |frames: &[FrameClicks]| {
-        estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &options, &Progress::default()).unwrap()
+        estimate_base(
+            &CameraClicks::centred(&field, frames, SIZE),
+            None,
+            &options,
+            &Progress::default(),
+        )
+        .unwrap()
     };
-    for (few, side) in [(&many[4..7], BesideFrames::Left), (&many[1..4], BesideFrames::Right)] {
+    for (few, side) in [
+        (&many[4..7], BesideFrames::Left),
+        (&many[1..4], BesideFrames::Right),
+    ] {
         let advised = estimate(few).one_more_frame.unwrap();
         assert_eq!(advised.side, side, "{advised}");
-        assert!(advised.then_m <= 0.8 * advised.now_m && advised.then_m > 0.0, "{advised}");
+        assert!(
+            advised.then_m <= 0.8 * advised.now_m && advised.then_m > 0.0,
+            "{advised}"
+        );
     }
-    assert_eq!(estimate(&many).one_more_frame, None, "eight frames are enough");
+    assert_eq!(
+        estimate(&many).one_more_frame,
+        None,
+        "eight frames are enough"
+    );
 }
 
 #[test]
 fn an_estimation_counts_its_adjustments_and_ends_when_nobody_waits() {
     let mut rng = seeded::rng("an_estimation_counts_its_adjustments");
-    let (frames, _) = frames(&true_base(FocalCurve::NONE), &field(0.0), 8, 8, 1.0, &mut rng);
+    let (frames, _) = frames(
+        &true_base(FocalCurve::NONE),
+        &field(0.0),
+        8,
+        8,
+        1.0,
+        &mut rng,
+    );
     let estimate = |patience: usize| {
         let told: Mutex<Vec<BaseProgress>> = Mutex::new(Vec::new());
         let progress = Progress::new(|progress: BaseProgress| {
             told.lock().unwrap().push(progress);
-            if progress.done < patience { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            if progress.done < patience {
+                ControlFlow::Continue(())
+            } else {
+                ControlFlow::Break(())
+            }
         });
         let options = BaseOptions::default();
-        let found = estimate_base(&CameraClicks::centred(&field(0.0), &frames, SIZE), None, &options, &progress);
+        let found = estimate_base(
+            &CameraClicks::centred(&field(0.0), &frames, SIZE),
+            None,
+            &options,
+            &progress,
+        );
         drop(progress);
         (found, told.into_inner().unwrap())
     };
@@ -320,7 +516,11 @@ fn an_estimation_counts_its_adjustments_and_ends_when_nobody_waits() {
     assert!(found.is_ok());
     let mut counted: Vec<usize> = told.iter().map(|progress| progress.done).collect();
     counted.sort_unstable();
-    assert_eq!(counted, (1..=told[0].total).collect::<Vec<_>>(), "each adjustment is told, up to the last");
+    assert_eq!(
+        counted,
+        (1..=told[0].total).collect::<Vec<_>>(),
+        "each adjustment is told, up to the last"
+    );
     let (stopped, told) = estimate(3);
     assert_eq!(stopped, Err(BaseError::Stopped));
     assert!(told.len() < told[0].total);

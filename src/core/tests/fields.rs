@@ -11,27 +11,54 @@ fn model(name: &str) -> FieldModel {
 /// Landmarks of a model against published coordinates, m.
 fn assert_landmarks(model: &FieldModel, published: &[(&str, [f64; 3])]) {
     for (name, place) in published {
-        let landmark = model.landmark(name).unwrap_or_else(|| panic!("{} has no {name}", model.template));
+        let landmark = model
+            .landmark(name)
+            .unwrap_or_else(|| panic!("{} has no {name}", model.template));
         let off = (landmark.nominal_m - Vec3::from(*place)).norm();
-        assert!(off < 1e-9, "{} {name}: {:?} instead of {place:?}", model.template, landmark.nominal_m);
+        assert!(
+            off < 1e-9,
+            "{} {name}: {:?} instead of {place:?}",
+            model.template,
+            landmark.nominal_m
+        );
     }
 }
 
 #[test]
 fn soccer_has_the_documents_names() {
     let soccer = model("soccer");
-    let mut landmarks = vec!["centre_mark", "halfway_near", "halfway_far", "centre_circle_halfway_near"];
-    landmarks.extend(["centre_circle_halfway_far", "centre_circle_left", "centre_circle_right"]);
+    let mut landmarks = vec![
+        "centre_mark",
+        "halfway_near",
+        "halfway_far",
+        "centre_circle_halfway_near",
+    ];
+    landmarks.extend([
+        "centre_circle_halfway_far",
+        "centre_circle_left",
+        "centre_circle_right",
+    ]);
     let mut owned = Vec::new();
-    let mut lines: Vec<String> =
-        ["touchline_near", "touchline_far", "halfway_line", "centre_circle"].map(String::from).to_vec();
+    let mut lines: Vec<String> = [
+        "touchline_near",
+        "touchline_far",
+        "halfway_line",
+        "centre_circle",
+    ]
+    .map(String::from)
+    .to_vec();
     for side in ["left", "right"] {
-        owned.extend([format!("penalty_mark_{side}"), format!("penalty_arc_apex_{side}")]);
+        owned.extend([
+            format!("penalty_mark_{side}"),
+            format!("penalty_arc_apex_{side}"),
+        ]);
         lines.extend(["goal_line", "penalty_arc", "crossbar"].map(|name| format!("{name}_{side}")));
         lines.extend(["penalty_area", "goal_area"].map(|name| format!("{name}_{side}_front")));
         for depth in ["near", "far"] {
             for area in ["penalty_area", "goal_area"] {
-                owned.extend(["goal_line", "front"].map(|end| format!("{area}_{depth}_{side}_{end}")));
+                owned.extend(
+                    ["goal_line", "front"].map(|end| format!("{area}_{depth}_{side}_{end}")),
+                );
                 lines.push(format!("{area}_{side}_{depth}"));
             }
             owned.extend(["corner", "penalty_arc"].map(|name| format!("{name}_{depth}_{side}")));
@@ -41,7 +68,11 @@ fn soccer_has_the_documents_names() {
         }
     }
     landmarks.extend(owned.iter().map(String::as_str));
-    let mut ours: Vec<_> = soccer.landmarks.iter().map(|landmark| landmark.id.as_str()).collect();
+    let mut ours: Vec<_> = soccer
+        .landmarks
+        .iter()
+        .map(|landmark| landmark.id.as_str())
+        .collect();
     landmarks.sort_unstable();
     ours.sort_unstable();
     assert_eq!(ours, landmarks);
@@ -70,21 +101,35 @@ fn soccer_is_where_law_1_puts_it() {
             ("centre_circle_halfway_far", [0.0, 9.15, 0.0]),
         ],
     );
-    let Curve::Arc { centre, radius_m, .. } = soccer.line("penalty_arc_left").unwrap().curve else { panic!("an arc") };
+    let Curve::Arc {
+        centre, radius_m, ..
+    } = soccer.line("penalty_arc_left").unwrap().curve
+    else {
+        panic!("an arc")
+    };
     assert!((centre - Vec3::new(-41.5, 0.0, 0.0)).norm() < 1e-9 && (radius_m - 9.15).abs() < 1e-9);
     assert!(soccer.line("centre_circle").unwrap().curve.is_closed());
 }
 
 #[test]
 fn only_length_and_width_of_a_soccer_field_differ() {
-    let params = BTreeMap::from([("length_m".to_owned(), 107.90), ("width_m".to_owned(), 64.01)]);
+    let params = BTreeMap::from([
+        ("length_m".to_owned(), 107.90),
+        ("width_m".to_owned(), 64.01),
+    ]);
     let soccer = builtin("soccer").unwrap().model(&params, 0.2).unwrap();
     assert_landmarks(
         &soccer,
-        &[("corner_far_right", [53.95, 32.005, 0.0]), ("penalty_area_near_right_front", [37.45, -20.16, 0.0])],
+        &[
+            ("corner_far_right", [53.95, 32.005, 0.0]),
+            ("penalty_area_near_right_front", [37.45, -20.16, 0.0]),
+        ],
     );
     let corner = soccer.landmark_in_world(soccer.landmark("corner_far_right").unwrap());
-    assert!((corner.z + 0.2).abs() < 1e-12, "the crown lowers the touchlines");
+    assert!(
+        (corner.z + 0.2).abs() < 1e-12,
+        "the crown lowers the touchlines"
+    );
 }
 
 #[test]
@@ -94,7 +139,9 @@ fn paint_lies_within_the_areas_that_it_bounds() {
     assert!((middle("touchline_far") - Vec3::new(0.0, 33.94, 0.0)).norm() < 1e-9);
     assert!((middle("penalty_area_right_front") - Vec3::new(36.06, 0.0, 0.0)).norm() < 1e-9);
     assert!((middle("halfway_line")).norm() < 1e-9);
-    let Curve::Arc { radius_m, .. } = soccer.line("centre_circle").unwrap().paint_centre else { panic!("a circle") };
+    let Curve::Arc { radius_m, .. } = soccer.line("centre_circle").unwrap().paint_centre else {
+        panic!("a circle")
+    };
     assert!((radius_m - 9.09).abs() < 1e-9);
     assert!(
         (middle("post_far_left") - Vec3::new(-52.5, 3.72, 1.22)).norm() < 1e-9,
@@ -106,18 +153,27 @@ fn paint_lies_within_the_areas_that_it_bounds() {
 fn parameters_outside_the_rules_are_named() {
     let soccer = builtin("soccer").unwrap();
     let message = |name: &str, value: f64, crown_m: f64| {
-        soccer.model(&BTreeMap::from([(name.to_owned(), value)]), crown_m).unwrap_err().to_string()
+        soccer
+            .model(&BTreeMap::from([(name.to_owned(), value)]), crown_m)
+            .unwrap_err()
+            .to_string()
     };
     assert_eq!(
         message("length_m", 80.0, 0.0),
         "soccer field: length_m = 80 is outside 90 to 120 (IFAB Law 1.3: 90 to 120 m; 105 m recommended by UEFA and FIFA)"
     );
-    assert!(message("width_m", f64::NAN, 0.0).starts_with("soccer field: width_m = NaN is outside 45 to 90"));
+    assert!(
+        message("width_m", f64::NAN, 0.0)
+            .starts_with("soccer field: width_m = NaN is outside 45 to 90")
+    );
     assert_eq!(
         message("lenght_m", 105.0, 0.0),
         "the field template \"soccer\" takes no parameter \"lenght_m\"; it takes length_m, width_m"
     );
-    assert_eq!(message("length_m", 105.0, 7.0), "crown_m = 7 is outside -2 to 2");
+    assert_eq!(
+        message("length_m", 105.0, 7.0),
+        "crown_m = 7 is outside -2 to 2"
+    );
     assert_eq!(
         builtin("curling").unwrap_err().to_string(),
         "no field template is named \"curling\"; built in are soccer, futsal, basketball_fiba, basketball_nba, \
@@ -134,24 +190,53 @@ fn every_template_is_whole_and_as_symmetric_as_its_rules() {
     for name in builtin_names() {
         let template = builtin(name).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(template.name, name);
-        assert!(template.params.iter().any(|param| param.name == "length_m"), "{name}");
-        assert!(template.params.iter().any(|param| param.name == "width_m"), "{name}");
+        assert!(
+            template.params.iter().any(|param| param.name == "length_m"),
+            "{name}"
+        );
+        assert!(
+            template.params.iter().any(|param| param.name == "width_m"),
+            "{name}"
+        );
         assert!(template.params.iter().all(|param| !param.source.is_empty()));
-        assert!(template.dimensions.iter().all(|dimension| !dimension.source.is_empty()));
+        assert!(
+            template
+                .dimensions
+                .iter()
+                .all(|dimension| !dimension.source.is_empty())
+        );
         let field = template.default_model().unwrap();
         for symmetry in Symmetry::ALL {
             for landmark in &field.landmarks {
                 let twin = symmetry.landmark_twin(&field, landmark).unwrap();
-                assert_eq!(symmetry.landmark_twin(&field, twin).unwrap().id, landmark.id);
+                assert_eq!(
+                    symmetry.landmark_twin(&field, twin).unwrap().id,
+                    landmark.id
+                );
             }
-            assert!(field.lines.iter().all(|line| symmetry.line_twin(&field, line).is_some()));
+            assert!(
+                field
+                    .lines
+                    .iter()
+                    .all(|line| symmetry.line_twin(&field, line).is_some())
+            );
         }
         for line in &field.lines {
-            assert!(line.curve.length_m() > 0.0 && line.width_m > 0.0, "{name} {}", line.id);
+            assert!(
+                line.curve.length_m() > 0.0 && line.width_m > 0.0,
+                "{name} {}",
+                line.id
+            );
             let shift = (line.paint_centre.point_at(0.3) - line.curve.point_at(0.3)).norm();
             assert!(shift < line.width_m / 2.0 + 1e-9, "{name} {}", line.id);
         }
-        assert!(field.landmarks.iter().any(|landmark| landmark.nominal_m.z > 0.0), "{name} has no 3-D parts");
+        assert!(
+            field
+                .landmarks
+                .iter()
+                .any(|landmark| landmark.nominal_m.z > 0.0),
+            "{name} has no 3-D parts"
+        );
     }
 }
 
@@ -159,19 +244,40 @@ fn every_template_is_whole_and_as_symmetric_as_its_rules() {
 fn a_mirrored_field_pairs_left_with_right() {
     let soccer = model("soccer");
     let twin = |symmetry: Symmetry, name: &str| {
-        symmetry.landmark_twin(&soccer, soccer.landmark(name).unwrap()).unwrap().id.to_string()
+        symmetry
+            .landmark_twin(&soccer, soccer.landmark(name).unwrap())
+            .unwrap()
+            .id
+            .to_string()
     };
-    assert_eq!(twin(Symmetry::MirrorX, "penalty_area_far_left_front"), "penalty_area_far_right_front");
-    assert_eq!(twin(Symmetry::MirrorY, "penalty_area_far_left_front"), "penalty_area_near_left_front");
-    assert_eq!(twin(Symmetry::Turn180, "post_near_left_top"), "post_far_right_top");
+    assert_eq!(
+        twin(Symmetry::MirrorX, "penalty_area_far_left_front"),
+        "penalty_area_far_right_front"
+    );
+    assert_eq!(
+        twin(Symmetry::MirrorY, "penalty_area_far_left_front"),
+        "penalty_area_near_left_front"
+    );
+    assert_eq!(
+        twin(Symmetry::Turn180, "post_near_left_top"),
+        "post_far_right_top"
+    );
     assert_eq!(twin(Symmetry::Turn180, "centre_mark"), "centre_mark");
     let line = |name: &str| soccer.line(name).unwrap();
     assert_eq!(
-        Symmetry::MirrorX.line_twin(&soccer, line("penalty_arc_left")).unwrap().id.as_str(),
+        Symmetry::MirrorX
+            .line_twin(&soccer, line("penalty_arc_left"))
+            .unwrap()
+            .id
+            .as_str(),
         "penalty_arc_right"
     );
     assert_eq!(
-        Symmetry::Turn180.line_twin(&soccer, line("corner_arc_near_left")).unwrap().id.as_str(),
+        Symmetry::Turn180
+            .line_twin(&soccer, line("corner_arc_near_left"))
+            .unwrap()
+            .id
+            .as_str(),
         "corner_arc_far_right"
     );
 }
@@ -180,7 +286,10 @@ fn a_mirrored_field_pairs_left_with_right() {
 fn basketball_is_where_fiba_nba_and_ncaa_put_it() {
     let fiba = model("basketball_fiba");
     let bend = 14.0 - 1.575 - (6.75_f64 * 6.75 - 6.6 * 6.6).sqrt();
-    assert!((14.0 - bend - 2.990).abs() < 5e-4, "the published 2.990 m from the end line");
+    assert!(
+        (14.0 - bend - 2.990).abs() < 5e-4,
+        "the published 2.990 m from the end line"
+    );
     assert_landmarks(
         &fiba,
         &[
@@ -195,29 +304,48 @@ fn basketball_is_where_fiba_nba_and_ncaa_put_it() {
     );
     let nba = model("basketball_nba");
     let bend = 5.25 + (23.75_f64 * 23.75 - 22.0 * 22.0).sqrt();
-    assert!((bend - 14.20).abs() < 5e-3, "the published 14.20 ft from the end line");
+    assert!(
+        (bend - 14.20).abs() < 5e-3,
+        "the published 14.20 ft from the end line"
+    );
     assert_landmarks(
         &nba,
         &[
             ("corner_near_right", [47.0 * FT, -25.0 * FT, 0.0]),
             ("key_far_right_free_throw", [28.0 * FT, 8.0 * FT, 0.0]),
-            ("three_point_near_left_bend", [(bend - 47.0) * FT, -22.0 * FT, 0.0]),
+            (
+                "three_point_near_left_bend",
+                [(bend - 47.0) * FT, -22.0 * FT, 0.0],
+            ),
             ("hash_mark_far_left", [-19.0 * FT, 25.0 * FT, 0.0]),
             ("backboard_far_right_top", [43.0 * FT, 3.0 * FT, 13.0 * FT]),
             ("ring_right_front", [41.0 * FT, 0.0, 10.0 * FT]),
         ],
     );
     let ncaa = model("basketball_ncaa");
-    let bend = ncaa.landmark("three_point_far_right_bend").unwrap().nominal_m;
-    assert!((47.0 - bend.x / FT - (9.0 + 10.375 / 12.0)).abs() < 0.02, "the published 9 ft 10 3/8 in");
-    assert_landmarks(&ncaa, &[("key_far_left_end_line", [-47.0 * FT, 6.0 * FT, 0.0])]);
+    let bend = ncaa
+        .landmark("three_point_far_right_bend")
+        .unwrap()
+        .nominal_m;
+    assert!(
+        (47.0 - bend.x / FT - (9.0 + 10.375 / 12.0)).abs() < 0.02,
+        "the published 9 ft 10 3/8 in"
+    );
+    assert_landmarks(
+        &ncaa,
+        &[("key_far_left_end_line", [-47.0 * FT, 6.0 * FT, 0.0])],
+    );
 }
 
 #[test]
 fn ice_hockey_is_where_iihf_and_nhl_put_it() {
     let iihf = model("ice_hockey_iihf");
     let reach = iihf.landmark("goal_line_far_right").unwrap().nominal_m;
-    assert!((reach.y - 13.71).abs() < 2e-3, "the published 13.71 m for 60 x 30 m, radius 8.5 m: {}", reach.y);
+    assert!(
+        (reach.y - 13.71).abs() < 2e-3,
+        "the published 13.71 m for 60 x 30 m, radius 8.5 m: {}",
+        reach.y
+    );
     assert_landmarks(
         &iihf,
         &[
@@ -229,11 +357,17 @@ fn ice_hockey_is_where_iihf_and_nhl_put_it() {
         ],
     );
     let narrow = BTreeMap::from([("width_m".to_owned(), 26.0)]);
-    let narrow = builtin("ice_hockey_iihf").unwrap().model(&narrow, 0.0).unwrap();
+    let narrow = builtin("ice_hockey_iihf")
+        .unwrap()
+        .model(&narrow, 0.0)
+        .unwrap();
     assert!((narrow.landmark("goal_line_far_left").unwrap().nominal_m.y - 11.71).abs() < 2e-3);
     let nhl = model("ice_hockey_nhl");
     let reach = nhl.landmark("goal_line_far_right").unwrap().nominal_m.y / FT;
-    assert!((reach - 36.75).abs() < 2e-3, "the published 36.75 ft: {reach}");
+    assert!(
+        (reach - 36.75).abs() < 2e-3,
+        "the published 36.75 ft: {reach}"
+    );
     assert_landmarks(
         &nhl,
         &[
@@ -241,12 +375,18 @@ fn ice_hockey_is_where_iihf_and_nhl_put_it() {
             ("end_spot_near_right", [69.0 * FT, -22.0 * FT, 0.0]),
             ("neutral_spot_far_right", [20.0 * FT, 22.0 * FT, 0.0]),
             ("trapezoid_near_left_boards", [-100.0 * FT, -14.0 * FT, 0.0]),
-            ("trapezoid_near_left_goal_line", [-89.0 * FT, -11.0 * FT, 0.0]),
+            (
+                "trapezoid_near_left_goal_line",
+                [-89.0 * FT, -11.0 * FT, 0.0],
+            ),
             ("post_near_left_top", [-89.0 * FT, -3.0 * FT, 4.0 * FT]),
         ],
     );
     let crease = nhl.landmark("crease_near_right_front").unwrap().nominal_m;
-    assert!((89.0 - crease.x / FT - 4.5).abs() < 0.03, "the published 4 ft 6 in");
+    assert!(
+        (89.0 - crease.x / FT - 4.5).abs() < 0.03,
+        "the published 4 ft 6 in"
+    );
 }
 
 #[test]
@@ -265,12 +405,25 @@ fn american_football_is_where_nfl_and_ncaa_put_it() {
                 ("crossbar_far_right", [60.0 * YD, 9.25 * FT, 10.0 * FT]),
             ],
         );
-        let yard_lines = field.lines.iter().filter(|line| line.id.as_str().starts_with("yard_line_")).count();
+        let yard_lines = field
+            .lines
+            .iter()
+            .filter(|line| line.id.as_str().starts_with("yard_line_"))
+            .count();
         assert_eq!(yard_lines, 18);
     }
-    assert_landmarks(&nfl, &[("yard_line_right_20_hash_far", [30.0 * YD, 9.25 * FT, 0.0])]);
-    assert_landmarks(&ncaa, &[("yard_line_right_20_hash_far", [30.0 * YD, 20.0 * FT, 0.0])]);
-    assert_landmarks(&nfl, &[("upright_near_left_top", [-60.0 * YD, -9.25 * FT, 35.0 * FT])]);
+    assert_landmarks(
+        &nfl,
+        &[("yard_line_right_20_hash_far", [30.0 * YD, 9.25 * FT, 0.0])],
+    );
+    assert_landmarks(
+        &ncaa,
+        &[("yard_line_right_20_hash_far", [30.0 * YD, 20.0 * FT, 0.0])],
+    );
+    assert_landmarks(
+        &nfl,
+        &[("upright_near_left_top", [-60.0 * YD, -9.25 * FT, 35.0 * FT])],
+    );
     assert_landmarks(&ncaa, &[("try_mark_left", [-47.0 * YD, 0.0, 0.0])]);
 }
 
@@ -303,7 +456,10 @@ fn tennis_volleyball_handball_and_futsal_are_where_their_rules_put_them() {
         &[
             ("goal_area_far_left_goal_line", [-20.0, 7.5, 0.0]),
             ("goal_area_near_right_front", [14.0, -1.5, 0.0]),
-            ("free_throw_far_right_sideline", [20.0 - (81.0_f64 - 72.25).sqrt(), 10.0, 0.0]),
+            (
+                "free_throw_far_right_sideline",
+                [20.0 - (81.0_f64 - 72.25).sqrt(), 10.0, 0.0],
+            ),
             ("seven_metre_far_left", [-13.0, 0.5, 0.0]),
             ("goalkeeper_line_right", [16.0, 0.0, 0.0]),
             ("post_near_left_top", [-20.0, -1.5, 2.0]),

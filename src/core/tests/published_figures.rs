@@ -1,5 +1,5 @@
-//! Figures that the method's papers and programs are known by, and the authors' own formulas for comparison; none of
-//! these formulas is used in the library.
+//! Figures that the method's papers and programs are known by, and the authors' own formulas for
+//! comparison; none of these formulas is used in the library.
 
 use crate::seeded::{self, normal};
 use rand::RngExt;
@@ -12,7 +12,11 @@ const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 fn camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
     let position = Vec3::new(0.0, -60.0, 18.0);
-    let base = CameraBase::new(position, BaseAngles::default().base_from_world(), SIZE.centre());
+    let base = CameraBase::new(
+        position,
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    );
     PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
 }
 
@@ -24,11 +28,17 @@ fn separable_image_from_ray(camera: &PtzCamera, ray: PanTilt) -> ImagePoint {
     camera.base().principal_point.moved(Vec2::new(x, y))
 }
 
-/// The focal length of the authors' released program: the quadratic of appendix 6.1 with d = cosΔpan · cosΔtilt in the
-/// place of the cosine between the rays; of two roots the one nearer to the truth.
+/// The focal length of the authors' released program: the quadratic of appendix 6.1 with d =
+/// cosΔpan · cosΔtilt in the place of the cosine between the rays; of two roots the one nearer to
+/// the truth.
 fn authors_focal_px(pixels: [Vec2; 2], rays: [PanTilt; 2], truth_px: f64) -> Option<f64> {
-    let [a, b, c] = [pixels[0].norm_squared(), pixels[1].norm_squared(), pixels[0].dot(&pixels[1])];
-    let d = (rays[0].pan - rays[1].pan).radians().cos() * (rays[0].tilt - rays[1].tilt).radians().cos();
+    let [a, b, c] = [
+        pixels[0].norm_squared(),
+        pixels[1].norm_squared(),
+        pixels[0].dot(&pixels[1]),
+    ];
+    let d =
+        (rays[0].pan - rays[1].pan).radians().cos() * (rays[0].tilt - rays[1].tilt).radians().cos();
     let d2 = d * d;
     let (q2, q1, q0) = (1.0 - d2, 2.0 * c - d2 * (a + b), c * c - d2 * a * b);
     let root = (q1 * q1 - 4.0 * q2 * q0).sqrt();
@@ -40,7 +50,10 @@ fn authors_focal_px(pixels: [Vec2; 2], rays: [PanTilt; 2], truth_px: f64) -> Opt
 }
 
 fn random_pixel(rng: &mut Pcg64Mcg) -> ImagePoint {
-    ImagePoint::new(rng.random_range(0.0..f64::from(SIZE.width)), rng.random_range(0.0..f64::from(SIZE.height)))
+    ImagePoint::new(
+        rng.random_range(0.0..f64::from(SIZE.width)),
+        rng.random_range(0.0..f64::from(SIZE.height)),
+    )
 }
 
 fn quantile(values: &mut [f64], share: f64) -> f64 {
@@ -60,7 +73,10 @@ fn the_separable_model_is_off_by_30_px_and_132_px_inside_the_frame() {
                 worst_px = worst_px.max(separable_image_from_ray(&camera, ray).distance_px(pixel));
             }
         }
-        assert!((worst_px - published_px).abs() < 1.0, "tilt {tilt_deg}: {worst_px:.1} px, published {published_px}");
+        assert!(
+            (worst_px - published_px).abs() < 1.0,
+            "tilt {tilt_deg}: {worst_px:.1} px, published {published_px}"
+        );
     }
 }
 
@@ -77,26 +93,44 @@ fn the_authors_focal_length_is_biased_without_noise_and_ours_is_not() {
         }
         let rays = pixels.map(|pixel| camera.ray_from_image(pixel).unwrap());
         let offsets = pixels.map(|pixel| pixel.offset_from(SIZE.centre()));
-        theirs.push(authors_focal_px(offsets, rays, truth_px).map_or(truth_px, |focal| (focal - truth_px).abs()));
+        theirs.push(
+            authors_focal_px(offsets, rays, truth_px)
+                .map_or(truth_px, |focal| (focal - truth_px).abs()),
+        );
         let roots = focal_from_two_rays(offsets, rays.map(PanTilt::direction)).unwrap();
-        ours.push(roots.iter().map(|focal| (focal - truth_px).abs()).fold(f64::INFINITY, f64::min));
+        ours.push(
+            roots
+                .iter()
+                .map(|focal| (focal - truth_px).abs())
+                .fold(f64::INFINITY, f64::min),
+        );
     }
     let (median, high) = (quantile(&mut theirs, 0.5), quantile(&mut theirs, 0.95));
-    assert!((median - 15.0).abs() < 1.0 && (high - 93.0).abs() < 4.0, "authors: {median:.1} px, 95 % {high:.1} px");
-    assert!(quantile(&mut ours, 0.5) < 1e-9 && quantile(&mut ours, 1.0) < 1e-5, "ours: {}", quantile(&mut ours, 1.0));
+    assert!(
+        (median - 15.0).abs() < 1.0 && (high - 93.0).abs() < 4.0,
+        "authors: {median:.1} px, 95 % {high:.1} px"
+    );
+    assert!(
+        quantile(&mut ours, 0.5) < 1e-9 && quantile(&mut ours, 1.0) < 1e-5,
+        "ours: {}",
+        quantile(&mut ours, 1.0)
+    );
 }
 
-/// Median and 95 % of the error at the worst corner of the frame (the largest of the four), over directions of the pair and
-/// click noise.
+/// Median and 95 % of the error at the worst corner of the frame (the largest of the four), over
+/// directions of the pair and click noise.
 #[test]
 fn what_the_separation_of_two_clicks_is_worth() {
     let mut rng = seeded::rng("what_the_separation_of_two_clicks_is_worth");
     let truth = camera(0.0, -10.0, 3000.0);
     let context = SolveContext::new(SIZE);
-    let far_behind =
-        |pixel: ImagePoint| truth.base().position_m + truth.world_direction_from_image(pixel).unwrap() * 60.0;
+    let far_behind = |pixel: ImagePoint| {
+        truth.base().position_m + truth.world_direction_from_image(pixel).unwrap() * 60.0
+    };
     let corners = SIZE.corners().map(|corner| (corner, far_behind(corner)));
-    for (separation_px, median_px, high_px) in [(50.0, 15.0, 41.0), (200.0, 4.4, 11.0), (800.0, 1.8, 3.6)] {
+    for (separation_px, median_px, high_px) in
+        [(50.0, 15.0, 41.0), (200.0, 4.4, 11.0), (800.0, 1.8, 3.6)]
+    {
         let mut errors: Vec<f64> = (0..4000)
             .map(|_| {
                 let half = loop {
@@ -111,12 +145,15 @@ fn what_the_separation_of_two_clicks_is_worth() {
                     let noise = Vec2::new(normal(&mut rng), normal(&mut rng));
                     let inside = |x: f64, upto: u32| x.clamp(0.0, f64::from(upto));
                     let image = exact.moved(noise);
-                    let image = ImagePoint::new(inside(image.x, SIZE.width), inside(image.y, SIZE.height));
+                    let image =
+                        ImagePoint::new(inside(image.x, SIZE.width), inside(image.y, SIZE.height));
                     Observation::of_point(far_behind(exact), image, 1.0, 0)
                 });
                 let solution = solve_frame(truth.base(), &clicks, &context).unwrap();
                 let solved = PtzCamera::new(*truth.base(), solution.ptz);
-                let error = |(corner, at): (ImagePoint, Vec3)| solved.image_from_world(at).unwrap().distance_px(corner);
+                let error = |(corner, at): (ImagePoint, Vec3)| {
+                    solved.image_from_world(at).unwrap().distance_px(corner)
+                };
                 corners.map(error).into_iter().fold(0.0, f64::max)
             })
             .collect();

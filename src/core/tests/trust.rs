@@ -8,7 +8,9 @@ use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz,
 use touchline_core::field::{FieldModel, builtin};
 use touchline_core::geometry::{ImageSize, Vec2, Vec3};
 use touchline_core::progress::Progress;
-use touchline_core::solve::base::{BaseOptions, CameraClicks, CrownModel, FrameClicks, LensModel, estimate_base};
+use touchline_core::solve::base::{
+    BaseOptions, CameraClicks, CrownModel, FrameClicks, LensModel, estimate_base,
+};
 use touchline_core::solve::{Observation, ObservedShape, SolveContext, solve_frame};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -17,16 +19,27 @@ const SIZE: ImageSize = ImageSize::new(1920, 1080);
 const REGION: f64 = 2.28;
 
 fn field() -> FieldModel {
-    builtin("soccer").unwrap().model(&BTreeMap::new(), 0.15).unwrap()
+    builtin("soccer")
+        .unwrap()
+        .model(&BTreeMap::new(), 0.15)
+        .unwrap()
 }
 
 fn nominal_base() -> CameraBase {
     CameraBase {
-        distortion: FocalCurve { at_focal_px: 2000.0, value: -0.03, per_1000_px: 0.2, ..FocalCurve::NONE },
+        distortion: FocalCurve {
+            at_focal_px: 2000.0,
+            value: -0.03,
+            per_1000_px: 0.2,
+            ..FocalCurve::NONE
+        },
         ..CameraBase::new(
             Vec3::new(2.0, -64.0, 18.0),
-            BaseAngles { pitch: touchline_core::geometry::Angle::from_degrees(-0.6), ..BaseAngles::default() }
-                .base_from_world(),
+            BaseAngles {
+                pitch: touchline_core::geometry::Angle::from_degrees(-0.6),
+                ..BaseAngles::default()
+            }
+            .base_from_world(),
             SIZE.centre(),
         )
     }
@@ -34,11 +47,15 @@ fn nominal_base() -> CameraBase {
 
 fn somewhere(rng: &mut Pcg64Mcg) -> Ptz {
     let log_focal = rng.random_range(1600.0f64.ln()..3500.0f64.ln());
-    Ptz::from_degrees(rng.random_range(-33.0..33.0), rng.random_range(-15.0..-10.0), log_focal.exp())
+    Ptz::from_degrees(
+        rng.random_range(-33.0..33.0),
+        rng.random_range(-15.0..-10.0),
+        log_focal.exp(),
+    )
 }
 
-/// Clicks on the ground landmarks that a camera shows, at most `count`, each missed by its own sigma; `displaced` moves each
-/// landmark in the same way in every frame, m.
+/// Clicks on the ground landmarks that a camera shows, at most `count`, each missed by its own
+/// sigma; `displaced` moves each landmark in the same way in every frame, m.
 fn clicks(
     field: &FieldModel,
     camera: &PtzCamera,
@@ -47,13 +64,25 @@ fn clicks(
     rng: &mut Pcg64Mcg,
 ) -> Vec<Observation> {
     let mut seen = Vec::new();
-    for (index, landmark) in field.landmarks.iter().enumerate().filter(|(_, landmark)| landmark.nominal_m.z == 0.0) {
-        let at = field.landmark_in_world(landmark) + displaced.get(index).copied().unwrap_or_default();
-        let Ok(exact) = camera.image_from_world(at) else { continue };
-        let observation = Observation::of_landmark(field, landmark.id.as_str(), exact, SIZE, 0).unwrap();
+    for (index, landmark) in field
+        .landmarks
+        .iter()
+        .enumerate()
+        .filter(|(_, landmark)| landmark.nominal_m.z == 0.0)
+    {
+        let at =
+            field.landmark_in_world(landmark) + displaced.get(index).copied().unwrap_or_default();
+        let Ok(exact) = camera.image_from_world(at) else {
+            continue;
+        };
+        let observation =
+            Observation::of_landmark(field, landmark.id.as_str(), exact, SIZE, 0).unwrap();
         let image = exact.moved(Vec2::new(normal(rng), normal(rng)) * observation.sigma_px);
         if SIZE.contains(image) {
-            seen.push(Observation { image, ..observation });
+            seen.push(Observation {
+                image,
+                ..observation
+            });
         }
     }
     while seen.len() > count {
@@ -95,13 +124,21 @@ fn stated_regions_hold_what_they_promise() {
         },
         ..nominal_base()
     };
-    let (mut overlay, mut checks, mut corner) =
-        (TrustCoverage::default(), TrustCoverage::default(), TrustCoverage::default());
+    let (mut overlay, mut checks, mut corner) = (
+        TrustCoverage::default(),
+        TrustCoverage::default(),
+        TrustCoverage::default(),
+    );
     while overlay.of < 6000 {
         let off = Vec3::from_fn(|_, _| normal(&mut rng)).component_mul(&nominal.sigma.position_m);
         let turn = Vec3::from_fn(|_, _| normal(&mut rng)).component_mul(&nominal.sigma.rotation);
-        let turned = nominal.base_from_world * touchline_core::geometry::rotation::from_rotation_vector(turn);
-        let real = CameraBase { position_m: nominal.position_m + off, base_from_world: turned, ..nominal };
+        let turned = nominal.base_from_world
+            * touchline_core::geometry::rotation::from_rotation_vector(turn);
+        let real = CameraBase {
+            position_m: nominal.position_m + off,
+            base_from_world: turned,
+            ..nominal
+        };
         let camera = PtzCamera::new(real, somewhere(&mut rng));
         let count = rng.random_range(3..10);
         let mut clicked = clicks(&field, &camera, count, &[], &mut rng);
@@ -111,19 +148,32 @@ fn stated_regions_hold_what_they_promise() {
         // The last click is held out.
         let last = clicked.len() - 1;
         clicked[last] = clicked[last].held_out();
-        let widest = clicked[..last].iter().map(|click| click.image.distance_px(clicked[0].image)).fold(0.0, f64::max);
+        let widest = clicked[..last]
+            .iter()
+            .map(|click| click.image.distance_px(clicked[0].image))
+            .fold(0.0, f64::max);
         if widest < 400.0 {
             continue;
         }
-        let Ok(solved) = solve_frame(&nominal, &clicked, &SolveContext::new(SIZE)) else { continue };
+        let Ok(solved) = solve_frame(&nominal, &clicked, &SolveContext::new(SIZE)) else {
+            continue;
+        };
         let drawn = PtzCamera::new(nominal, solved.ptz);
-        for landmark in field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0) {
+        for landmark in field
+            .landmarks
+            .iter()
+            .filter(|landmark| landmark.nominal_m.z == 0.0)
+        {
             let at = field.landmark_in_world(landmark);
-            let Ok(truth) = camera.image_from_world(at) else { continue };
+            let Ok(truth) = camera.image_from_world(at) else {
+                continue;
+            };
             if !SIZE.contains(truth) {
                 continue;
             }
-            let Ok(shown) = drawn.image_from_world(at) else { continue };
+            let Ok(shown) = drawn.image_from_world(at) else {
+                continue;
+            };
             let error = shown.offset_from(truth);
             let covariance = solved.uncertainty.overlay_at_world(&drawn, at).unwrap();
             overlay.count(error.dot(&(covariance.try_inverse().unwrap() * error)) <= REGION);
@@ -139,25 +189,39 @@ fn stated_regions_hold_what_they_promise() {
         overlay.of,
         checks.of
     );
-    assert!((65.0..=71.0).contains(&overlay.percent()), "{:.1} %", overlay.percent());
-    assert!((65.0..=71.0).contains(&checks.percent()), "{:.1} %", checks.percent());
+    assert!(
+        (65.0..=71.0).contains(&overlay.percent()),
+        "{:.1} %",
+        overlay.percent()
+    );
+    assert!(
+        (65.0..=71.0).contains(&checks.percent()),
+        "{:.1} %",
+        checks.percent()
+    );
 }
 
-/// Bases estimated from whole synthetic projects: how often the truth lies within one stated sigma, and within the stated
-/// regions of frames that are then solved with a few clicks.
+/// Bases estimated from whole synthetic projects: how often the truth lies within one stated sigma,
+/// and within the stated regions of frames that are then solved with a few clicks.
 #[test]
 fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
     let field = field();
     // The model is known here, so that the test is quick.
-    let options =
-        BaseOptions { lens: Some(LensModel::K1Focal), crown: Some(CrownModel::Free), ..BaseOptions::default() };
+    let options = BaseOptions {
+        lens: Some(LensModel::K1Focal),
+        crown: Some(CrownModel::Free),
+        ..BaseOptions::default()
+    };
     println!(
         "landmarks displaced by | position within 1σ, 2σ; rms z; median stated σ (x, y, z) | 68 % regions of further frames hold"
     );
     for displaced_m in [0.0, 0.05] {
         let mut rng = seeded::rng("an_estimated_base_says_how_far_it_is_to_be_trusted");
-        let (mut one, mut two, mut overlay) =
-            (TrustCoverage::default(), TrustCoverage::default(), TrustCoverage::default());
+        let (mut one, mut two, mut overlay) = (
+            TrustCoverage::default(),
+            TrustCoverage::default(),
+            TrustCoverage::default(),
+        );
         let (mut squares, mut stated) = (0.0, Vec::new());
         for project in 0..40 {
             let displaced: Vec<Vec3> = field
@@ -170,12 +234,19 @@ fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
                 .map(|_| {
                     let camera = PtzCamera::new(nominal_base(), somewhere(&mut rng));
                     let observations = clicks(&field, &camera, 12, &displaced, &mut rng);
-                    FrameClicks { observations, start: None }
+                    FrameClicks {
+                        observations,
+                        start: None,
+                    }
                 })
                 .collect();
-            let found =
-                estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &options, &Progress::default())
-                    .unwrap();
+            let found = estimate_base(
+                &CameraClicks::centred(&field, &frames, SIZE),
+                None,
+                &options,
+                &Progress::default(),
+            )
+            .unwrap();
             let off = found.base.position_m - nominal_base().position_m;
             stated.push(found.base.sigma.position_m);
             for axis in 0..3 {
@@ -184,7 +255,10 @@ fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
                 two.count(z.abs() <= 2.0);
                 squares += z * z;
             }
-            let crowned = FieldModel { crown_m: found.crown_m, ..field.clone() };
+            let crowned = FieldModel {
+                crown_m: found.crown_m,
+                ..field.clone()
+            };
             for _ in 0..10 {
                 let camera = PtzCamera::new(nominal_base(), somewhere(&mut rng));
                 let clicked: Vec<Observation> = clicks(&field, &camera, 4, &[], &mut rng)
@@ -192,22 +266,42 @@ fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
                     .map(|click| {
                         let at = click.shape.point().unwrap();
                         let z = crowned.ground_z(at.y);
-                        Observation { shape: ObservedShape::Point(Vec3::new(at.x, at.y, z)), ..*click }
+                        Observation {
+                            shape: ObservedShape::Point(Vec3::new(at.x, at.y, z)),
+                            ..*click
+                        }
                     })
                     .collect();
-                let Ok(solved) = solve_frame(&found.base, &clicked, &SolveContext::new(SIZE)) else { continue };
-                if solved.separation_px.is_none_or(|separation| separation < 400.0) {
+                let Ok(solved) = solve_frame(&found.base, &clicked, &SolveContext::new(SIZE))
+                else {
+                    continue;
+                };
+                if solved
+                    .separation_px
+                    .is_none_or(|separation| separation < 400.0)
+                {
                     continue;
                 }
                 let drawn = PtzCamera::new(found.base, solved.ptz);
-                for landmark in field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0) {
-                    let Ok(truth) = camera.image_from_world(field.landmark_in_world(landmark)) else { continue };
+                for landmark in field
+                    .landmarks
+                    .iter()
+                    .filter(|landmark| landmark.nominal_m.z == 0.0)
+                {
+                    let Ok(truth) = camera.image_from_world(field.landmark_in_world(landmark))
+                    else {
+                        continue;
+                    };
                     let at = crowned.landmark_in_world(landmark);
-                    let Ok(shown) = drawn.image_from_world(at) else { continue };
+                    let Ok(shown) = drawn.image_from_world(at) else {
+                        continue;
+                    };
                     if SIZE.contains(truth) {
                         let error = shown.offset_from(truth);
                         let covariance = solved.uncertainty.overlay_at_world(&drawn, at).unwrap();
-                        overlay.count(error.dot(&(covariance.try_inverse().unwrap() * error)) <= REGION);
+                        overlay.count(
+                            error.dot(&(covariance.try_inverse().unwrap() * error)) <= REGION,
+                        );
                     }
                 }
             }
@@ -228,9 +322,18 @@ fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
             overlay.percent(),
             overlay.of
         );
-        // Ten of these cameras are estimated from so few frames that their principal points, here exactly in the middle, count as
-        // uncertain.
-        assert!((64.0..=74.0).contains(&overlay.percent()), "{displaced_m} m: {:.1} %", overlay.percent());
-        assert!(one.percent() >= 58.0 && two.percent() >= 90.0, "{:.0} %, {:.0} %", one.percent(), two.percent());
+        // Ten of these cameras are estimated from so few frames that their principal points, here
+        // exactly in the middle, count as uncertain.
+        assert!(
+            (64.0..=74.0).contains(&overlay.percent()),
+            "{displaced_m} m: {:.1} %",
+            overlay.percent()
+        );
+        assert!(
+            one.percent() >= 58.0 && two.percent() >= 90.0,
+            "{:.0} %, {:.0} %",
+            one.percent(),
+            two.percent()
+        );
     }
 }

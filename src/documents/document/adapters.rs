@@ -1,7 +1,8 @@
-//! Serde adapters between JSON and the types of the program: arrays to points, sizes, boxes and matrices.
+//! Serde adapters between JSON and the types of the program: arrays to points, sizes, boxes and
+//! matrices.
 //!
-//! Writing refuses NaN and infinity (JSON has neither, and a silent `null` would lose the value); reading refuses
-//! impossible sizes and focal lengths.
+//! Writing refuses NaN and infinity (JSON has neither, and a silent `null` would lose the value);
+//! reading refuses impossible sizes and focal lengths.
 
 #![allow(
     clippy::wildcard_imports,
@@ -20,7 +21,9 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec2, Vec3
 
 fn finite<S: Serializer>(numbers: &[f64]) -> Result<(), S::Error> {
     match numbers.iter().find(|x| !x.is_finite()) {
-        Some(bad) => Err(S::Error::custom(format!("{bad} cannot be written: JSON holds only finite numbers"))),
+        Some(bad) => Err(S::Error::custom(format!(
+            "{bad} cannot be written: JSON holds only finite numbers"
+        ))),
         None => Ok(()),
     }
 }
@@ -29,11 +32,16 @@ fn finite<S: Serializer>(numbers: &[f64]) -> Result<(), S::Error> {
 pub(super) mod name {
     use super::*;
 
-    pub fn serialize<S: Serializer>(name: &impl std::fmt::Display, serializer: S) -> Result<S::Ok, S::Error> {
+    pub fn serialize<S: Serializer>(
+        name: &impl std::fmt::Display,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
         serializer.collect_str(name)
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>, T: for<'a> From<&'a str>>(deserializer: D) -> Result<T, D::Error> {
+    pub fn deserialize<'de, D: Deserializer<'de>, T: for<'a> From<&'a str>>(
+        deserializer: D,
+    ) -> Result<T, D::Error> {
         Ok(T::from(&String::deserialize(deserializer)?))
     }
 }
@@ -61,7 +69,9 @@ pub(super) mod optional_number {
         value.serialize(serializer)
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<f64>, D::Error> {
         Option::deserialize(deserializer)
     }
 }
@@ -70,14 +80,19 @@ pub(super) mod optional_number {
 pub(super) mod numbers_by_name {
     use super::*;
 
-    pub fn serialize<S: Serializer>(values: &BTreeMap<String, f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    pub fn serialize<S: Serializer>(
+        values: &BTreeMap<String, f64>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
         for value in values.values() {
             finite::<S>(&[*value])?;
         }
         values.serialize(serializer)
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, f64>, D::Error> {
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<BTreeMap<String, f64>, D::Error> {
         BTreeMap::deserialize(deserializer)
     }
 }
@@ -94,7 +109,11 @@ pub(super) mod degrees {
             return Ok(degrees);
         }
         let turned = degrees.rem_euclid(360.0);
-        Ok(if turned > 180.0 { turned - 360.0 } else { turned })
+        Ok(if turned > 180.0 {
+            turned - 360.0
+        } else {
+            turned
+        })
     }
 }
 
@@ -106,7 +125,11 @@ pub(super) mod positive {
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
         let value = f64::deserialize(deserializer)?;
-        if value > 0.0 { Ok(value) } else { Err(D::Error::custom(format!("must be positive, not {value}"))) }
+        if value > 0.0 {
+            Ok(value)
+        } else {
+            Err(D::Error::custom(format!("must be positive, not {value}")))
+        }
     }
 }
 
@@ -135,11 +158,16 @@ pub(super) mod image_size {
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ImageSize, D::Error> {
         let [width, height] = <[u32; 2]>::deserialize(deserializer)?;
-        if [width, height].iter().all(|side| ImageSize::is_side_px(f64::from(*side))) {
+        if [width, height]
+            .iter()
+            .all(|side| ImageSize::is_side_px(f64::from(*side)))
+        {
             return Ok(ImageSize::new(width, height));
         }
         let most = ImageSize::MAX_SIDE_PX;
-        Err(D::Error::custom(format!("a picture of {width}x{height} px: each side must be 1 to {most}")))
+        Err(D::Error::custom(format!(
+            "a picture of {width}x{height} px: each side must be 1 to {most}"
+        )))
     }
 }
 
@@ -158,7 +186,10 @@ pub(super) mod pixel_box {
     }
 
     fn side(value: f64) -> Side {
-        if value.fract() == 0.0 && value.abs() < WHOLE_LIMIT && !(value == 0.0 && value.is_sign_negative()) {
+        if value.fract() == 0.0
+            && value.abs() < WHOLE_LIMIT
+            && !(value == 0.0 && value.is_sign_negative())
+        {
             Side::Whole(value as i64)
         } else {
             Side::Fraction(value)
@@ -172,12 +203,20 @@ pub(super) mod pixel_box {
         Ok(numbers.map(side))
     }
 
-    pub fn serialize<S: Serializer>(pixel_box: &PixelBox, serializer: S) -> Result<S::Ok, S::Error> {
+    pub fn serialize<S: Serializer>(
+        pixel_box: &PixelBox,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
         sides::<S>(pixel_box)?.serialize(serializer)
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<PixelBox, D::Error> {
-        <[f64; 4]>::deserialize(deserializer).map(|[x, y, width, height]| PixelBox { x, y, width, height })
+        <[f64; 4]>::deserialize(deserializer).map(|[x, y, width, height]| PixelBox {
+            x,
+            y,
+            width,
+            height,
+        })
     }
 }
 
@@ -186,13 +225,26 @@ pub(super) mod boxes {
     use super::*;
 
     pub fn serialize<S: Serializer>(boxes: &[PixelBox], serializer: S) -> Result<S::Ok, S::Error> {
-        let sides: Vec<_> = boxes.iter().map(super::pixel_box::sides::<S>).collect::<Result<_, _>>()?;
+        let sides: Vec<_> = boxes
+            .iter()
+            .map(super::pixel_box::sides::<S>)
+            .collect::<Result<_, _>>()?;
         sides.serialize(serializer)
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<PixelBox>, D::Error> {
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Vec<PixelBox>, D::Error> {
         let boxes = Vec::<[f64; 4]>::deserialize(deserializer)?;
-        Ok(boxes.into_iter().map(|[x, y, width, height]| PixelBox { x, y, width, height }).collect())
+        Ok(boxes
+            .into_iter()
+            .map(|[x, y, width, height]| PixelBox {
+                x,
+                y,
+                width,
+                height,
+            })
+            .collect())
     }
 }
 
@@ -214,14 +266,19 @@ pub(super) mod vector {
 pub(super) mod optional_vector {
     use super::*;
 
-    pub fn serialize<S: Serializer>(vector: &Option<Vec3>, serializer: S) -> Result<S::Ok, S::Error> {
+    pub fn serialize<S: Serializer>(
+        vector: &Option<Vec3>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
         match vector {
             Some(vector) => super::vector::serialize(vector, serializer),
             None => serializer.serialize_none(),
         }
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec3>, D::Error> {
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<Vec3>, D::Error> {
         Ok(Option::<[f64; 3]>::deserialize(deserializer)?.map(Vec3::from))
     }
 }
@@ -231,11 +288,14 @@ pub(super) mod optional_pair {
     use super::*;
 
     pub fn serialize<S: Serializer>(pair: &Option<Vec2>, serializer: S) -> Result<S::Ok, S::Error> {
-        pair.iter().try_for_each(|pair| finite::<S>(pair.as_slice()))?;
+        pair.iter()
+            .try_for_each(|pair| finite::<S>(pair.as_slice()))?;
         pair.map(|pair| [pair.x, pair.y]).serialize(serializer)
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec2>, D::Error> {
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<Vec2>, D::Error> {
         Ok(Option::<[f64; 2]>::deserialize(deserializer)?.map(Vec2::from))
     }
 }
@@ -252,14 +312,19 @@ fn matrix(rows: [[f64; 3]; 3]) -> Mat3 {
 pub(super) mod optional_matrix {
     use super::*;
 
-    pub fn serialize<S: Serializer>(value: &Option<Mat3>, serializer: S) -> Result<S::Ok, S::Error> {
+    pub fn serialize<S: Serializer>(
+        value: &Option<Mat3>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
         if let Some(matrix) = value {
             finite::<S>(matrix.as_slice())?;
         }
         value.as_ref().map(rows).serialize(serializer)
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Mat3>, D::Error> {
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<Mat3>, D::Error> {
         Ok(Option::<[[f64; 3]; 3]>::deserialize(deserializer)?.map(matrix))
     }
 }
@@ -268,7 +333,10 @@ pub(super) mod optional_matrix {
 pub(super) mod optional_correlation {
     use super::*;
 
-    pub fn serialize<S: Serializer>(value: &Option<BaseCorrelation>, serializer: S) -> Result<S::Ok, S::Error> {
+    pub fn serialize<S: Serializer>(
+        value: &Option<BaseCorrelation>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
         let rows = value.as_ref().map(BaseCorrelation::rows);
         for row in rows.iter().flatten() {
             finite::<S>(row)?;
@@ -276,27 +344,39 @@ pub(super) mod optional_correlation {
         rows.serialize(serializer)
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<BaseCorrelation>, D::Error> {
-        let Some(rows) = Option::<Vec<Vec<f64>>>::deserialize(deserializer)? else { return Ok(None) };
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<BaseCorrelation>, D::Error> {
+        let Some(rows) = Option::<Vec<Vec<f64>>>::deserialize(deserializer)? else {
+            return Ok(None);
+        };
         let wrong = "no correlation matrix: 5 × 5 of position x, y, z and rotation about x, y, or 10 × 10 with k1, its slope, crown and \
                      principal point x, y behind them; symmetric, ones on its diagonal, no negative eigenvalue; leave it out if it \
                      is not known";
-        BaseCorrelation::from_rows(&rows).map(Some).ok_or_else(|| D::Error::custom(wrong))
+        BaseCorrelation::from_rows(&rows)
+            .map(Some)
+            .ok_or_else(|| D::Error::custom(wrong))
     }
 }
 
-/// A rotation by rows, or absent. One that is slightly off (rounded digits) is kept as it is; one that is further off
-/// than [`ROTATION_TOLERANCE`], or a reflection, is refused.
+/// A rotation by rows, or absent. One that is slightly off (rounded digits) is kept as it is; one
+/// that is further off than [`ROTATION_TOLERANCE`], or a reflection, is refused.
 pub(super) mod optional_rotation {
     use super::*;
 
     pub use super::optional_matrix::serialize;
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Mat3>, D::Error> {
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<Mat3>, D::Error> {
         let matrix = super::optional_matrix::deserialize(deserializer)?;
-        let Some(rotation) = matrix else { return Ok(None) };
+        let Some(rotation) = matrix else {
+            return Ok(None);
+        };
         if rotation.determinant() < 0.0 {
-            return Err(D::Error::custom("the matrix is a reflection, not a rotation (its determinant is negative)"));
+            return Err(D::Error::custom(
+                "the matrix is a reflection, not a rotation (its determinant is negative)",
+            ));
         }
         let distance = distance_from_rotation(&rotation);
         if distance > ROTATION_TOLERANCE {

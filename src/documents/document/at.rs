@@ -19,7 +19,10 @@ impl Document {
     /// The document in its folder.
     #[must_use]
     pub const fn at<'a>(&'a self, folder: &'a Path) -> DocumentAt<'a> {
-        DocumentAt { document: self, folder }
+        DocumentAt {
+            document: self,
+            folder,
+        }
     }
 }
 

@@ -1,5 +1,5 @@
-//! A step that the program made while a person went on: it goes beneath what the person did since, so that undo takes back the
-//! person's own steps first, and redo stays.
+//! A step that the program made while a person went on: it goes beneath what the person did since,
+//! so that undo takes back the person's own steps first, and redo stays.
 
 use super::{Document, Frame, History, Shared, Step};
 
@@ -10,13 +10,23 @@ impl History<Document> {
         self.done.len()
     }
 
-    /// Puts a step that led from `before` to `after` beneath the steps that came after the first `num_below` ones. What it changed is
-    /// changed in all states from there on, those that were undone included. It changes frames in place, in `clip` alone, and the
-    /// document's shots.
-    pub fn insert_shots(&mut self, num_below: usize, step: Step, before: &Document, after: &Document) {
+    /// Puts a step that led from `before` to `after` beneath the steps that came after the first
+    /// `num_below` ones. What it changed is changed in all states from there on, those that were
+    /// undone included. It changes frames in place, in `clip` alone, and the document's shots.
+    pub fn insert_shots(
+        &mut self,
+        num_below: usize,
+        step: Step,
+        before: &Document,
+        after: &Document,
+    ) {
         let num_below = num_below.min(self.done.len());
         // The state that the step starts from is the one before the first step above it.
-        let start = self.done.get(num_below).map_or(before, |(_, state)| state).clone();
+        let start = self
+            .done
+            .get(num_below)
+            .map_or(before, |(_, state)| state)
+            .clone();
         let above = self.done.iter_mut().skip(num_below).map(|(_, state)| state);
         for state in above.chain(self.undone.iter_mut().map(|(_, state)| state)) {
             take_shots(state, before, after);
@@ -25,12 +35,15 @@ impl History<Document> {
     }
 }
 
-/// Gives a state the shots of `after`. Frames that it shares with `before` it then shares with `after`.
+/// Gives a state the shots of `after`. Frames that it shares with `before` it then shares with
+/// `after`.
 fn take_shots(state: &mut Document, before: &Document, after: &Document) {
     state.shots.clone_from(&after.shots);
     for position in 0..state.frames.len() {
         let frame = &state.frames[position];
-        let Some(marked) = find_frame(after, position, frame).filter(|marked| marked.clip != frame.clip) else {
+        let Some(marked) =
+            find_frame(after, position, frame).filter(|marked| marked.clip != frame.clip)
+        else {
             continue;
         };
         if find_frame(before, position, frame).is_some_and(|known| known.is_same(frame)) {
@@ -42,8 +55,15 @@ fn take_shots(state: &mut Document, before: &Document, after: &Document) {
 }
 
 /// A frame in another state, where it most likely stands at the same position.
-fn find_frame<'a>(document: &'a Document, position: usize, frame: &Frame) -> Option<&'a Shared<Frame>> {
-    let there = document.frames.get(position).filter(|there| there.id == frame.id);
+fn find_frame<'a>(
+    document: &'a Document,
+    position: usize,
+    frame: &Frame,
+) -> Option<&'a Shared<Frame>> {
+    let there = document
+        .frames
+        .get(position)
+        .filter(|there| there.id == frame.id);
     there.or_else(|| document.frames.by_id(&frame.id))
 }
 
@@ -60,7 +80,11 @@ mod tests {
     }
 
     fn comments(document: &Document) -> Vec<&str> {
-        document.frames.iter().filter_map(|frame| frame.comment.as_deref()).collect()
+        document
+            .frames
+            .iter()
+            .filter_map(|frame| frame.comment.as_deref())
+            .collect()
     }
 
     #[test]
@@ -74,18 +98,42 @@ mod tests {
         comment(&mut history, &mut document, 1, "undone");
         history.undo(&mut document);
         let before = document.clone();
-        document.frames.iter_mut().for_each(|frame| frame.clip = Some(Clip::Number(1)));
+        document
+            .frames
+            .iter_mut()
+            .for_each(|frame| frame.clip = Some(Clip::Number(1)));
         let ends = (ShotEnd::VideoFrame(0), ShotEnd::VideoFrame(1));
         let extra = crate::document::Extra::new();
-        document.shots = vec![Shot { from: ends.0, to: ends.1, camera: None, kind: ShotKind::Cut, extra }];
+        document.shots = vec![Shot {
+            from: ends.0,
+            to: ends.1,
+            camera: None,
+            kind: ShotKind::Cut,
+            extra,
+        }];
         history.insert_shots(1, Step::on_document("Mark the shot"), &before, &document);
         let mut undo = |document: &mut Document| history.undo(document).unwrap().name;
-        assert_eq!((undo(&mut document), comments(&document)), ("meanwhile".to_owned(), vec!["before"]));
-        assert!(document.shots.len() == 1 && document.frames.iter().all(|frame| frame.clip.is_some()));
-        assert_eq!((undo(&mut document), comments(&document)), ("Mark the shot".to_owned(), vec!["before"]));
-        assert!(document.shots.is_empty() && document.frames.iter().all(|frame| frame.clip.is_none()));
-        let redone: Vec<String> = std::iter::from_fn(|| history.redo(&mut document)).map(|step| step.name).collect();
+        assert_eq!(
+            (undo(&mut document), comments(&document)),
+            ("meanwhile".to_owned(), vec!["before"])
+        );
+        assert!(
+            document.shots.len() == 1 && document.frames.iter().all(|frame| frame.clip.is_some())
+        );
+        assert_eq!(
+            (undo(&mut document), comments(&document)),
+            ("Mark the shot".to_owned(), vec!["before"])
+        );
+        assert!(
+            document.shots.is_empty() && document.frames.iter().all(|frame| frame.clip.is_none())
+        );
+        let redone: Vec<String> = std::iter::from_fn(|| history.redo(&mut document))
+            .map(|step| step.name)
+            .collect();
         assert_eq!(redone, ["Mark the shot", "meanwhile", "undone"]);
-        assert_eq!((comments(&document), document.shots.len()), (vec!["before", "undone"], 1));
+        assert_eq!(
+            (comments(&document), document.shots.len()),
+            (vec!["before", "undone"], 1)
+        );
     }
 }

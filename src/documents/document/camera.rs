@@ -16,7 +16,10 @@ pub struct Camera {
     /// Its name; frames refer to it.
     pub id: CameraId,
     /// The size of its pictures, px.
-    #[cfg_attr(feature = "schema", schemars(with = "[u32; 2]", inner(range(min = 1, max = 65535))))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "[u32; 2]", inner(range(min = 1, max = 65535)))
+    )]
     #[serde(rename = "image_size_px", with = "adapters::image_size")]
     pub image_size: ImageSize,
     /// The principal point, px.
@@ -25,12 +28,20 @@ pub struct Camera {
     pub principal_point: ImagePoint,
     /// The centre of projection in `world`, m.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    #[serde(default, with = "adapters::optional_vector", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_vector",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub position_m: Option<Vec3>,
-    /// The rotation from `world` to `base` as the document states it, a rotation up to rounded digits
-    /// ([`Camera::base`] tidies them).
+    /// The rotation from `world` to `base` as the document states it, a rotation up to rounded
+    /// digits ([`Camera::base`] tidies them).
     #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 3]; 3]>"))]
-    #[serde(default, with = "adapters::optional_rotation", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_rotation",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub base_from_world: Option<Mat3>,
     /// The lens; absent: no distortion, unless a frame brings its own k₁.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -40,18 +51,31 @@ pub struct Camera {
     pub sigma: Option<CameraSigma>,
     /// Boxes that are excluded from feature detection in all frames: the score bug, a logo.
     #[cfg_attr(feature = "schema", schemars(with = "Vec<[f64; 4]>"))]
-    #[serde(rename = "masks_px", default, with = "adapters::boxes", skip_serializing_if = "Vec::is_empty")]
+    #[serde(
+        rename = "masks_px",
+        default,
+        with = "adapters::boxes",
+        skip_serializing_if = "Vec::is_empty"
+    )]
     pub masks: Vec<PixelBox>,
     /// Further such boxes that count for a part of the frames, or that the program found itself.
     #[serde(rename = "masks", default, skip_serializing_if = "Vec::is_empty")]
     pub ranged_masks: Vec<RangedMask>,
     /// 1-σ of a click in its pictures, px, where it is known.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub click_noise_px: Option<f64>,
     /// The width of its sensor, mm, where it is known.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub sensor_width_mm: Option<f64>,
     /// The stage of a virtual production in whose axes its tracks are written.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -72,7 +96,8 @@ pub struct Stage {
     #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
     #[serde(with = "adapters::vector")]
     pub origin_m: Vec3,
-    /// Where its y axis looks, seen from above: 0 is across the field, positive to the right, degrees.
+    /// Where its y axis looks, seen from above: 0 is across the field, positive to the right,
+    /// degrees.
     #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     #[serde(default, with = "adapters::number")]
     pub heading_deg: f64,
@@ -85,7 +110,11 @@ impl Stage {
     /// A stage in the field's axes, with its origin there.
     #[must_use]
     pub fn at(origin_m: Vec3) -> Self {
-        Self { origin_m, heading_deg: 0.0, extra: Extra::new() }
+        Self {
+            origin_m,
+            heading_deg: 0.0,
+            extra: Extra::new(),
+        }
     }
 }
 
@@ -96,9 +125,14 @@ pub struct Distortion {
     /// k₁ by focal length.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub k1: Option<K1Curve>,
-    /// k₂ = this · k₁², at every focal length; absent: k₂ is zero. From 0.45 on the lens folds nowhere.
+    /// k₂ = this · k₁², at every focal length; absent: k₂ is zero. From 0.45 on the lens folds
+    /// nowhere.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub k2_per_k1_squared: Option<f64>,
     /// Unknown keys, further coefficients among them.
     #[serde(flatten)]
@@ -156,19 +190,31 @@ pub struct CameraSigma {
     pub crown_width_m: f64,
     /// Of the principal point, px.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 2]>"))]
-    #[serde(default, with = "adapters::optional_pair", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_pair",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub principal_point_px: Option<Vec2>,
-    /// How the errors of position x, y, z, rotation about x, y, and behind them those of k₁, its slope, crown and principal point x, y
-    /// go together: their correlation matrix, 5 × 5 where only position and rotation do, else 10 × 10; none: not at all.
+    /// How the errors of position x, y, z, rotation about x, y, and behind them those of k₁, its
+    /// slope, crown and principal point x, y go together: their correlation matrix, 5 × 5 where
+    /// only position and rotation do, else 10 × 10; none: not at all.
     #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<Vec<f64>>>"))]
-    #[serde(default, with = "adapters::optional_correlation", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_correlation",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub correlation: Option<BaseCorrelation>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes fields by reference")]
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde passes fields by reference"
+)]
 fn is_zero(number: &f64) -> bool {
     *number == 0.0
 }
@@ -182,8 +228,10 @@ impl From<&BaseSigma> for CameraSigma {
             k1_per_1000_px: sigma.k1_per_1000_px,
             crown_m: sigma.crown_m,
             crown_width_m: sigma.crown_width_m,
-            principal_point_px: Some(sigma.principal_point_px).filter(|sigma_px| *sigma_px != Vec2::zeros()),
-            correlation: Some(sigma.correlation).filter(|correlation| *correlation != BaseCorrelation::NONE),
+            principal_point_px: Some(sigma.principal_point_px)
+                .filter(|sigma_px| *sigma_px != Vec2::zeros()),
+            correlation: Some(sigma.correlation)
+                .filter(|correlation| *correlation != BaseCorrelation::NONE),
             extra: Extra::new(),
         }
     }
@@ -246,7 +294,11 @@ impl Camera {
         let exact = distance_from_rotation(&stated) <= EXACT_ROTATION;
         Some(CameraBase {
             position_m,
-            base_from_world: if exact { stated } else { nearest_rotation(&stated) },
+            base_from_world: if exact {
+                stated
+            } else {
+                nearest_rotation(&stated)
+            },
             principal_point: self.principal_point,
             distortion: self.curve().unwrap_or(FocalCurve::NONE),
             sigma: self.sigma.as_ref().map(BaseSigma::from).unwrap_or_default(),
@@ -255,8 +307,9 @@ impl Camera {
 
     /// The base with which a frame is solved and drawn.
     ///
-    /// A frame with a [lens](Frame::lens) of its own has that lens and its principal point. Else the camera's curve counts, and a k₁
-    /// that the frame's `ptz` brings along only where the camera has no curve.
+    /// A frame with a [lens](Frame::lens) of its own has that lens and its principal point. Else
+    /// the camera's curve counts, and a k₁ that the frame's `ptz` brings along only where the
+    /// camera has no curve.
     #[must_use]
     pub fn base_for(&self, frame: &Frame) -> Option<CameraBase> {
         Some(frame.base_from(&self.base_without_frame_lens(frame)?))
@@ -274,10 +327,14 @@ impl Camera {
         Some(base)
     }
 
-    /// The camera as a solved frame has it pointed; none without a base or without the frame's `ptz`.
+    /// The camera as a solved frame has it pointed; none without a base or without the frame's
+    /// `ptz`.
     #[must_use]
     pub fn pointed(&self, frame: &Frame) -> Option<PtzCamera> {
-        Some(PtzCamera::new(self.base_for(frame)?, frame.ptz.as_ref()?.ptz()))
+        Some(PtzCamera::new(
+            self.base_for(frame)?,
+            frame.ptz.as_ref()?.ptz(),
+        ))
     }
 
     /// Sets the base; unchanged values keep their digits, and unknown keys stay.
@@ -292,7 +349,8 @@ impl Camera {
         self.principal_point = base.principal_point;
         if self.curve().unwrap_or(FocalCurve::NONE) != base.distortion {
             let distortion = self.distortion.get_or_insert_default();
-            distortion.k2_per_k1_squared = Some(base.distortion.k2_per_k1_squared).filter(|share| *share != 0.0);
+            distortion.k2_per_k1_squared =
+                Some(base.distortion.k2_per_k1_squared).filter(|share| *share != 0.0);
             let k1 = distortion.k1.get_or_insert_default();
             k1.at_focal_px = base.distortion.at_focal_px;
             k1.value = base.distortion.value;
@@ -300,8 +358,15 @@ impl Camera {
         }
         let sigma = self.sigma.as_ref().map(BaseSigma::from).unwrap_or_default();
         if sigma != base.sigma {
-            let extra = self.sigma.take().map(|sigma| sigma.extra).unwrap_or_default();
-            self.sigma = Some(CameraSigma { extra, ..CameraSigma::from(&base.sigma) });
+            let extra = self
+                .sigma
+                .take()
+                .map(|sigma| sigma.extra)
+                .unwrap_or_default();
+            self.sigma = Some(CameraSigma {
+                extra,
+                ..CameraSigma::from(&base.sigma)
+            });
         }
     }
 }

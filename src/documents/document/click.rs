@@ -67,14 +67,15 @@ impl Target {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(try_from = "ClickJson", into = "ClickJson")]
 pub struct Click {
-    /// What it shows; none while it has no name. A project may contain such a click, a dataset never does.
+    /// What it shows; none while it has no name. A project may contain such a click, a dataset
+    /// never does.
     pub target: Option<Target>,
     /// Where it is, px.
     pub image: ImagePoint,
     /// Held out of the solve; only its error is reported.
     pub check: bool,
-    /// The program moved it to the painted corner, crossing or spot that it names: 1-σ of that place in each direction, px. None where
-    /// it lies as somebody placed it.
+    /// The program moved it to the painted corner, crossing or spot that it names: 1-σ of that
+    /// place in each direction, px. None where it lies as somebody placed it.
     pub snapped_sigma_px: Option<f64>,
     /// Unknown keys.
     pub extra: Extra,
@@ -84,7 +85,10 @@ impl Click {
     /// A click on something.
     #[must_use]
     pub fn new(target: Target, image: ImagePoint) -> Self {
-        Self { target: Some(target), ..Self::unnamed(image) }
+        Self {
+            target: Some(target),
+            ..Self::unnamed(image)
+        }
     }
 
     /// A click on a landmark.
@@ -102,7 +106,13 @@ impl Click {
     /// A click that waits for its name.
     #[must_use]
     pub fn unnamed(image: ImagePoint) -> Self {
-        Self { target: None, image, check: false, snapped_sigma_px: None, extra: Extra::new() }
+        Self {
+            target: None,
+            image,
+            check: false,
+            snapped_sigma_px: None,
+            extra: Extra::new(),
+        }
     }
 }
 
@@ -119,7 +129,11 @@ struct ClickJson {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     check: bool,
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     snapped_sigma_px: Option<f64>,
     #[serde(flatten)]
     extra: Extra,
@@ -131,17 +145,33 @@ impl TryFrom<ClickJson> for Click {
     fn try_from(json: ClickJson) -> Result<Self, String> {
         let target = match (json.landmark, json.line) {
             (Some(landmark), Some(line)) => {
-                return Err(format!("a click names both the landmark {landmark:?} and the line {line:?}"));
+                return Err(format!(
+                    "a click names both the landmark {landmark:?} and the line {line:?}"
+                ));
             }
             (Some(landmark), None) => Some(Target::Landmark(landmark.as_str().into())),
             (None, Some(line)) => Some(Target::Line(line.as_str().into())),
             (None, None) => None,
         };
         if let Some(sigma_px) = json.snapped_sigma_px.filter(|sigma_px| !(*sigma_px > 0.0)) {
-            return Err(format!("the snapped_sigma_px of a click is {sigma_px}, not positive"));
+            return Err(format!(
+                "the snapped_sigma_px of a click is {sigma_px}, not positive"
+            ));
         }
-        let ClickJson { image_px: image, check, snapped_sigma_px, extra, .. } = json;
-        Ok(Self { target, image, check, snapped_sigma_px, extra })
+        let ClickJson {
+            image_px: image,
+            check,
+            snapped_sigma_px,
+            extra,
+            ..
+        } = json;
+        Ok(Self {
+            target,
+            image,
+            check,
+            snapped_sigma_px,
+            extra,
+        })
     }
 }
 
@@ -152,7 +182,20 @@ impl From<Click> for ClickJson {
             Some(Target::Line(id)) => (None, Some(id.as_str().to_owned())),
             None => (None, None),
         };
-        let Click { image: image_px, check, snapped_sigma_px, extra, .. } = click;
-        Self { landmark, line, image_px, check, snapped_sigma_px, extra }
+        let Click {
+            image: image_px,
+            check,
+            snapped_sigma_px,
+            extra,
+            ..
+        } = click;
+        Self {
+            landmark,
+            line,
+            image_px,
+            check,
+            snapped_sigma_px,
+            extra,
+        }
     }
 }

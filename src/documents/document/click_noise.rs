@@ -64,8 +64,12 @@ impl StoredClickNoise {
     pub fn fault(&self) -> Option<String> {
         match self {
             Self::Own(noise) if noise.is_plausible() => None,
-            Self::Own(_) => Some("click noise 20 times larger or smaller than usual is not plausible".to_owned()),
-            Self::Unreadable(value) => ClickNoise::deserialize(value).err().map(|error| error.to_string()),
+            Self::Own(_) => Some(
+                "click noise 20 times larger or smaller than usual is not plausible".to_owned(),
+            ),
+            Self::Unreadable(value) => ClickNoise::deserialize(value)
+                .err()
+                .map(|error| error.to_string()),
         }
     }
 }
@@ -73,7 +77,9 @@ impl StoredClickNoise {
 impl ClickNoise {
     /// The 1-σ of a click, px at 1920 px width, from what the template states.
     fn sigma_px(&self, stated_px: f64, landmark: Option<&str>) -> f64 {
-        let own = landmark.and_then(|landmark| self.factor_by_landmark.get(landmark)).copied();
+        let own = landmark
+            .and_then(|landmark| self.factor_by_landmark.get(landmark))
+            .copied();
         let factor = own.unwrap_or(self.factor);
         stated_px * (1.0 - CLICKING_SHARE + CLICKING_SHARE * factor * factor).sqrt()
     }
@@ -98,7 +104,8 @@ impl ClickNoise {
     /// Weights the clicks on a field by it.
     pub(super) fn apply(&self, field: &mut FieldModel) {
         for landmark in &mut field.landmarks {
-            landmark.click_sigma_px = self.sigma_px(landmark.click_sigma_px, Some(landmark.id.as_str()));
+            landmark.click_sigma_px =
+                self.sigma_px(landmark.click_sigma_px, Some(landmark.id.as_str()));
         }
         field.line_click_sigma_px = self.sigma_px(field.line_click_sigma_px, None);
     }

@@ -1,14 +1,15 @@
-//! The document that two versions started from, where one of them may come from an earlier state than the other.
+//! The document that two versions started from, where one of them may come from an earlier state
+//! than the other.
 
 use super::{Document, Frame, FrameId, Shared};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What people had done in the last state that a session and another program's version can both have started from, frame by frame
-/// and camera by camera.
+/// What people had done in the last state that a session and another program's version can both
+/// have started from, frame by frame and camera by camera.
 ///
-/// `opened` is the file as the session found it, `written` as the session last wrote it, `theirs` as another program has replaced
-/// it. A sync client or git may have made `theirs` from either, or from a state before both, and what the session wrote is not
-/// their removal:
+/// `opened` is the file as the session found it, `written` as the session last wrote it, `theirs`
+/// as another program has replaced it. A sync client or git may have made `theirs` from either, or
+/// from a state before both, and what the session wrote is not their removal:
 ///
 /// | theirs is | the common state is |
 /// |---|---|
@@ -18,7 +19,9 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(crate) fn common_base(opened: &Document, written: &Document, theirs: &Document) -> Document {
     let [opened, written, theirs] = [opened, written, theirs].map(Document::without_suggestions);
     let mut base = opened.clone();
-    base.frames = common_frames(&opened, &written, &theirs).into_iter().collect();
+    base.frames = common_frames(&opened, &written, &theirs)
+        .into_iter()
+        .collect();
     if theirs.field == written.field {
         base.field = written.field;
     }
@@ -34,8 +37,16 @@ pub(crate) fn common_base(opened: &Document, written: &Document, theirs: &Docume
     if theirs.extra == written.extra {
         base.extra = written.extra;
     }
-    let now: BTreeMap<_, _> = theirs.cameras.iter().map(|camera| (&camera.id, camera)).collect();
-    for camera in written.cameras.iter().filter(|camera| now.get(&camera.id) == Some(camera)) {
+    let now: BTreeMap<_, _> = theirs
+        .cameras
+        .iter()
+        .map(|camera| (&camera.id, camera))
+        .collect();
+    for camera in written
+        .cameras
+        .iter()
+        .filter(|camera| now.get(&camera.id) == Some(camera))
+    {
         match base.cameras.iter_mut().find(|known| known.id == camera.id) {
             Some(known) => known.clone_from(camera),
             None => base.cameras.push(camera.clone()),
@@ -46,14 +57,25 @@ pub(crate) fn common_base(opened: &Document, written: &Document, theirs: &Docume
 
 fn common_frames(opened: &Document, written: &Document, theirs: &Document) -> Vec<Shared<Frame>> {
     let in_opened: BTreeSet<&FrameId> = opened.frames.iter().map(|frame| &frame.id).collect();
-    let added = written.frames.iter().filter(|frame| !in_opened.contains(&frame.id));
+    let added = written
+        .frames
+        .iter()
+        .filter(|frame| !in_opened.contains(&frame.id));
     let frames = opened.frames.iter().chain(added);
-    frames.filter_map(|frame| common_frame(&frame.id, [opened, written, theirs])).cloned().collect()
+    frames
+        .filter_map(|frame| common_frame(&frame.id, [opened, written, theirs]))
+        .cloned()
+        .collect()
 }
 
-fn common_frame<'a>(id: &FrameId, [opened, written, theirs]: [&'a Document; 3]) -> Option<&'a Shared<Frame>> {
+fn common_frame<'a>(
+    id: &FrameId,
+    [opened, written, theirs]: [&'a Document; 3],
+) -> Option<&'a Shared<Frame>> {
     let (opened, written) = (opened.frames.by_id(id), written.frames.by_id(id));
-    let Some(theirs) = theirs.frames.by_id(id) else { return opened };
+    let Some(theirs) = theirs.frames.by_id(id) else {
+        return opened;
+    };
     match (opened, written) {
         (_, Some(written)) if theirs.has_content_of(written) => Some(written),
         (Some(opened), _) if theirs.revision >= opened.revision => Some(opened),
@@ -70,7 +92,8 @@ mod tests {
     fn document(comments: &[&str]) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
         for (index, comment) in comments.iter().enumerate() {
-            let mut frame = Frame::from_image(&index.to_string(), "main".into(), ImageSize::new(64, 48));
+            let mut frame =
+                Frame::from_image(&index.to_string(), "main".into(), ImageSize::new(64, 48));
             frame.comment = Some((*comment).to_owned());
             document.frames.push(frame.into());
         }
@@ -85,7 +108,11 @@ mod tests {
     }
 
     fn comments(document: &Document) -> Vec<&str> {
-        document.frames.iter().filter_map(|frame| frame.comment.as_deref()).collect()
+        document
+            .frames
+            .iter()
+            .filter_map(|frame| frame.comment.as_deref())
+            .collect()
     }
 
     fn merged(opened: &Document, written: &Document, theirs: &Document) -> Merged {
@@ -96,10 +123,22 @@ mod tests {
     fn what_was_saved_in_the_session_is_not_removed_by_an_earlier_state() {
         let opened = document(&["", ""]);
         let written = edited(&opened, 0, "ours");
-        let Merged { document, conflicts } = merged(&opened, &written, &edited(&opened, 1, "theirs"));
-        assert_eq!((comments(&document), conflicts.len()), (vec!["ours", "theirs"], 0));
-        let Merged { document, conflicts } = merged(&opened, &written, &edited(&opened, 0, "theirs"));
-        assert_eq!((comments(&document), &conflicts[..]), (vec!["ours", ""], &["0".to_owned()][..]));
+        let Merged {
+            document,
+            conflicts,
+        } = merged(&opened, &written, &edited(&opened, 1, "theirs"));
+        assert_eq!(
+            (comments(&document), conflicts.len()),
+            (vec!["ours", "theirs"], 0)
+        );
+        let Merged {
+            document,
+            conflicts,
+        } = merged(&opened, &written, &edited(&opened, 0, "theirs"));
+        assert_eq!(
+            (comments(&document), &conflicts[..]),
+            (vec!["ours", ""], &["0".to_owned()][..])
+        );
     }
 
     #[test]
@@ -107,23 +146,42 @@ mod tests {
         let opened = document(&["", ""]);
         let written = edited(&opened, 0, "ours");
         let theirs = edited(&written, 1, "theirs");
-        assert_eq!(comments(&merged(&opened, &written, &theirs).document), ["ours", "theirs"]);
+        assert_eq!(
+            comments(&merged(&opened, &written, &theirs).document),
+            ["ours", "theirs"]
+        );
         let mut added = written.clone();
-        added.frames.push(Frame::from_image("new", "main".into(), ImageSize::new(64, 48)).into());
-        assert_eq!(merged(&opened, &added, &theirs).document.frames.len(), 3, "they never had it");
+        added
+            .frames
+            .push(Frame::from_image("new", "main".into(), ImageSize::new(64, 48)).into());
+        assert_eq!(
+            merged(&opened, &added, &theirs).document.frames.len(),
+            3,
+            "they never had it"
+        );
         let mut fewer = theirs;
         fewer.frames.remove(1);
-        assert_eq!(merged(&opened, &written, &fewer).document.frames.len(), 1, "they removed it");
+        assert_eq!(
+            merged(&opened, &written, &fewer).document.frames.len(),
+            1,
+            "they removed it"
+        );
     }
 
     #[test]
     fn a_state_before_the_session_takes_nothing_away_unnamed() {
         let before = document(&["", ""]);
         let opened = edited(&before, 0, "of an earlier session");
-        let Merged { document, conflicts } = merged(&opened, &opened, &edited(&before, 1, "theirs"));
+        let Merged {
+            document,
+            conflicts,
+        } = merged(&opened, &opened, &edited(&before, 1, "theirs"));
         assert_eq!(
             (comments(&document), &conflicts[..]),
-            (vec!["of an earlier session", "theirs"], &["0".to_owned()][..])
+            (
+                vec!["of an earlier session", "theirs"],
+                &["0".to_owned()][..]
+            )
         );
     }
 }

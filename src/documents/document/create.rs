@@ -21,11 +21,12 @@ pub struct NewDocument {
     pub left_out: Vec<(String, MediaError)>,
 }
 
-/// Makes a document of every `every`-th frame of a source, for a project in `folder` (absolute): new frames, and a camera
-/// for each size of picture, the first one called `main`, of which nothing else is known.
+/// Makes a document of every `every`-th frame of a source, for a project in `folder` (absolute):
+/// new frames, and a camera for each size of picture, the first one called `main`, of which nothing
+/// else is known.
 ///
-/// Images are read in parallel for their size and SHA-256; `progress` hears of each frame, from any thread. Where it cancels this,
-/// frames are missing.
+/// Images are read in parallel for their size and SHA-256; `progress` hears of each frame, from any
+/// thread. Where it cancels this, frames are missing.
 #[must_use]
 pub fn document_from_frames(
     source: &FrameSource,
@@ -34,12 +35,16 @@ pub fn document_from_frames(
     every: NonZeroUsize,
     progress: &Progress<'_, ()>,
 ) -> NewDocument {
-    let mut made = NewDocument { document: Document::new(field), left_out: Vec::new() };
+    let mut made = NewDocument {
+        document: Document::new(field),
+        left_out: Vec::new(),
+    };
     match source {
         FrameSource::Folder(listing) => {
             let images: Vec<&PathBuf> = listing.images.iter().step_by(every.get()).collect();
             let read = images.par_iter().map(|path| {
-                let read = media::image_size(path).and_then(|size| Ok((size, media::sha256_of_file(path)?)));
+                let read = media::image_size(path)
+                    .and_then(|size| Ok((size, media::sha256_of_file(path)?)));
                 progress.report(()).is_continue().then_some(read)
             });
             let read: Vec<_> = read.while_some().collect();
@@ -63,15 +68,29 @@ fn relative(folder: &Path, file: &Path) -> String {
 impl NewDocument {
     fn add_image(&mut self, image: &str, size: ImageSize, sha256: String) {
         let camera = self.camera_of_size(size);
-        self.document.frames.push(Frame { sha256: Some(sha256), ..Frame::from_image(image, camera, size) }.into());
+        self.document.frames.push(
+            Frame {
+                sha256: Some(sha256),
+                ..Frame::from_image(image, camera, size)
+            }
+            .into(),
+        );
     }
 
-    fn add_video(&mut self, info: &VideoInfo, folder: &Path, every: NonZeroUsize, progress: &Progress<'_, ()>) {
+    fn add_video(
+        &mut self,
+        info: &VideoInfo,
+        folder: &Path,
+        every: NonZeroUsize,
+        progress: &Progress<'_, ()>,
+    ) {
         let camera = self.camera_of_size(info.size);
         let path = relative(folder, &info.path);
         for index in (0..info.decoded_frames).step_by(every.get()) {
             let video = VideoFrame::new(&path, index as u64, info.pts_s(index));
-            self.document.frames.push(Frame::from_video(video, camera.clone(), info.size).into());
+            self.document
+                .frames
+                .push(Frame::from_video(video, camera.clone(), info.size).into());
             if progress.report(()).is_break() {
                 break;
             }
@@ -84,8 +103,11 @@ impl NewDocument {
         if let Some(camera) = cameras.iter().find(|camera| camera.image_size == size) {
             return camera.id.clone();
         }
-        let id =
-            if cameras.is_empty() { CAMERA.to_owned() } else { format!("{CAMERA}_{}x{}", size.width, size.height) };
+        let id = if cameras.is_empty() {
+            CAMERA.to_owned()
+        } else {
+            format!("{CAMERA}_{}x{}", size.width, size.height)
+        };
         let camera = Camera::new(id.as_str().into(), size);
         let id = camera.id.clone();
         cameras.push(camera.into());
@@ -113,12 +135,35 @@ mod tests {
         let source = FrameSource::open(&frames).unwrap();
         let folder = root.path().join("project");
         let every = NonZeroUsize::MIN;
-        let made = document_from_frames(&source, &folder, FieldSpec::new("soccer"), every, &Progress::default());
-        let names: Vec<_> = made.document.frames.iter().map(|frame| frame.name()).collect();
-        assert_eq!(names, ["../frames/9.png", "../frames/10.png", "../frames/11.png"]);
-        let cameras: Vec<_> = made.document.cameras.iter().map(|camera| camera.id.as_str().to_owned()).collect();
+        let made = document_from_frames(
+            &source,
+            &folder,
+            FieldSpec::new("soccer"),
+            every,
+            &Progress::default(),
+        );
+        let names: Vec<_> = made
+            .document
+            .frames
+            .iter()
+            .map(|frame| frame.name())
+            .collect();
+        assert_eq!(
+            names,
+            ["../frames/9.png", "../frames/10.png", "../frames/11.png"]
+        );
+        let cameras: Vec<_> = made
+            .document
+            .cameras
+            .iter()
+            .map(|camera| camera.id.as_str().to_owned())
+            .collect();
         assert_eq!(cameras, ["main", "main_32x18"]);
         assert_eq!(made.document.frames[0].sha256.as_ref().unwrap().len(), 64);
-        assert!(made.left_out.len() == 1 && made.left_out[0].0.ends_with("12.png"), "{:?}", made.left_out);
+        assert!(
+            made.left_out.len() == 1 && made.left_out[0].0.ends_with("12.png"),
+            "{:?}",
+            made.left_out
+        );
     }
 }

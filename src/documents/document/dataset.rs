@@ -4,8 +4,8 @@ use super::{Click, Document, Frame, SolutionWarning};
 use touchline_core::solve::WarningCode;
 
 impl Document {
-    /// The document as a dataset: the same without unnamed clicks (indices of clicks follow), and with a warning
-    /// at every solved frame whose field's size is assumed.
+    /// The document as a dataset: the same without unnamed clicks (indices of clicks follow), and
+    /// with a warning at every solved frame whose field's size is assumed.
     #[must_use]
     pub fn into_dataset(mut self) -> Self {
         for frame in &mut self.frames {
@@ -22,7 +22,9 @@ impl Document {
         let code = WarningCode::FieldAssumed.as_str();
         for index in 0..self.frames.len() {
             let told = self.field_of(&self.frames[index]).describe_assumed_size();
-            let Some(told) = told.filter(|_| self.frames[index].ptz.is_some()) else { continue };
+            let Some(told) = told.filter(|_| self.frames[index].ptz.is_some()) else {
+                continue;
+            };
             let solution = self.frames[index].solution.get_or_insert_default();
             solution.warnings.retain(|warning| warning.code != code);
             solution.warnings.push(SolutionWarning::new(code, told));
@@ -42,9 +44,13 @@ impl Frame {
         };
         let new_index: Vec<Option<usize>> = self.clicks.iter().enumerate().map(new_place).collect();
         let mut places = new_index.iter();
-        self.clicks.retain(|_| places.next().is_some_and(Option::is_some));
+        self.clicks
+            .retain(|_| places.next().is_some_and(Option::is_some));
         let renumber = |indices: &mut Vec<usize>| {
-            *indices = indices.iter().filter_map(|&index| new_index.get(index).copied().flatten()).collect();
+            *indices = indices
+                .iter()
+                .filter_map(|&index| new_index.get(index).copied().flatten())
+                .collect();
         };
         if let Some(solution) = &mut self.solution {
             renumber(&mut solution.disputed);
@@ -71,19 +77,45 @@ mod tests {
     fn a_dataset_says_so_at_every_solved_frame_once() {
         let size = ImageSize::new(1920, 1080);
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(Camera::new("main".into(), size).into());
+        document
+            .cameras
+            .push(Camera::new("main".into(), size).into());
         for _ in 0..2 {
-            document.frames.push(Frame::from_image("a.jpg", "main".into(), size).into());
+            document
+                .frames
+                .push(Frame::from_image("a.jpg", "main".into(), size).into());
         }
         document.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -10.0, 2000.0), None));
         let warnings = |document: &Document| -> Vec<Vec<String>> {
-            let solutions = document.frames.iter().map(|frame| frame.solution.clone().unwrap_or_default());
-            solutions.map(|solution| solution.warnings.into_iter().map(|warning| warning.code).collect()).collect()
+            let solutions = document
+                .frames
+                .iter()
+                .map(|frame| frame.solution.clone().unwrap_or_default());
+            solutions
+                .map(|solution| {
+                    solution
+                        .warnings
+                        .into_iter()
+                        .map(|warning| warning.code)
+                        .collect()
+                })
+                .collect()
         };
         let again = document.clone().into_dataset().into_dataset();
         assert_eq!(warnings(&again), [vec!["field_assumed".to_owned()], vec![]]);
-        assert_eq!(again.frames[0].solution.as_ref().unwrap().warnings_of_frame().count(), 0);
+        assert_eq!(
+            again.frames[0]
+                .solution
+                .as_ref()
+                .unwrap()
+                .warnings_of_frame()
+                .count(),
+            0
+        );
         document.field.size = Some(FieldSize::Confirmed);
-        assert_eq!(warnings(&document.into_dataset()), [vec![], Vec::<String>::new()]);
+        assert_eq!(
+            warnings(&document.into_dataset()),
+            [vec![], Vec::<String>::new()]
+        );
     }
 }

@@ -1,6 +1,8 @@
 //! The document as a whole.
 
-use super::{Camera, CameraId, ClickNoise, Extra, FieldSpec, Frame, Frames, Shared, Shot, StoredClickNoise};
+use super::{
+    Camera, CameraId, ClickNoise, Extra, FieldSpec, Frame, Frames, Shared, Shot, StoredClickNoise,
+};
 use serde_json::{Map, Value};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
@@ -19,7 +21,8 @@ pub fn generator() -> String {
 
 /// A project or dataset: a field, cameras, frames.
 ///
-/// Cloning is cheap: cameras and frames are shared until one is written to, so undo keeps whole documents.
+/// Cloning is cheap: cameras and frames are shared until one is written to, so undo keeps whole
+/// documents.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Document {
     /// Who wrote the file that was read; the program writes its own name.
@@ -58,26 +61,44 @@ impl Document {
 
     /// Whether two differ in their frames at most.
     pub fn same_beside_frames(&self, other: &Self) -> bool {
-        *self == Self { generator: self.generator.clone(), frames: self.frames.clone(), ..other.clone() }
+        *self
+            == Self {
+                generator: self.generator.clone(),
+                frames: self.frames.clone(),
+                ..other.clone()
+            }
     }
 
     /// A camera by name.
     #[must_use]
     pub fn camera(&self, id: &CameraId) -> Option<&Camera> {
-        self.cameras.iter().find(|camera| camera.id == *id).map(|camera| &**camera)
+        self.cameras
+            .iter()
+            .find(|camera| camera.id == *id)
+            .map(|camera| &**camera)
     }
 
     /// A camera by name, to change it.
     pub fn camera_mut(&mut self, id: &CameraId) -> Option<&mut Camera> {
-        self.cameras.iter_mut().find(|camera| camera.id == *id).map(|camera| &mut **camera)
+        self.cameras
+            .iter_mut()
+            .find(|camera| camera.id == *id)
+            .map(|camera| &mut **camera)
     }
 
     /// A camera's name with the first free number after it: “main 2”.
     #[must_use]
     pub fn free_camera_name(&self, like: &CameraId) -> CameraId {
-        let stem = like.as_str().trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
+        let stem = like
+            .as_str()
+            .trim_end_matches(|c: char| c.is_ascii_digit())
+            .trim_end();
         let stem = if stem.is_empty() { "camera" } else { stem };
-        let gap = if stem.ends_with(['-', '_', '.']) { "" } else { " " };
+        let gap = if stem.ends_with(['-', '_', '.']) {
+            ""
+        } else {
+            " "
+        };
         let mut number = 2;
         loop {
             let name = CameraId::from(format!("{stem}{gap}{number}").as_str());
@@ -103,7 +124,9 @@ impl Document {
     /// The field that a camera looks at: its own, else the document's.
     #[must_use]
     pub fn field_of_camera(&self, camera: &CameraId) -> &FieldSpec {
-        self.camera(camera).and_then(|camera| camera.field.as_ref()).unwrap_or(&self.field)
+        self.camera(camera)
+            .and_then(|camera| camera.field.as_ref())
+            .unwrap_or(&self.field)
     }
 
     /// The camera as a solved frame has it pointed.
@@ -115,9 +138,21 @@ impl Document {
     /// All boxes of a frame whose pixels give no features: its camera's and its own.
     #[must_use]
     pub fn masks_of(&self, frame: &Frame) -> Vec<PixelBox> {
-        let Some(camera) = self.camera_of(frame) else { return frame.masks.clone() };
-        let ranged = camera.ranged_masks.iter().filter(|mask| mask.covers(frame)).map(|mask| &mask.pixel_box);
-        camera.masks.iter().chain(ranged).chain(&frame.masks).copied().collect()
+        let Some(camera) = self.camera_of(frame) else {
+            return frame.masks.clone();
+        };
+        let ranged = camera
+            .ranged_masks
+            .iter()
+            .filter(|mask| mask.covers(frame))
+            .map(|mask| &mask.pixel_box);
+        camera
+            .masks
+            .iter()
+            .chain(ranged)
+            .chain(&frame.masks)
+            .copied()
+            .collect()
     }
 
     /// The annotator's own click noise, whether it is in use or not.
@@ -132,7 +167,9 @@ impl Document {
     /// The click noise that weights its clicks; none: the template's.
     #[must_use]
     pub fn click_noise_in_use(&self) -> Option<ClickNoise> {
-        self.own_click_noise().filter(|noise| noise.in_use && noise.is_plausible()).cloned()
+        self.own_click_noise()
+            .filter(|noise| noise.in_use && noise.is_plausible())
+            .cloned()
     }
 
     /// Stores the annotator's own click noise.

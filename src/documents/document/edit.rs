@@ -1,8 +1,12 @@
-//! What changed between two states of a document, as the journal keeps it: whole frames by their ids, cameras and fields.
+//! What changed between two states of a document, as the journal keeps it: whole frames by their
+//! ids, cameras and fields.
 
 use super::old_edit::OldChange;
 use super::write::OWN_KEYS;
-use super::{Camera, Document, EditMismatch, Extra, FieldSpec, Frame, FrameId, Frames, Shared, Shot, StoredClickNoise};
+use super::{
+    Camera, Document, EditMismatch, Extra, FieldSpec, Frame, FrameId, Frames, Shared, Shot,
+    StoredClickNoise,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,7 +27,8 @@ pub struct Edit {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EditKind {
-    /// Not a step of undo, or an edit in a journal of an earlier version without this information: no step before it can be undone.
+    /// Not a step of undo, or an edit in a journal of an earlier version without this information:
+    /// no step before it can be undone.
     #[default]
     NoStep,
     /// A step, called as the edit is.
@@ -113,7 +118,11 @@ impl Edit {
             changes.push(rest(after));
         }
         frame_changes(&before.frames, &after.frames, &mut changes);
-        Self { name: name.to_owned(), kind: EditKind::NoStep, changes }
+        Self {
+            name: name.to_owned(),
+            kind: EditKind::NoStep,
+            changes,
+        }
     }
 
     /// The same edit, as what undo and redo take it.
@@ -131,7 +140,8 @@ impl Edit {
     /// Makes the changes.
     ///
     /// # Errors
-    /// A frame is not there, or is there in another revision than was edited. The document is as it was then.
+    /// A frame is not there, or is there in another revision than was edited. The document is as it
+    /// was then.
     pub fn apply(self, document: &mut Document) -> Result<(), EditMismatch> {
         apply_all(self.changes, document)
     }
@@ -152,13 +162,26 @@ pub(super) fn apply_all(changes: Vec<Change>, document: &mut Document) -> Result
 impl Change {
     fn apply(self, document: &mut Document) -> Result<(), EditMismatch> {
         match self {
-            Self::Frame { id, revision, frame } => {
-                let Some(place) = document.frames.by_id_mut(&id) else { return Err(EditMismatch::NoFrame { id }) };
+            Self::Frame {
+                id,
+                revision,
+                frame,
+            } => {
+                let Some(place) = document.frames.by_id_mut(&id) else {
+                    return Err(EditMismatch::NoFrame { id });
+                };
                 if place.revision != revision {
-                    return Err(EditMismatch::Revision { id, made_on: revision, found: place.revision });
+                    return Err(EditMismatch::Revision {
+                        id,
+                        made_on: revision,
+                        found: place.revision,
+                    });
                 }
                 if frame.id != id {
-                    return Err(EditMismatch::OtherFrame { id, found: frame.id.clone() });
+                    return Err(EditMismatch::OtherFrame {
+                        id,
+                        found: frame.id.clone(),
+                    });
                 }
                 *place = frame;
             }
@@ -171,18 +194,35 @@ impl Change {
             }
             Self::Insert { after, frames } => insert(document, after, frames)?,
             Self::Order(ids) => {
-                let ordered: Option<Frames> = ids.iter().map(|id| document.frames.by_id(id).cloned()).collect();
-                let (ordered, frames) = (ordered.filter(|frames| frames.len() == document.frames.len()), ids.len());
-                let mismatch = EditMismatch::Order { ordered: frames, frames: document.frames.len() };
+                let ordered: Option<Frames> = ids
+                    .iter()
+                    .map(|id| document.frames.by_id(id).cloned())
+                    .collect();
+                let (ordered, frames) = (
+                    ordered.filter(|frames| frames.len() == document.frames.len()),
+                    ids.len(),
+                );
+                let mismatch = EditMismatch::Order {
+                    ordered: frames,
+                    frames: document.frames.len(),
+                };
                 let is_each_once = ids.iter().collect::<BTreeSet<_>>().len() == ids.len();
                 document.frames = ordered.filter(|_| is_each_once).ok_or(mismatch)?;
             }
             Self::Cameras(cameras) => document.cameras = cameras,
             Self::Field(field) => document.field = field,
-            Self::Rest { conventions, click_noise, shots, mut extra } => {
+            Self::Rest {
+                conventions,
+                click_noise,
+                shots,
+                mut extra,
+            } => {
                 // Journals of earlier versions have it among the unknown keys.
-                let among_unknown = extra.shift_remove("click_noise").map(StoredClickNoise::from);
-                // No program writes them there; as unknown keys they would be read as the document's own.
+                let among_unknown = extra
+                    .shift_remove("click_noise")
+                    .map(StoredClickNoise::from);
+                // No program writes them there; as unknown keys they would be read as the
+                // document's own.
                 extra.retain(|key, _| !OWN_KEYS.contains(&key.as_str()));
                 document.conventions = conventions;
                 document.click_noise = click_noise.or(among_unknown);
@@ -195,26 +235,48 @@ impl Change {
     }
 }
 
-fn insert(document: &mut Document, after: Option<FrameId>, frames: Vec<Shared<Frame>>) -> Result<(), EditMismatch> {
-    if let Some(present) = frames.iter().find(|frame| document.frames.by_id(&frame.id).is_some()) {
-        return Err(EditMismatch::Present { id: present.id.clone() });
+fn insert(
+    document: &mut Document,
+    after: Option<FrameId>,
+    frames: Vec<Shared<Frame>>,
+) -> Result<(), EditMismatch> {
+    if let Some(present) = frames
+        .iter()
+        .find(|frame| document.frames.by_id(&frame.id).is_some())
+    {
+        return Err(EditMismatch::Present {
+            id: present.id.clone(),
+        });
     }
     let at = match after {
         None => 0,
-        Some(id) => document.frames.position_of(&id).ok_or(EditMismatch::NoFrame { id })? + 1,
+        Some(id) => {
+            document
+                .frames
+                .position_of(&id)
+                .ok_or(EditMismatch::NoFrame { id })?
+                + 1
+        }
     };
     document.frames.insert_all(at, frames);
     Ok(())
 }
 
 impl Document {
-    /// Counts the edits that led here from an earlier state: each frame that differs has a later revision than it had. What
-    /// undo brings back does, too.
+    /// Counts the edits that led here from an earlier state: each frame that differs has a later
+    /// revision than it had. What undo brings back does, too.
     pub fn count_edits_since(&mut self, before: &Self) {
         for position in self.frames.differences(&before.frames) {
-            let Some(frame) = self.frames.get(position) else { continue };
-            let known = before.frames.get(position).filter(|known| known.id == frame.id);
-            let Some(known) = known.or_else(|| before.frames.by_id(&frame.id)) else { continue };
+            let Some(frame) = self.frames.get(position) else {
+                continue;
+            };
+            let known = before
+                .frames
+                .get(position)
+                .filter(|known| known.id == frame.id);
+            let Some(known) = known.or_else(|| before.frames.by_id(&frame.id)) else {
+                continue;
+            };
             if frame.revision <= known.revision && frame != known {
                 let revision = known.next_revision();
                 self.frames[position].revision = revision;
@@ -223,7 +285,8 @@ impl Document {
     }
 }
 
-/// The frames that changed, then those that go, those that come and, where they are not where they were, all in order.
+/// The frames that changed, then those that go, those that come and, where they are not where they
+/// were, all in order.
 fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
     let differ = after.differences(before);
     let changed = |known: &Frame, frame: &Shared<Frame>| Change::Frame {
@@ -231,38 +294,70 @@ fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
         revision: known.revision,
         frame: frame.clone(),
     };
-    if before.len() == after.len() && differ.iter().all(|&position| before[position].id == after[position].id) {
-        changes.extend(differ.into_iter().map(|position| changed(&before[position], &after[position])));
+    if before.len() == after.len()
+        && differ
+            .iter()
+            .all(|&position| before[position].id == after[position].id)
+    {
+        changes.extend(
+            differ
+                .into_iter()
+                .map(|position| changed(&before[position], &after[position])),
+        );
         return;
     }
-    let known: BTreeMap<&FrameId, &Shared<Frame>> = before.iter().map(|frame| (&frame.id, frame)).collect();
-    let kept: BTreeSet<&FrameId> = after.iter().map(|frame| &frame.id).filter(|id| known.contains_key(id)).collect();
+    let known: BTreeMap<&FrameId, &Shared<Frame>> =
+        before.iter().map(|frame| (&frame.id, frame)).collect();
+    let kept: BTreeSet<&FrameId> = after
+        .iter()
+        .map(|frame| &frame.id)
+        .filter(|id| known.contains_key(id))
+        .collect();
     for frame in after {
         if let Some(known) = known.get(&frame.id).filter(|known| **known != frame) {
             changes.push(changed(known, frame));
         }
     }
-    let gone: Vec<FrameId> = before.iter().map(|frame| &frame.id).filter(|id| !kept.contains(id)).cloned().collect();
+    let gone: Vec<FrameId> = before
+        .iter()
+        .map(|frame| &frame.id)
+        .filter(|id| !kept.contains(id))
+        .cloned()
+        .collect();
     if !gone.is_empty() {
         changes.push(Change::Remove(gone));
     }
     let order = |frames: &Frames| -> Vec<FrameId> {
-        frames.iter().map(|frame| &frame.id).filter(|id| kept.contains(id)).cloned().collect()
+        frames
+            .iter()
+            .map(|frame| &frame.id)
+            .filter(|id| kept.contains(id))
+            .cloned()
+            .collect()
     };
     let is_moved = order(before) != order(after);
     let mut last: Option<&FrameId> = None;
     let mut coming: Option<(Option<FrameId>, Vec<Shared<Frame>>)> = None;
     for frame in after {
         if kept.contains(&frame.id) {
-            changes.extend(coming.take().map(|(after, frames)| Change::Insert { after, frames }));
+            changes.extend(
+                coming
+                    .take()
+                    .map(|(after, frames)| Change::Insert { after, frames }),
+            );
         } else {
-            coming.get_or_insert_with(|| (last.cloned(), Vec::new())).1.push(frame.clone());
+            coming
+                .get_or_insert_with(|| (last.cloned(), Vec::new()))
+                .1
+                .push(frame.clone());
         }
         last = Some(&frame.id);
     }
     changes.extend(coming.map(|(after, frames)| Change::Insert { after, frames }));
     if is_moved {
-        changes.push(Change::Order(after.iter().map(|frame| frame.id.clone()).collect()));
+        changes.push(Change::Order(
+            after.iter().map(|frame| frame.id.clone()).collect(),
+        ));
     }
 }
 
@@ -275,7 +370,8 @@ mod tests {
 
     fn document(names: &[u8]) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame = |name: &u8| Frame::from_image(&name.to_string(), "main".into(), ImageSize::new(64, 48));
+        let frame =
+            |name: &u8| Frame::from_image(&name.to_string(), "main".into(), ImageSize::new(64, 48));
         document.frames = names.iter().map(|name| frame(name).into()).collect();
         document
     }
@@ -286,7 +382,9 @@ mod tests {
         let mut after = before.clone();
         after.frames[1].comment = Some("rain".to_owned());
         let edit = Edit::between(&before, &after, "Comment");
-        assert!(matches!(&edit.changes[..], [Change::Frame { id, revision: 0, .. }] if *id == before.frames[1].id));
+        assert!(
+            matches!(&edit.changes[..], [Change::Frame { id, revision: 0, .. }] if *id == before.frames[1].id)
+        );
         after.frames.remove(0);
         let edit = Edit::between(&before, &after, "Remove");
         assert!(
@@ -319,7 +417,10 @@ mod tests {
         let edit = Edit::between(&before, &after, "Both");
         let mut made = before.clone();
         edit.clone().apply(&mut made).unwrap();
-        assert!(matches!(edit.apply(&mut made), Err(EditMismatch::Revision { .. })));
+        assert!(matches!(
+            edit.apply(&mut made),
+            Err(EditMismatch::Revision { .. })
+        ));
         assert_eq!(made, after);
     }
 
@@ -335,11 +436,21 @@ mod tests {
         edit.clone().apply(&mut made).unwrap();
         assert_eq!(made, after);
         let id = after.frames[1].id.clone();
-        assert_eq!(edit.apply(&mut made), Err(EditMismatch::Revision { id, made_on: 0, found: 1 }));
+        assert_eq!(
+            edit.apply(&mut made),
+            Err(EditMismatch::Revision {
+                id,
+                made_on: 0,
+                found: 1
+            })
+        );
         // What undo brings back counts as an edit of what it took back.
         let mut undone = before.clone();
         undone.count_edits_since(&after);
-        assert_eq!((undone.frames[1].revision, &undone.frames[1].comment), (2, &None));
+        assert_eq!(
+            (undone.frames[1].revision, &undone.frames[1].comment),
+            (2, &None)
+        );
     }
 
     #[test]
@@ -363,7 +474,13 @@ mod tests {
         after.count_edits_since(&before);
         let edit = Edit::between(&before, &after, "Comment");
         edit.clone().apply(&mut before).unwrap();
-        assert!(matches!(edit.apply(&mut before), Err(EditMismatch::Revision { made_on: u64::MAX, .. })));
+        assert!(matches!(
+            edit.apply(&mut before),
+            Err(EditMismatch::Revision {
+                made_on: u64::MAX,
+                ..
+            })
+        ));
     }
 
     #[test]
@@ -373,13 +490,24 @@ mod tests {
                 r#"{{"name": "", "changes": [{{"rest": {{"conventions": {{}}, "extra": {{"{own}": null, "a": 1}}}}}}]}}"#
             );
             let mut edited = document(&[1]);
-            serde_json::from_str::<Edit>(&json).unwrap().apply(&mut edited).unwrap();
+            serde_json::from_str::<Edit>(&json)
+                .unwrap()
+                .apply(&mut edited)
+                .unwrap();
             let text = document_to_string(&edited).unwrap();
             let read = document_from_bytes(text.as_bytes()).unwrap();
             assert_eq!((&read.extra, read.extra.len()), (&edited.extra, 1), "{own}");
         }
-        let value: serde_json::Value = serde_json::from_str(&document_to_string(&document(&[1])).unwrap()).unwrap();
-        assert!(value.as_object().unwrap().keys().all(|key| OWN_KEYS.contains(&key.as_str())), "{value}");
+        let value: serde_json::Value =
+            serde_json::from_str(&document_to_string(&document(&[1])).unwrap()).unwrap();
+        assert!(
+            value
+                .as_object()
+                .unwrap()
+                .keys()
+                .all(|key| OWN_KEYS.contains(&key.as_str())),
+            "{value}"
+        );
     }
 
     #[test]
@@ -389,16 +517,45 @@ mod tests {
         let mut exchanged = before.clone();
         edit.clone().apply(&mut exchanged).unwrap();
         assert_eq!(exchanged, after);
-        assert!(matches!(edit.apply(&mut exchanged), Err(EditMismatch::NoFrame { .. })));
-        let of = |change| Edit { name: String::new(), kind: EditKind::NoStep, changes: vec![change] };
-        let only_new = of(Change::Insert { after: None, frames: vec![after.frames[0].clone()] });
-        assert_eq!(only_new.apply(&mut exchanged), Err(EditMismatch::Present { id: after.frames[0].id.clone() }));
+        assert!(matches!(
+            edit.apply(&mut exchanged),
+            Err(EditMismatch::NoFrame { .. })
+        ));
+        let of = |change| Edit {
+            name: String::new(),
+            kind: EditKind::NoStep,
+            changes: vec![change],
+        };
+        let only_new = of(Change::Insert {
+            after: None,
+            frames: vec![after.frames[0].clone()],
+        });
+        assert_eq!(
+            only_new.apply(&mut exchanged),
+            Err(EditMismatch::Present {
+                id: after.frames[0].id.clone()
+            })
+        );
         let id = exchanged.frames[0].id.clone();
-        let other = of(Change::Frame { id: id.clone(), revision: 0, frame: exchanged.frames[1].clone() });
+        let other = of(Change::Frame {
+            id: id.clone(),
+            revision: 0,
+            frame: exchanged.frames[1].clone(),
+        });
         let found = exchanged.frames[1].id.clone();
-        assert_eq!(other.apply(&mut exchanged), Err(EditMismatch::OtherFrame { id, found }), "an id is no one else's");
+        assert_eq!(
+            other.apply(&mut exchanged),
+            Err(EditMismatch::OtherFrame { id, found }),
+            "an id is no one else's"
+        );
         let order = of(Change::Order(vec![after.frames[0].id.clone(); 2]));
-        assert_eq!(order.apply(&mut exchanged), Err(EditMismatch::Order { ordered: 2, frames: 2 }));
+        assert_eq!(
+            order.apply(&mut exchanged),
+            Err(EditMismatch::Order {
+                ordered: 2,
+                frames: 2
+            })
+        );
     }
 
     proptest! {

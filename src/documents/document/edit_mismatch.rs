@@ -13,7 +13,9 @@ pub enum EditMismatch {
         id: FrameId,
     },
     /// The frame is another one than was edited: the edit was made before, or another one was.
-    #[error("the edit was made on revision {made_on} of frame {id}, the document has revision {found}")]
+    #[error(
+        "the edit was made on revision {made_on} of frame {id}, the document has revision {found}"
+    )]
     Revision {
         /// The frame.
         id: FrameId,
@@ -37,7 +39,9 @@ pub enum EditMismatch {
         id: FrameId,
     },
     /// A new order names other frames than there are.
-    #[error("the edit puts {ordered} frames in order, the document has {frames} frames, not all of them the same")]
+    #[error(
+        "the edit puts {ordered} frames in order, the document has {frames} frames, not all of them the same"
+    )]
     Order {
         /// How many frames it names.
         ordered: usize,

@@ -1,5 +1,5 @@
-//! Which field a document is of, and where its size comes from: venues differ within what the rules allow, and a wrong size looks like
-//! a wrong camera.
+//! Which field a document is of, and where its size comes from: venues differ within what the rules
+//! allow, and a wrong size looks like a wrong camera.
 
 use super::{Extra, adapters};
 use serde::{Deserialize, Serialize};
@@ -20,7 +20,8 @@ const SIZE: [&str; 2] = ["length_m", "width_m"];
 pub struct FieldSpec {
     /// The template's name: `soccer`.
     pub template: String,
-    /// Its parameters by name, such as `length_m` and `crown_m`; absent ones take the template's defaults.
+    /// Its parameters by name, such as `length_m` and `crown_m`; absent ones take the template's
+    /// defaults.
     #[cfg_attr(feature = "schema", schemars(with = "BTreeMap<String, f64>"))]
     #[serde(default, with = "adapters::numbers_by_name")]
     pub params: BTreeMap<String, f64>,
@@ -53,13 +54,20 @@ impl FieldSpec {
     /// A template with its defaults.
     #[must_use]
     pub fn new(template: &str) -> Self {
-        Self { template: template.to_owned(), params: BTreeMap::new(), size: None, extra: Extra::new() }
+        Self {
+            template: template.to_owned(),
+            params: BTreeMap::new(),
+            size: None,
+            extra: Extra::new(),
+        }
     }
 
     /// The template is a file of the user's own, not a built-in one.
     #[must_use]
     pub fn is_file(&self) -> bool {
-        Path::new(&self.template).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+        Path::new(&self.template)
+            .extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
     }
 
     /// How much the middle is higher than the touchlines, m.
@@ -75,7 +83,8 @@ impl FieldSpec {
         }
     }
 
-    /// The field with its parameters filled in; `folder` is the document's, for a template of the user's own.
+    /// The field with its parameters filled in; `folder` is the document's, for a template of the
+    /// user's own.
     ///
     /// # Errors
     /// There is no such template, or it does not take a parameter or its value.
@@ -107,8 +116,9 @@ impl FieldSpec {
         self.size.as_ref().unwrap_or(&FieldSize::Assumed)
     }
 
-    /// Its length and width in words, where they are assumed although venues differ: “105 × 68 m”. None for a size that is
-    /// known or that the rules leave no choice of, and for a template of the user's own.
+    /// Its length and width in words, where they are assumed although venues differ: “105 × 68 m”.
+    /// None for a size that is known or that the rules leave no choice of, and for a template of
+    /// the user's own.
     #[must_use]
     pub fn assumed_size(&self) -> Option<String> {
         if *self.size() != FieldSize::Assumed {
@@ -120,8 +130,16 @@ impl FieldSpec {
             return None;
         }
         let [length, width] = params.map(|param| {
-            let value = param.map(|param| self.params.get(&param.name).copied().unwrap_or(param.default));
-            value.map_or_else(|| "?".to_owned(), |metres| format!("{}", (metres * 100.0).round() / 100.0))
+            let value = param.map(|param| {
+                self.params
+                    .get(&param.name)
+                    .copied()
+                    .unwrap_or(param.default)
+            });
+            value.map_or_else(
+                || "?".to_owned(),
+                |metres| format!("{}", (metres * 100.0).round() / 100.0),
+            )
         });
         Some(format!("{length} × {width} m"))
     }
@@ -135,7 +153,8 @@ impl FieldSpec {
     /// The message where the size is assumed.
     #[must_use]
     pub fn describe_assumed_size(&self) -> Option<String> {
-        self.assumed_size().map(|size| format!("Field size {size} is assumed."))
+        self.assumed_size()
+            .map(|size| format!("Field size {size} is assumed."))
     }
 }
 
@@ -146,14 +165,25 @@ mod tests {
     #[test]
     fn a_size_is_assumed_until_somebody_knows_it_where_the_rules_leave_a_choice() {
         let mut soccer = FieldSpec::new("soccer");
-        assert_eq!(soccer.describe_assumed_size().unwrap(), "Field size 105 × 68 m is assumed.");
+        assert_eq!(
+            soccer.describe_assumed_size().unwrap(),
+            "Field size 105 × 68 m is assumed."
+        );
         soccer.params.insert("width_m".to_owned(), 66.5);
         assert_eq!(soccer.assumed_size().unwrap(), "105 × 66.5 m");
-        for known in [FieldSize::Confirmed, FieldSize::Fitted, FieldSize::Other("measured".into())] {
+        for known in [
+            FieldSize::Confirmed,
+            FieldSize::Fitted,
+            FieldSize::Other("measured".into()),
+        ] {
             soccer.size = Some(known);
             assert_eq!(soccer.assumed_size(), None);
         }
-        assert_eq!(FieldSpec::new("tennis").assumed_size(), None, "a tennis court is a tennis court");
+        assert_eq!(
+            FieldSpec::new("tennis").assumed_size(),
+            None,
+            "a tennis court is a tennis court"
+        );
         assert_eq!(FieldSpec::new("mine.json").assumed_size(), None);
     }
 
@@ -163,9 +193,10 @@ mod tests {
         assert_eq!(read(r#"{"template": "soccer"}"#).size, None);
         let fitted = read(r#"{"template":"soccer","params":{},"size":"fitted"}"#);
         assert_eq!(*fitted.size(), FieldSize::Fitted);
-        for json in
-            [r#"{"template":"soccer","params":{},"size":"fitted"}"#, r#"{"template":"soccer","params":{},"size":[7]}"#]
-        {
+        for json in [
+            r#"{"template":"soccer","params":{},"size":"fitted"}"#,
+            r#"{"template":"soccer","params":{},"size":[7]}"#,
+        ] {
             assert_eq!(serde_json::to_string(&read(json)).unwrap(), json);
         }
     }

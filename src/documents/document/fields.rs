@@ -17,7 +17,9 @@ impl Fields {
     /// # Errors
     /// One of them is not valid.
     pub fn of(document: DocumentAt<'_>) -> Result<Self, FieldError> {
-        Self::with(document.document, |spec| document.model_of(spec).map(Arc::new))
+        Self::with(document.document, |spec| {
+            document.model_of(spec).map(Arc::new)
+        })
     }
 
     /// The same with the click noise that their templates state.
@@ -25,7 +27,9 @@ impl Fields {
     /// # Errors
     /// One of them is not valid.
     pub fn as_stated(document: DocumentAt<'_>) -> Result<Self, FieldError> {
-        Self::with(document.document, |spec| spec.model(document.folder).map(Arc::new))
+        Self::with(document.document, |spec| {
+            spec.model(document.folder).map(Arc::new)
+        })
     }
 
     /// Every field of a document, built in a way of the caller's.
@@ -37,8 +41,14 @@ impl Fields {
         mut model: impl FnMut(&FieldSpec) -> Result<Arc<FieldModel>, FieldError>,
     ) -> Result<Self, FieldError> {
         let mut models: Vec<(FieldSpec, Arc<FieldModel>)> = Vec::new();
-        let own = document.cameras.iter().filter_map(|camera| camera.field.as_ref());
-        for spec in own.filter(|spec| **spec != document.field).chain([&document.field]) {
+        let own = document
+            .cameras
+            .iter()
+            .filter_map(|camera| camera.field.as_ref());
+        for spec in own
+            .filter(|spec| **spec != document.field)
+            .chain([&document.field])
+        {
             if !models.iter().any(|(known, _)| known == spec) {
                 models.push((spec.clone(), model(spec)?));
             }
@@ -55,12 +65,21 @@ impl Fields {
     /// The field of each camera, in the document's order.
     #[must_use]
     pub fn of_cameras(&self, document: &Document) -> Vec<Arc<FieldModel>> {
-        let of_camera = |camera: &Camera| self.of_spec(camera.field.as_ref().unwrap_or(&document.field));
-        document.cameras.iter().map(|camera| Arc::clone(of_camera(camera))).collect()
+        let of_camera =
+            |camera: &Camera| self.of_spec(camera.field.as_ref().unwrap_or(&document.field));
+        document
+            .cameras
+            .iter()
+            .map(|camera| Arc::clone(of_camera(camera)))
+            .collect()
     }
 
     fn of_spec(&self, spec: &FieldSpec) -> &Arc<FieldModel> {
-        let at = self.models.iter().position(|(known, _)| known == spec).unwrap_or(self.models.len() - 1);
+        let at = self
+            .models
+            .iter()
+            .position(|(known, _)| known == spec)
+            .unwrap_or(self.models.len() - 1);
         &self.models[at].1
     }
 }

@@ -8,7 +8,13 @@ use touchline_core::geometry::{ImagePoint, ImageSize};
 pub fn reference(pan_deg: f64, landmarks: &[&str]) -> Frame {
     let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(1920, 1080));
     frame.status = FrameStatus::Reference;
-    frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -10.0, 2000.0), None));
-    frame.clicks = landmarks.iter().map(|id| Click::landmark((*id).into(), ImagePoint::new(9.0, 9.0))).collect();
+    frame.ptz = Some(FramePtz::new(
+        Ptz::from_degrees(pan_deg, -10.0, 2000.0),
+        None,
+    ));
+    frame.clicks = landmarks
+        .iter()
+        .map(|id| Click::landmark((*id).into(), ImagePoint::new(9.0, 9.0)))
+        .collect();
     frame
 }

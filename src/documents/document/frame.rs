@@ -19,7 +19,8 @@ pub struct Frame {
     /// Counts its edits.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub revision: u64,
-    /// The image file, relative to the document's folder or absolute; none for a frame that only a video has.
+    /// The image file, relative to the document's folder or absolute; none for a frame that only a
+    /// video has.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<String>,
     /// Its camera.
@@ -31,7 +32,10 @@ pub struct Frame {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
     /// The size of the picture, px.
-    #[cfg_attr(feature = "schema", schemars(with = "[u32; 2]", inner(range(min = 1, max = 65535))))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "[u32; 2]", inner(range(min = 1, max = 65535)))
+    )]
     #[serde(rename = "image_size_px", with = "adapters::image_size")]
     pub image_size: ImageSize,
     /// How far it has come.
@@ -61,12 +65,18 @@ pub struct Frame {
     /// What people clicked, in their order.
     #[serde(default, deserialize_with = "clicks")]
     pub clicks: Vec<Click>,
-    /// Landmarks that were clicked again, blind, to measure the annotator's click noise; not labels.
+    /// Landmarks that were clicked again, blind, to measure the annotator's click noise; not
+    /// labels.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub repeats: Vec<Repeat>,
     /// Boxes that are excluded from feature detection in this frame: players.
     #[cfg_attr(feature = "schema", schemars(with = "Vec<[f64; 4]>"))]
-    #[serde(rename = "masks_px", default, with = "adapters::boxes", skip_serializing_if = "Vec::is_empty")]
+    #[serde(
+        rename = "masks_px",
+        default,
+        with = "adapters::boxes",
+        skip_serializing_if = "Vec::is_empty"
+    )]
     pub masks: Vec<PixelBox>,
     /// What its lens is known to be before it is solved; none: as its camera's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -107,7 +117,11 @@ pub struct VideoFrame {
     pub frame_index: u64,
     /// Its time from the stream's start, s.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub pts_s: Option<f64>,
     /// Unknown keys.
     #[serde(flatten)]
@@ -115,7 +129,9 @@ pub struct VideoFrame {
 }
 
 /// How far a frame has come.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FrameStatus {
@@ -134,7 +150,13 @@ pub enum FrameStatus {
 
 impl FrameStatus {
     /// Every status, in the order in which a frame goes through them.
-    pub const ALL: [Self; 5] = [Self::New, Self::Draft, Self::Suggested, Self::Reference, Self::Rejected];
+    pub const ALL: [Self; 5] = [
+        Self::New,
+        Self::Draft,
+        Self::Suggested,
+        Self::Reference,
+        Self::Rejected,
+    ];
 
     /// The name in documents.
     #[must_use]
@@ -170,8 +192,14 @@ pub enum RejectReason {
 
 impl RejectReason {
     /// Every reason, in the order of the window's keys 1 to 6.
-    pub const ALL: [Self; 6] =
-        [Self::CloseUp, Self::Replay, Self::OtherCamera, Self::Graphic, Self::Blur, Self::TooLittleField];
+    pub const ALL: [Self; 6] = [
+        Self::CloseUp,
+        Self::Replay,
+        Self::OtherCamera,
+        Self::Graphic,
+        Self::Blur,
+        Self::TooLittleField,
+    ];
 }
 
 /// The name of a shot: a number or a word.
@@ -206,7 +234,11 @@ pub struct Edited {
     pub at: Option<String>,
     /// How long it was worked on altogether, s.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub seconds: Option<f64>,
     /// The program that did it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -220,23 +252,33 @@ const fn yes() -> bool {
     true
 }
 
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a function of a reference")]
+#[allow(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde asks for a function of a reference"
+)]
 const fn is_yes(value: &bool) -> bool {
     *value
 }
 
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a function of a reference")]
+#[allow(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde asks for a function of a reference"
+)]
 const fn is_no(value: &bool) -> bool {
     !*value
 }
 
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a function of a reference")]
+#[allow(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde asks for a function of a reference"
+)]
 const fn is_zero(revision: &u64) -> bool {
     *revision == 0
 }
 
 impl Frame {
-    /// The revision of this frame once it has been edited. After the last number comes another one all the same.
+    /// The revision of this frame once it has been edited. After the last number comes another one
+    /// all the same.
     pub(super) const fn next_revision(&self) -> u64 {
         self.revision.wrapping_add(1)
     }
@@ -274,28 +316,44 @@ impl Frame {
     #[must_use]
     pub fn from_video(video: VideoFrame, camera: CameraId, image_size: ImageSize) -> Self {
         let id = FrameId::of_picture(None, Some((&video.path, video.frame_index)));
-        Self { id, image: None, video: Some(video), ..Self::from_image("", camera, image_size) }
+        Self {
+            id,
+            image: None,
+            video: Some(video),
+            ..Self::from_image("", camera, image_size)
+        }
     }
 
     /// Whether another frame has the same contents, regardless of the revisions.
     #[must_use]
     pub fn has_content_of(&self, other: &Self) -> bool {
-        self == other || *self == Self { revision: self.revision, ..other.clone() }
+        self == other
+            || *self
+                == Self {
+                    revision: self.revision,
+                    ..other.clone()
+                }
     }
 
     /// The base of its camera with its own [lens](Self::lens), where it has one.
     #[must_use]
     pub fn base_from(&self, base: &CameraBase) -> CameraBase {
-        self.lens.as_ref().map_or(*base, |lens| lens.base_with(base))
+        self.lens
+            .as_ref()
+            .map_or(*base, |lens| lens.base_with(base))
     }
 
     /// The id that follows from its picture.
     pub(super) fn id_of_picture(&self) -> FrameId {
-        let video = self.video.as_ref().map(|video| (video.path.as_str(), video.frame_index));
+        let video = self
+            .video
+            .as_ref()
+            .map(|video| (video.path.as_str(), video.frame_index));
         FrameId::of_picture(self.image.as_deref(), video)
     }
 
-    /// Its name in messages: the image's path, else the video's and the frame's number (`match.mp4#412`).
+    /// Its name in messages: the image's path, else the video's and the frame's number
+    /// (`match.mp4#412`).
     #[must_use]
     pub fn name(&self) -> String {
         match (&self.image, &self.video) {
@@ -311,20 +369,27 @@ impl Frame {
         self.image.as_ref().map(|image| folder.join(image))
     }
 
-    /// Its number as people see it, at a position of the document: that of its video's frame, else its position; both from 0.
+    /// Its number as people see it, at a position of the document: that of its video's frame, else
+    /// its position; both from 0.
     #[must_use]
     pub fn number_at(&self, position: usize) -> u64 {
-        self.video.as_ref().map_or(position as u64, |video| video.frame_index)
+        self.video
+            .as_ref()
+            .map_or(position as u64, |video| video.frame_index)
     }
 
-    /// Where its pixels come from, given the document's folder: its image file, else its video's frame.
+    /// Where its pixels come from, given the document's folder: its image file, else its video's
+    /// frame.
     #[must_use]
     pub fn picture_source(&self, folder: &Path) -> Option<FrameRef> {
         if let Some(path) = self.image_path(folder) {
             return Some(FrameRef::image(path));
         }
         let video = self.video.as_ref()?;
-        Some(FrameRef::video(video.file_path(folder), usize::try_from(video.frame_index).ok()?))
+        Some(FrameRef::video(
+            video.file_path(folder),
+            usize::try_from(video.frame_index).ok()?,
+        ))
     }
 }
 
@@ -332,7 +397,12 @@ impl VideoFrame {
     /// A frame of a video by its number and time.
     #[must_use]
     pub fn new(path: &str, frame_index: u64, pts_s: Option<f64>) -> Self {
-        Self { path: path.to_owned(), frame_index, pts_s, extra: Extra::new() }
+        Self {
+            path: path.to_owned(),
+            frame_index,
+            pts_s,
+            extra: Extra::new(),
+        }
     }
 
     /// Where the video file lies, given the document's folder.

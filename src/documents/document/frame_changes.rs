@@ -15,20 +15,29 @@ pub enum FrameChanges {
 }
 
 impl Frames {
-    /// What changed since an earlier state. Takes time for what changed, not for what both states share.
+    /// What changed since an earlier state. Takes time for what changed, not for what both states
+    /// share.
     #[must_use]
     pub fn changes_since(&self, before: &Self) -> FrameChanges {
         if self.len() != before.len() {
             return FrameChanges::Anew;
         }
         let changed = self.differences(before);
-        if changed.len() > MANY { FrameChanges::Anew } else { FrameChanges::At(changed) }
+        if changed.len() > MANY {
+            FrameChanges::Anew
+        } else {
+            FrameChanges::At(changed)
+        }
     }
 
-    /// The positions at which frames changed since an earlier state; none where frames came, went or moved.
+    /// The positions at which frames changed since an earlier state; none where frames came, went
+    /// or moved.
     pub fn changed_in_place(&self, before: &Self) -> Option<Vec<usize>> {
         let changed = (self.len() == before.len()).then(|| self.differences(before))?;
-        changed.iter().all(|&position| self[position].id == before[position].id).then_some(changed)
+        changed
+            .iter()
+            .all(|&position| self[position].id == before[position].id)
+            .then_some(changed)
     }
 }
 
@@ -53,7 +62,9 @@ mod tests {
         after.pop();
         assert_eq!(after.changes_since(&before), FrameChanges::Anew);
         let mut many = before.clone();
-        many.iter_mut().take(MANY + 1).for_each(|frame| frame.comment = Some("rain".to_owned()));
+        many.iter_mut()
+            .take(MANY + 1)
+            .for_each(|frame| frame.comment = Some("rain".to_owned()));
         assert_eq!(many.changes_since(&before), FrameChanges::Anew);
     }
 }

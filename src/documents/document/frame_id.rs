@@ -8,10 +8,11 @@ use std::sync::Arc;
 /// The longest id that a document may hold, in bytes.
 const MAX_BYTES: usize = 128;
 
-/// The id of a frame, unique within a document. Edits, suggestions and undo refer to it, never to a position.
+/// The id of a frame, unique within a document. Edits, suggestions and undo refer to it, never to a
+/// position.
 ///
-/// A frame that is made takes its id from its picture. One that was read without an id has an empty one until it is among
-/// the frames of a document, which give it its own.
+/// A frame that is made takes its id from its picture. One that was read without an id has an empty
+/// one until it is among the frames of a document, which give it its own.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(transparent)]
@@ -29,15 +30,16 @@ impl FrameId {
         self.0.is_empty()
     }
 
-    /// The id of a frame that has none: twelve hexadecimal digits of a hash of its image's path, or else of its video's path and
-    /// the number of the frame.
+    /// The id of a frame that has none: twelve hexadecimal digits of a hash of its image's path, or
+    /// else of its video's path and the number of the frame.
     pub(super) fn of_picture(image: Option<&str>, video: Option<(&str, u64)>) -> Self {
         let hash = Sha256::new();
         let hash = match (image, video) {
             (Some(image), _) => hash.chain_update("image\0").chain_update(image),
-            (None, Some((path, index))) => {
-                hash.chain_update("video\0").chain_update(path).chain_update(index.to_be_bytes())
-            }
+            (None, Some((path, index))) => hash
+                .chain_update("video\0")
+                .chain_update(path)
+                .chain_update(index.to_be_bytes()),
             (None, None) => hash,
         };
         let mut first = [0; 8];
@@ -45,8 +47,9 @@ impl FrameId {
         Self(format!("{:012x}", u64::from_be_bytes(first)).into())
     }
 
-    /// `id`, or one of `id-2`, `id-3`, … that is not taken while the one before it is: the first, where none was left out. Frames
-    /// of one picture may be many, so they are not tried one after the other.
+    /// `id`, or one of `id-2`, `id-3`, … that is not taken while the one before it is: the first,
+    /// where none was left out. Frames of one picture may be many, so they are not tried one after
+    /// the other.
     pub(super) fn free(self, is_taken: impl Fn(&Self) -> bool) -> Self {
         if !is_taken(&self) {
             return self;
@@ -60,7 +63,11 @@ impl FrameId {
         let mut free = taken + step;
         while free - taken > 1 {
             let between = taken.midpoint(free);
-            *(if is_free(between) { &mut free } else { &mut taken }) = between;
+            *(if is_free(between) {
+                &mut free
+            } else {
+                &mut taken
+            }) = between;
         }
         self.numbered(free)
     }
@@ -89,7 +96,9 @@ impl<'de> Deserialize<'de> for FrameId {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let id = Arc::<str>::deserialize(deserializer)?;
         if id.is_empty() || id.len() > MAX_BYTES || id.chars().any(char::is_control) {
-            let wanted = format!("a frame's id has 1 to {MAX_BYTES} bytes and no control characters, found {id:?}");
+            let wanted = format!(
+                "a frame's id has 1 to {MAX_BYTES} bytes and no control characters, found {id:?}"
+            );
             return Err(serde::de::Error::custom(wanted));
         }
         Ok(Self(id))
@@ -103,7 +112,10 @@ mod tests {
     #[test]
     fn an_id_follows_from_the_picture_and_is_the_same_for_ever() {
         let image = FrameId::of_picture(Some("images/0001.jpg"), None);
-        assert_eq!(image, FrameId::of_picture(Some("images/0001.jpg"), Some(("match.mp4", 3))));
+        assert_eq!(
+            image,
+            FrameId::of_picture(Some("images/0001.jpg"), Some(("match.mp4", 3)))
+        );
         assert_eq!(image.as_str(), "48ffd214d244");
         let video = FrameId::of_picture(None, Some(("match.mp4", 412)));
         assert_eq!(video.as_str(), "0859afc6239f");
@@ -116,8 +128,11 @@ mod tests {
         let free = |id: &str| FrameId::from(id).free(|id| taken.contains(id)).to_string();
         assert_eq!([free("a"), free("b"), free("c")], ["a-3", "b-2", "c"]);
         let taken = 2..=1000;
-        let is_taken =
-            |id: &FrameId| id.as_str().strip_prefix("a-").is_none_or(|n| taken.contains(&n.parse().unwrap()));
+        let is_taken = |id: &FrameId| {
+            id.as_str()
+                .strip_prefix("a-")
+                .is_none_or(|n| taken.contains(&n.parse().unwrap()))
+        };
         assert_eq!(FrameId::from("a").free(is_taken).as_str(), "a-1001");
     }
 
@@ -125,14 +140,25 @@ mod tests {
     fn a_long_id_with_a_number_is_still_an_id() {
         let long = FrameId::from("é".repeat(MAX_BYTES / 2).as_str());
         let numbered = long.clone().free(|id| *id == long);
-        assert!(numbered.as_str().ends_with("é-2") && numbered.as_str().len() <= MAX_BYTES, "{numbered}");
+        assert!(
+            numbered.as_str().ends_with("é-2") && numbered.as_str().len() <= MAX_BYTES,
+            "{numbered}"
+        );
     }
 
     #[test]
     fn what_is_no_id_is_refused() {
-        let read = |json: &str| serde_json::from_str::<FrameId>(json).map(|id| id.to_string()).ok();
+        let read = |json: &str| {
+            serde_json::from_str::<FrameId>(json)
+                .map(|id| id.to_string())
+                .ok()
+        };
         assert_eq!(read("\"anna/7\"").as_deref(), Some("anna/7"));
         let too_long = format!("\"{}\"", "x".repeat(MAX_BYTES + 1));
-        assert!(["\"\"", "\"a\\n\"", "7", &too_long].into_iter().all(|json| read(json).is_none()));
+        assert!(
+            ["\"\"", "\"a\\n\"", "7", &too_long]
+                .into_iter()
+                .all(|json| read(json).is_none())
+        );
     }
 }

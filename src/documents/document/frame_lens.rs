@@ -5,10 +5,11 @@ use serde::{Deserialize, Serialize};
 use touchline_core::camera::{CameraBase, FocalCurve, Radial};
 use touchline_core::geometry::ImagePoint;
 
-/// The lens of a frame as the camera or its provider reports it, frame by frame: focal length, principal point, distortion.
+/// The lens of a frame as the camera or its provider reports it, frame by frame: focal length,
+/// principal point, distortion.
 ///
-/// It is an input. Where a frame has it, it takes the place of the camera's lens and principal point, and tracking seeks pan and
-/// tilt alone. `ptz` keeps what a solve found.
+/// It is an input. Where a frame has it, it takes the place of the camera's lens and principal
+/// point, and tracking seeks pan and tilt alone. `ptz` keeps what a solve found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FrameLens {
@@ -22,11 +23,19 @@ pub struct FrameLens {
     pub principal_point: ImagePoint,
     /// k₁ at this focal length; absent: no distortion.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub k1: Option<f64>,
     /// k₂ at this focal length; absent: zero. It counts only beside a k₁ that is not zero.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub k2: Option<f64>,
     /// Unknown keys.
     #[serde(flatten)]
@@ -38,20 +47,33 @@ impl FrameLens {
     #[must_use]
     pub fn new(focal_px: f64, principal_point: ImagePoint, radial: Radial) -> Self {
         let number = |value: f64| Some(value).filter(|value| *value != 0.0);
-        Self { focal_px, principal_point, k1: number(radial.k1), k2: number(radial.k2), extra: Extra::new() }
+        Self {
+            focal_px,
+            principal_point,
+            k1: number(radial.k1),
+            k2: number(radial.k2),
+            extra: Extra::new(),
+        }
     }
 
     /// Its distortion.
     #[must_use]
     pub fn radial(&self) -> Radial {
-        Radial { k1: self.k1.unwrap_or(0.0), k2: self.k2.unwrap_or(0.0) }
+        Radial {
+            k1: self.k1.unwrap_or(0.0),
+            k2: self.k2.unwrap_or(0.0),
+        }
     }
 
     /// A base with this lens and principal point in place of its own, as exact as they are stated.
     #[must_use]
     pub fn base_with(&self, base: &CameraBase) -> CameraBase {
         let distortion = FocalCurve::through(self.radial()).unwrap_or(FocalCurve::NONE);
-        CameraBase { principal_point: self.principal_point, distortion, ..*base }
+        CameraBase {
+            principal_point: self.principal_point,
+            distortion,
+            ..*base
+        }
     }
 }
 
@@ -70,26 +92,46 @@ mod tests {
         let mut camera = Camera::new("main".into(), SIZE);
         let rotation = BaseAngles::default().base_from_world();
         let own = CameraBase::new(position_m, rotation, SIZE.centre());
-        camera.set_base(&CameraBase { distortion: FocalCurve::constant(-0.1), ..own });
+        camera.set_base(&CameraBase {
+            distortion: FocalCurve::constant(-0.1),
+            ..own
+        });
         let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
         let radial = Radial { k1: 0.2, k2: 1.5 };
-        frame.lens = Some(FrameLens::new(3000.0, ImagePoint::new(970.0, 520.0), radial));
+        frame.lens = Some(FrameLens::new(
+            3000.0,
+            ImagePoint::new(970.0, 520.0),
+            radial,
+        ));
 
         let base = camera.base_for(&frame).unwrap();
-        assert_eq!((base.position_m, base.principal_point), (position_m, ImagePoint::new(970.0, 520.0)));
+        assert_eq!(
+            (base.position_m, base.principal_point),
+            (position_m, ImagePoint::new(970.0, 520.0))
+        );
         for focal_px in [2000.0, 3000.0] {
             let Radial { k1, k2 } = base.distortion.radial_at(focal_px);
             assert!(k1 == 0.2 && (k2 - 1.5).abs() < 1e-15, "{k1} {k2}");
         }
-        frame.point(Ptz::from_degrees(0.0, -10.0, 3000.0), base.distortion.radial_at(3000.0));
+        frame.point(
+            Ptz::from_degrees(0.0, -10.0, 3000.0),
+            base.distortion.radial_at(3000.0),
+        );
         assert_eq!(camera.pointed(&frame).unwrap().base(), &base);
     }
 
     #[test]
     fn it_is_written_by_its_keys_and_read_again() {
-        let lens = FrameLens::new(3000.5, ImagePoint::new(970.25, 520.0), Radial { k1: 0.125, k2: 0.0 });
+        let lens = FrameLens::new(
+            3000.5,
+            ImagePoint::new(970.25, 520.0),
+            Radial { k1: 0.125, k2: 0.0 },
+        );
         let text = serde_json::to_string(&lens).unwrap();
-        assert_eq!(text, r#"{"focal_px":3000.5,"principal_point_px":[970.25,520.0],"k1":0.125}"#);
+        assert_eq!(
+            text,
+            r#"{"focal_px":3000.5,"principal_point_px":[970.25,520.0],"k1":0.125}"#
+        );
         assert_eq!(serde_json::from_str::<FrameLens>(&text).unwrap(), lens);
         assert!(serde_json::from_str::<FrameLens>(&text.replace("3000.5", "0")).is_err());
     }

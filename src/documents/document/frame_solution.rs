@@ -1,6 +1,9 @@
-//! A frame's camera: what a solve found, and what the program proposed before a person corrected it.
+//! A frame's camera: what a solve found, and what the program proposed before a person corrected
+//! it.
 
-use super::{BetterName, Click, Frame, FramePtz, Proposed, Solution, SolutionSource, SolutionWarning, Target};
+use super::{
+    BetterName, Click, Frame, FramePtz, Proposed, Solution, SolutionSource, SolutionWarning, Target,
+};
 use touchline_core::camera::{Ptz, Radial};
 use touchline_core::solve::{FrameSolution, judge};
 
@@ -11,33 +14,46 @@ impl Frame {
     /// Whether its camera comes from its own clicks.
     #[must_use]
     pub fn is_solved_by_clicks(&self) -> bool {
-        self.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Clicks))
+        self.solution
+            .as_ref()
+            .is_some_and(|solution| solution.source == Some(SolutionSource::Clicks))
     }
 
-    /// Whether its named clicks determine a camera by themselves: a landmark counts for two equations, a line for one.
+    /// Whether its named clicks determine a camera by themselves: a landmark counts for two
+    /// equations, a line for one.
     fn clicks_decide(&self) -> bool {
         let equations = |click: &Click| click.target.as_ref().map_or(0, Target::equations);
         let used = self.clicks.iter().filter(|click| !click.check);
         used.map(equations).sum::<usize>() >= ENOUGH_EQUATIONS
     }
 
-    /// Points its camera, with the lens that is used at this focal length. What the document holds beside these numbers stays.
+    /// Points its camera, with the lens that is used at this focal length. What the document holds
+    /// beside these numbers stays.
     pub fn point(&mut self, ptz: Ptz, lens: Radial) {
         let before = self.ptz.take();
         let recorded = before.as_ref().is_some_and(|before| before.k1.is_some());
         let lens = (!lens.is_none() || recorded).then_some(lens);
         let extra = before.map(|before| before.extra).unwrap_or_default();
-        self.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, lens) });
+        self.ptz = Some(FramePtz {
+            extra,
+            ..FramePtz::new(ptz, lens)
+        });
     }
 
     /// Takes over what a solve found.
     pub fn record(&mut self, solved: &FrameSolution) {
         let proposed = self.proposed();
         let by_clicks = self.clicks_decide();
-        let source =
-            proposed.as_ref().filter(|_| !by_clicks).map_or(SolutionSource::Clicks, |proposed| proposed.source);
+        let source = proposed
+            .as_ref()
+            .filter(|_| !by_clicks)
+            .map_or(SolutionSource::Clicks, |proposed| proposed.source);
         self.point(solved.ptz, solved.lens);
-        let extra = self.solution.take().map(|solution| solution.extra).unwrap_or_default();
+        let extra = self
+            .solution
+            .take()
+            .map(|solution| solution.extra)
+            .unwrap_or_default();
         self.solution = Some(Solution {
             covariance: Some(solved.covariance),
             own_covariance: Some(solved.uncertainty.own_covariance_deg()),
@@ -58,7 +74,12 @@ impl Frame {
                 .map(|(place, warning)| SolutionWarning {
                     clicks: warning.clicks.clone(),
                     // The first warning tells of the names.
-                    renames: solved.identity.iter().filter(|_| place == 0).flat_map(BetterName::all).collect(),
+                    renames: solved
+                        .identity
+                        .iter()
+                        .filter(|_| place == 0)
+                        .flat_map(BetterName::all)
+                        .collect(),
                     ..SolutionWarning::new(warning.code.as_str(), warning.message.clone())
                 })
                 .collect(),
@@ -85,9 +106,16 @@ impl Frame {
         })
     }
 
-    /// Whether a person corrected a proposal and no click is left of it: then the proposal holds again. True if it does now.
+    /// Whether a person corrected a proposal and no click is left of it: then the proposal holds
+    /// again. True if it does now.
     pub fn restore_proposed(&mut self) -> bool {
-        let Some(proposed) = self.solution.as_mut().and_then(|solution| solution.proposed.take()) else { return false };
+        let Some(proposed) = self
+            .solution
+            .as_mut()
+            .and_then(|solution| solution.proposed.take())
+        else {
+            return false;
+        };
         self.ptz = Some(proposed.ptz);
         self.solution = Some(Solution {
             covariance: proposed.covariance,

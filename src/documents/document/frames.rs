@@ -1,4 +1,5 @@
-//! The frames of a document: ordered, each with a unique id, shared with the states that undo keeps.
+//! The frames of a document: ordered, each with a unique id, shared with the states that undo
+//! keeps.
 
 use super::{Frame, FrameId, Shared};
 use imbl::Vector;
@@ -11,8 +12,9 @@ use std::sync::{Arc, OnceLock};
 
 /// Frames in the order in which a person steps through them.
 ///
-/// A persistent vector: a clone takes constant time, and changing a frame of a clone copies the chunk of handles that the frame is
-/// in. Each frame that comes in gets an id of its own if it has none or another's; frames come in through [`Frames::push`],
+/// A persistent vector: a clone takes constant time, and changing a frame of a clone copies the
+/// chunk of handles that the frame is in. Each frame that comes in gets an id of its own if it has
+/// none or another's; frames come in through [`Frames::push`],
 /// [`Frames::insert`] and `extend`.
 #[derive(Clone, Default)]
 pub struct Frames {
@@ -37,21 +39,26 @@ pub(super) struct DuplicateId {
 struct State {
     /// No other state has it but clones. No frames at all are number 0.
     number: u64,
-    /// The last changes, oldest first: the state before it, and the position of the frame that was handed out to be changed.
+    /// The last changes, oldest first: the state before it, and the position of the frame that was
+    /// handed out to be changed.
     changes: VecDeque<(u64, usize)>,
-    /// Whether every frame stands where its id stood: found out when an id is not there. It saves the search for each of many
-    /// ids that no frame has.
+    /// Whether every frame stands where its id stood: found out when an id is not there. It saves
+    /// the search for each of many ids that no frame has.
     are_known: OnceLock<bool>,
 }
 
-/// So many changes of single frames are remembered: an edit makes a few, a batch of 64 proposals a few for each.
+/// So many changes of single frames are remembered: an edit makes a few, a batch of 64 proposals a
+/// few for each.
 const REMEMBERED: usize = 256;
 
 impl State {
     /// One that has nothing to do with any before.
     fn new() -> Self {
         static LAST: AtomicU64 = AtomicU64::new(0);
-        Self { number: LAST.fetch_add(1, Ordering::Relaxed) + 1, ..Self::default() }
+        Self {
+            number: LAST.fetch_add(1, Ordering::Relaxed) + 1,
+            ..Self::default()
+        }
     }
 
     /// Goes on to another one, in which the frame at a position may be another.
@@ -61,13 +68,18 @@ impl State {
             changes.pop_front();
         }
         changes.push_back((self.number, position));
-        *self = Self { changes, ..Self::new() };
+        *self = Self {
+            changes,
+            ..Self::new()
+        };
     }
 
-    /// The positions at which frames may differ from those of another state, where both remember a state that they come from.
+    /// The positions at which frames may differ from those of another state, where both remember a
+    /// state that they come from.
     fn changed_between(&self, other: &Self) -> Option<BTreeSet<usize>> {
         let mut own = self.back().enumerate();
-        let (ago, others) = own.find_map(|(ago, state)| Some((ago, other.back().position(|other| other == state)?)))?;
+        let (ago, others) = own
+            .find_map(|(ago, state)| Some((ago, other.back().position(|other| other == state)?)))?;
         Some(self.last(ago).chain(other.last(others)).collect())
     }
 
@@ -89,19 +101,36 @@ impl Frames {
         Self::default()
     }
 
-    /// Frames as a file lists them. Those without an id get one that follows from their picture and that no frame states.
+    /// Frames as a file lists them. Those without an id get one that follows from their picture and
+    /// that no frame states.
     pub(super) fn read(mut frames: Vec<Shared<Frame>>) -> Result<Self, DuplicateId> {
         let mut positions = HashMap::with_capacity(frames.len());
-        for (position, frame) in frames.iter().enumerate().filter(|(_, frame)| !frame.id.is_missing()) {
+        for (position, frame) in frames
+            .iter()
+            .enumerate()
+            .filter(|(_, frame)| !frame.id.is_missing())
+        {
             if let Some(first) = positions.insert(frame.id.clone(), position) {
-                return Err(DuplicateId { id: frame.id.clone(), second: position, first });
+                return Err(DuplicateId {
+                    id: frame.id.clone(),
+                    second: position,
+                    first,
+                });
             }
         }
-        for (position, frame) in frames.iter_mut().enumerate().filter(|(_, frame)| frame.id.is_missing()) {
+        for (position, frame) in frames
+            .iter_mut()
+            .enumerate()
+            .filter(|(_, frame)| frame.id.is_missing())
+        {
             frame.id = frame.id_of_picture().free(|id| positions.contains_key(id));
             positions.insert(frame.id.clone(), position);
         }
-        Ok(Self { ordered: frames.into_iter().collect(), positions: Arc::new(positions), state: State::new() })
+        Ok(Self {
+            ordered: frames.into_iter().collect(),
+            positions: Arc::new(positions),
+            state: State::new(),
+        })
     }
 
     /// How many there are.
@@ -134,12 +163,23 @@ impl Frames {
         let is_it = |position: &usize| self.get(*position).is_some_and(|frame| frame.id == *id);
         let known = self.positions.get(id).copied().filter(is_it);
         // A frame that was put in another's place is not among the known positions.
-        known.or_else(|| if self.are_known() { None } else { self.iter().position(|frame| frame.id == *id) })
+        known.or_else(|| {
+            if self.are_known() {
+                None
+            } else {
+                self.iter().position(|frame| frame.id == *id)
+            }
+        })
     }
 
     fn are_known(&self) -> bool {
-        let stands = |(position, frame): (usize, &Shared<Frame>)| self.positions.get(&frame.id) == Some(&position);
-        *self.state.are_known.get_or_init(|| self.iter().enumerate().all(stands))
+        let stands = |(position, frame): (usize, &Shared<Frame>)| {
+            self.positions.get(&frame.id) == Some(&position)
+        };
+        *self
+            .state
+            .are_known
+            .get_or_init(|| self.iter().enumerate().all(stands))
     }
 
     /// The frame of an id.
@@ -184,7 +224,10 @@ impl Frames {
     }
 
     /// The frames at these positions, as far as there are any.
-    pub fn range(&self, range: impl RangeBounds<usize>) -> impl DoubleEndedIterator<Item = &Shared<Frame>> {
+    pub fn range(
+        &self,
+        range: impl RangeBounds<usize>,
+    ) -> impl DoubleEndedIterator<Item = &Shared<Frame>> {
         let start = match range.start_bound() {
             Bound::Included(start) => *start,
             Bound::Excluded(before) => before.saturating_add(1),
@@ -206,7 +249,8 @@ impl Frames {
         self.ordered.push_back(frame);
     }
 
-    /// Puts a frame before the one at a position, at the end if there is none; where its id is missing or taken it gets another.
+    /// Puts a frame before the one at a position, at the end if there is none; where its id is
+    /// missing or taken it gets another.
     pub fn insert(&mut self, position: usize, frame: Shared<Frame>) {
         self.insert_all(position, vec![frame]);
     }
@@ -250,8 +294,9 @@ impl Frames {
         self.ordered.ptr_eq(&other.ordered)
     }
 
-    /// The positions at which frames differ from those of another, ascending, and those beyond its end. Where both remember a
-    /// state that they come from only what was handed out since is looked at, elsewhere what they do not share.
+    /// The positions at which frames differ from those of another, ascending, and those beyond its
+    /// end. Where both remember a state that they come from only what was handed out since is
+    /// looked at, elsewhere what they do not share.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<usize> {
         let mut differ = Vec::new();
@@ -268,7 +313,9 @@ impl Frames {
         let mut position = 0;
         loop {
             if a.is_empty() {
-                let Some(next) = left.next() else { return differ };
+                let Some(next) = left.next() else {
+                    return differ;
+                };
                 a = next;
             }
             if b.is_empty() {
@@ -282,7 +329,11 @@ impl Frames {
             let ((here, rest_of_a), (there, rest_of_b)) = (a.split_at(both), b.split_at(both));
             if !std::ptr::eq(here, there) {
                 let pairs = here.iter().zip(there).enumerate();
-                differ.extend(pairs.filter(|(_, (here, there))| here != there).map(|(at, _)| position + at));
+                differ.extend(
+                    pairs
+                        .filter(|(_, (here, there))| here != there)
+                        .map(|(at, _)| position + at),
+                );
             }
             (a, b) = (rest_of_a, rest_of_b);
             position += both;
@@ -302,7 +353,11 @@ impl Frames {
 
     fn order_changed(&mut self) {
         self.state = State::new();
-        let positions = self.ordered.iter().enumerate().map(|(position, frame)| (frame.id.clone(), position));
+        let positions = self
+            .ordered
+            .iter()
+            .enumerate()
+            .map(|(position, frame)| (frame.id.clone(), position));
         self.positions = Arc::new(positions.collect());
     }
 }
@@ -384,7 +439,10 @@ mod tests {
 
     /// Each frame is found by its id.
     fn is_consistent(frames: &Frames) -> bool {
-        frames.iter().enumerate().all(|(position, frame)| frames.position_of(&frame.id) == Some(position))
+        frames
+            .iter()
+            .enumerate()
+            .all(|(position, frame)| frames.position_of(&frame.id) == Some(position))
     }
 
     #[test]
@@ -392,7 +450,10 @@ mod tests {
         let twice: Frames = [frame("a"), frame("a"), frame("a")].into_iter().collect();
         let base = FrameId::of_picture(Some("a"), None);
         let ids: Vec<String> = twice.iter().map(|frame| frame.id.to_string()).collect();
-        assert_eq!(ids, [format!("{base}"), format!("{base}-2"), format!("{base}-3")]);
+        assert_eq!(
+            ids,
+            [format!("{base}"), format!("{base}-2"), format!("{base}-3")]
+        );
         assert!(is_consistent(&twice));
     }
 
@@ -406,11 +467,22 @@ mod tests {
         let mut stated = frame("b");
         stated.id = frame("a").id.clone();
         let read = Frames::read(vec![without("a"), stated.clone(), without("c")]).unwrap();
-        assert_eq!(read[0].id, frame("a").id.clone().free(|id| *id == stated.id));
+        assert_eq!(
+            read[0].id,
+            frame("a").id.clone().free(|id| *id == stated.id)
+        );
         assert_eq!((&read[1].id, &read[2].id), (&stated.id, &frame("c").id));
         assert!(is_consistent(&read));
-        let duplicate = Frames::read(vec![without("c"), stated.clone(), stated.clone()]).unwrap_err();
-        assert_eq!(duplicate, DuplicateId { id: stated.id.clone(), second: 2, first: 1 });
+        let duplicate =
+            Frames::read(vec![without("c"), stated.clone(), stated.clone()]).unwrap_err();
+        assert_eq!(
+            duplicate,
+            DuplicateId {
+                id: stated.id.clone(),
+                second: 2,
+                first: 1
+            }
+        );
     }
 
     #[test]
@@ -445,7 +517,11 @@ mod tests {
         assert!(after[4_710].is_same(&before[4_710]) && after != before);
         after.pop();
         assert_eq!(after.differences(&before), [0, 4_711]);
-        assert_eq!(before.differences(&after), [0, 4_711, 9_999], "what is beyond its end");
+        assert_eq!(
+            before.differences(&after),
+            [0, 4_711, 9_999],
+            "what is beyond its end"
+        );
     }
 
     proptest! {

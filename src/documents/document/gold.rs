@@ -1,7 +1,8 @@
-//! Gold frames: labelled frames whose landmarks are clicked again, blind, to measure the annotator's click noise.
+//! Gold frames: labelled frames whose landmarks are clicked again, blind, to measure the
+//! annotator's click noise.
 //!
-//! A frame is gold because somebody marked it or the program chose it (`calibrate::choose_gold`). Blind clicks are kept in the frame
-//! ([`Repeat`](super::Repeat)) and never change its label.
+//! A frame is gold because somebody marked it or the program chose it (`calibrate::choose_gold`).
+//! Blind clicks are kept in the frame ([`Repeat`](super::Repeat)) and never change its label.
 
 use super::{Document, Frame, FrameStatus, Target};
 use touchline_core::field::LandmarkId;
@@ -18,17 +19,22 @@ pub struct RepeatedClicks<'a> {
 }
 
 impl RepeatedClicks<'_> {
-    /// Independent differences, each with the variance of one click in each coordinate: every click against the mean of
-    /// those before it, (m − c) √(j / (j + 1)) after j clicks (Helmert 1876). px of the frame.
+    /// Independent differences, each with the variance of one click in each coordinate: every click
+    /// against the mean of those before it, (m − c) √(j / (j + 1)) after j clicks (Helmert 1876).
+    /// px of the frame.
     pub fn differences(&self) -> impl Iterator<Item = Vec2> + '_ {
         let mut sum = Vec2::zeros();
-        self.clicks.iter().enumerate().filter_map(move |(before, click)| {
-            let at = Vec2::new(click.x, click.y);
-            let count = before as f64;
-            let difference = (before > 0).then(|| (sum / count - at) * (count / (count + 1.0)).sqrt());
-            sum += at;
-            difference
-        })
+        self.clicks
+            .iter()
+            .enumerate()
+            .filter_map(move |(before, click)| {
+                let at = Vec2::new(click.x, click.y);
+                let count = before as f64;
+                let difference =
+                    (before > 0).then(|| (sum / count - at) * (count / (count + 1.0)).sqrt());
+                sum += at;
+                difference
+            })
     }
 }
 
@@ -57,8 +63,15 @@ impl Frame {
     #[must_use]
     pub fn repeated_clicks(&self) -> Vec<RepeatedClicks<'_>> {
         let mut found: Vec<RepeatedClicks<'_>> = Vec::new();
-        for repeat in self.repeats.iter().filter(|repeat| repeat.image.is_finite()) {
-            if let Some(known) = found.iter_mut().find(|known| *known.landmark == repeat.landmark) {
+        for repeat in self
+            .repeats
+            .iter()
+            .filter(|repeat| repeat.image.is_finite())
+        {
+            if let Some(known) = found
+                .iter_mut()
+                .find(|known| *known.landmark == repeat.landmark)
+            {
                 known.clicks.push(repeat.image);
                 continue;
             }
@@ -68,9 +81,15 @@ impl Frame {
             });
             let label = labelled.and_then(|labelled| self.clicks.get(labelled));
             // Where the program put a point says nothing about how its annotator clicks.
-            let label = label.filter(|click| click.snapped_sigma_px.is_none()).map(|click| click.image);
+            let label = label
+                .filter(|click| click.snapped_sigma_px.is_none())
+                .map(|click| click.image);
             let clicks = label.into_iter().chain([repeat.image]).collect();
-            found.push(RepeatedClicks { landmark: &repeat.landmark, labelled, clicks });
+            found.push(RepeatedClicks {
+                landmark: &repeat.landmark,
+                labelled,
+                clicks,
+            });
         }
         found
     }
@@ -80,7 +99,11 @@ impl Document {
     /// The number of the next blind round.
     #[must_use]
     pub fn next_round(&self) -> u32 {
-        let rounds = self.frames.iter().flat_map(|frame| &frame.repeats).map(|repeat| repeat.round);
+        let rounds = self
+            .frames
+            .iter()
+            .flat_map(|frame| &frame.repeats)
+            .map(|repeat| repeat.round);
         rounds.max().unwrap_or(0).saturating_add(1)
     }
 }
@@ -93,31 +116,60 @@ mod tests {
 
     #[test]
     fn differences_are_independent_and_have_the_variance_of_one_click() {
-        let clicks = [[1.0, 0.0], [3.0, 2.0], [5.0, -4.0]].map(ImagePoint::from).to_vec();
+        let clicks = [[1.0, 0.0], [3.0, 2.0], [5.0, -4.0]]
+            .map(ImagePoint::from)
+            .to_vec();
         let landmark = LandmarkId::from("centre_mark");
-        let differences: Vec<Vec2> =
-            RepeatedClicks { landmark: &landmark, labelled: None, clicks }.differences().collect();
-        let expected = [Vec2::new(-2.0, -2.0) * 0.5_f64.sqrt(), Vec2::new(-3.0, 5.0) * (2.0_f64 / 3.0).sqrt()];
+        let differences: Vec<Vec2> = RepeatedClicks {
+            landmark: &landmark,
+            labelled: None,
+            clicks,
+        }
+        .differences()
+        .collect();
+        let expected = [
+            Vec2::new(-2.0, -2.0) * 0.5_f64.sqrt(),
+            Vec2::new(-3.0, 5.0) * (2.0_f64 / 3.0).sqrt(),
+        ];
         assert_eq!(differences.len(), 2);
-        assert!(differences.iter().zip(expected).all(|(found, expected)| (found - expected).norm() < 1e-12));
-        // The squares add up to those around the mean: nothing of the clicks is lost or counted twice.
+        assert!(
+            differences
+                .iter()
+                .zip(expected)
+                .all(|(found, expected)| (found - expected).norm() < 1e-12)
+        );
+        // The squares add up to those around the mean: nothing of the clicks is lost or counted
+        // twice.
         let around_mean = |values: [f64; 3]| {
             let mean = values.iter().sum::<f64>() / 3.0;
-            values.iter().map(|value| (value - mean).powi(2)).sum::<f64>()
+            values
+                .iter()
+                .map(|value| (value - mean).powi(2))
+                .sum::<f64>()
         };
         let squares: f64 = differences.iter().map(Vec2::norm_squared).sum();
-        assert!((squares - around_mean([1.0, 3.0, 5.0]) - around_mean([0.0, 2.0, -4.0])).abs() < 1e-12);
+        assert!(
+            (squares - around_mean([1.0, 3.0, 5.0]) - around_mean([0.0, 2.0, -4.0])).abs() < 1e-12
+        );
     }
 
     #[test]
     fn the_label_comes_first_and_other_landmarks_stay_apart() {
         let mut frame = reference(0.0, &["centre_mark"]);
-        for (id, x, round) in [("centre_mark", 10.0, 1), ("halfway_far", 50.0, 1), ("centre_mark", 11.0, 2)] {
-            frame.repeats.push(Repeat::new(id.into(), ImagePoint::new(x, 9.0), round));
+        for (id, x, round) in [
+            ("centre_mark", 10.0, 1),
+            ("halfway_far", 50.0, 1),
+            ("centre_mark", 11.0, 2),
+        ] {
+            frame
+                .repeats
+                .push(Repeat::new(id.into(), ImagePoint::new(x, 9.0), round));
         }
         let found = frame.repeated_clicks();
-        let seen: Vec<(&str, usize)> =
-            found.iter().map(|repeated| (repeated.landmark.as_str(), repeated.clicks.len())).collect();
+        let seen: Vec<(&str, usize)> = found
+            .iter()
+            .map(|repeated| (repeated.landmark.as_str(), repeated.clicks.len()))
+            .collect();
         assert_eq!(seen, [("centre_mark", 3), ("halfway_far", 1)]);
         assert_eq!(found[0].clicks[0], ImagePoint::new(9.0, 9.0));
         assert_eq!(found[1].differences().count(), 0);

@@ -1,28 +1,40 @@
-//! Edits whose base is not known, put into another document: what they say of a frame, but not what it was before.
+//! Edits whose base is not known, put into another document: what they say of a frame, but not what
+//! it was before.
 //!
-//! Without the base nobody can tell what the edits changed and what only the document changed. So work is never taken away: a
-//! frame with clicks or a decision gives way only to another such frame, and every frame that gives way, or keeps its place
-//! although the edits say otherwise, is named.
+//! Without the base nobody can tell what the edits changed and what only the document changed. So
+//! work is never taken away: a frame with clicks or a decision gives way only to another such
+//! frame, and every frame that gives way, or keeps its place although the edits say otherwise, is
+//! named.
 
 use super::merge::show_suggestions;
 use super::{Camera, Change, Document, Edit, Frame, Merged, OldChange, Shared};
 use std::collections::BTreeMap;
 
-/// Puts the frames that edits hold into a document that the edits do not start from. What the edits removed cannot be known and
-/// stays; frames for which they only suggest something, and changes of cameras and field, are not taken.
+/// Puts the frames that edits hold into a document that the edits do not start from. What the edits
+/// removed cannot be known and stays; frames for which they only suggest something, and changes of
+/// cameras and field, are not taken.
 #[must_use]
 pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
     let mut document = onto.without_suggestions();
     let mut conflicts = add_new_cameras(edits, &mut document);
     for held in last_frames(edits) {
         let frame = held.without_suggestion();
-        let same_picture = || document.frames.iter().position(|known| known.name() == frame.name());
+        let same_picture = || {
+            document
+                .frames
+                .iter()
+                .position(|known| known.name() == frame.name())
+        };
         let place = document.frames.position_of(&frame.id).or_else(same_picture);
         let Some(known) = place.and_then(|place| document.frames.get_mut(place)) else {
             document.frames.push(frame.into());
             continue;
         };
-        let frame = Frame { id: known.id.clone(), revision: known.revision, ..frame };
+        let frame = Frame {
+            id: known.id.clone(),
+            revision: known.revision,
+            ..frame
+        };
         if frame == **known || has_only_picture(&frame) {
             continue;
         }
@@ -35,16 +47,30 @@ pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
     }
     show_suggestions(&mut document, [onto, onto]);
     document.count_edits_since(onto);
-    Merged { document, conflicts }
+    Merged {
+        document,
+        conflicts,
+    }
 }
 
-/// The last state of each frame that the edits hold, in the order in which the edits first name them.
+/// The last state of each frame that the edits hold, in the order in which the edits first name
+/// them.
 fn last_frames(edits: &[Edit]) -> Vec<&Shared<Frame>> {
-    let held = edits.iter().flat_map(|edit| &edit.changes).flat_map(|change| match change {
-        Change::Frame { frame, .. } | Change::Old(OldChange::Frame { frame, .. }) => std::slice::from_ref(frame),
-        Change::Insert { frames, .. } | Change::Old(OldChange::Frames { insert: frames, .. }) => frames,
-        Change::Remove(_) | Change::Order(_) | Change::Cameras(_) | Change::Field(_) | Change::Rest { .. } => &[],
-    });
+    let held = edits
+        .iter()
+        .flat_map(|edit| &edit.changes)
+        .flat_map(|change| match change {
+            Change::Frame { frame, .. } | Change::Old(OldChange::Frame { frame, .. }) => {
+                std::slice::from_ref(frame)
+            }
+            Change::Insert { frames, .. }
+            | Change::Old(OldChange::Frames { insert: frames, .. }) => frames,
+            Change::Remove(_)
+            | Change::Order(_)
+            | Change::Cameras(_)
+            | Change::Field(_)
+            | Change::Rest { .. } => &[],
+        });
     let mut places = BTreeMap::new();
     let mut last: Vec<&Shared<Frame>> = Vec::new();
     for frame in held {
@@ -58,12 +84,23 @@ fn last_frames(edits: &[Edit]) -> Vec<&Shared<Frame>> {
     last
 }
 
-/// Adds the cameras that the document lacks, as its new frames may name them; the names of those that differ, and of a field
-/// that does.
+/// Adds the cameras that the document lacks, as its new frames may name them; the names of those
+/// that differ, and of a field that does.
 fn add_new_cameras(edits: &[Edit], document: &mut Document) -> Vec<String> {
-    let changes = || edits.iter().rev().flat_map(|edit| edit.changes.iter().rev());
+    let changes = || {
+        edits
+            .iter()
+            .rev()
+            .flat_map(|edit| edit.changes.iter().rev())
+    };
     let cameras: &[Shared<Camera>] = changes()
-        .find_map(|change| if let Change::Cameras(cameras) = change { Some(&cameras[..]) } else { None })
+        .find_map(|change| {
+            if let Change::Cameras(cameras) = change {
+                Some(&cameras[..])
+            } else {
+                None
+            }
+        })
         .unwrap_or_default();
     let mut differing = Vec::new();
     for camera in cameras {
@@ -73,7 +110,13 @@ fn add_new_cameras(edits: &[Edit], document: &mut Document) -> Vec<String> {
             Some(_) => differing.push(format!("camera {}", camera.id)),
         }
     }
-    let field = changes().find_map(|change| if let Change::Field(field) = change { Some(field) } else { None });
+    let field = changes().find_map(|change| {
+        if let Change::Field(field) = change {
+            Some(field)
+        } else {
+            None
+        }
+    });
     if field.is_some_and(|field| *field != document.field) {
         differing.push("the field".to_owned());
     }
@@ -87,8 +130,28 @@ fn has_work(frame: &Frame) -> bool {
 
 /// Whether a frame is as it was when it was made: it says nothing that a person did.
 fn has_only_picture(frame: &Frame) -> bool {
-    let Frame { id, revision, image, camera, video, sha256, image_size, clip, extra, .. } = frame.clone();
-    let made = Frame { id, revision, image, video, sha256, clip, extra, ..Frame::from_image("", camera, image_size) };
+    let Frame {
+        id,
+        revision,
+        image,
+        camera,
+        video,
+        sha256,
+        image_size,
+        clip,
+        extra,
+        ..
+    } = frame.clone();
+    let made = Frame {
+        id,
+        revision,
+        image,
+        video,
+        sha256,
+        clip,
+        extra,
+        ..Frame::from_image("", camera, image_size)
+    };
     made == *frame
 }
 
@@ -103,8 +166,13 @@ mod tests {
 
     fn document(names: &[&str]) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(Camera::new("main".into(), SIZE).into());
-        document.frames = names.iter().map(|name| Frame::from_image(name, "main".into(), SIZE).into()).collect();
+        document
+            .cameras
+            .push(Camera::new("main".into(), SIZE).into());
+        document.frames = names
+            .iter()
+            .map(|name| Frame::from_image(name, "main".into(), SIZE).into())
+            .collect();
         document
     }
 
@@ -116,11 +184,18 @@ mod tests {
     fn propose(frame: &mut Frame) {
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
         frame.status = FrameStatus::Suggested;
-        frame.solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
+        frame.solution = Some(Solution {
+            source: Some(SolutionSource::Forest),
+            ..Solution::default()
+        });
     }
 
     fn comments(document: &Document) -> Vec<String> {
-        document.frames.iter().map(|frame| frame.name() + frame.comment.as_deref().unwrap_or_default()).collect()
+        document
+            .frames
+            .iter()
+            .map(|frame| frame.name() + frame.comment.as_deref().unwrap_or_default())
+            .collect()
     }
 
     #[test]
@@ -128,11 +203,18 @@ mod tests {
         let base = document(&["a", "b"]);
         let mut ours = base.clone();
         ours.frames[1].comment = Some(" ours".to_owned());
-        ours.frames.push(Frame::from_image("new", "main".into(), SIZE).into());
+        ours.frames
+            .push(Frame::from_image("new", "main".into(), SIZE).into());
         let edits = [Edit::between(&base, &ours, "Both")];
         let theirs = document(&["b", "z"]);
-        let Merged { document, conflicts } = graft(&edits, &theirs);
-        assert_eq!((comments(&document), conflicts.len()), (["b ours", "z", "new"].map(str::to_owned).to_vec(), 0));
+        let Merged {
+            document,
+            conflicts,
+        } = graft(&edits, &theirs);
+        assert_eq!(
+            (comments(&document), conflicts.len()),
+            (["b ours", "z", "new"].map(str::to_owned).to_vec(), 0)
+        );
     }
 
     #[test]
@@ -144,7 +226,13 @@ mod tests {
         let mut now = base;
         accept(&mut now.frames[0], 1.0);
         now.frames[1].status = FrameStatus::Rejected;
-        assert_eq!(graft(&edits, &now), Merged { document: now, conflicts: Vec::new() });
+        assert_eq!(
+            graft(&edits, &now),
+            Merged {
+                document: now,
+                conflicts: Vec::new()
+            }
+        );
     }
 
     #[test]
@@ -157,11 +245,20 @@ mod tests {
         accept(&mut now.frames[0], 2.0);
         accept(&mut now.frames[1], 2.0);
         propose(&mut now.frames[2]);
-        let Merged { document, conflicts } = graft(&[Edit::between(&base, &ours, "Two")], &now);
+        let Merged {
+            document,
+            conflicts,
+        } = graft(&[Edit::between(&base, &ours, "Two")], &now);
         assert_eq!(conflicts, ["a", "b"]);
         assert_eq!(document.frames[0].clicks, ours.frames[0].clicks);
-        assert_eq!(document.frames[1].clicks, now.frames[1].clicks, "a comment takes no clicks away");
-        assert_eq!(document.frames[2], now.frames[2], "what was suggested is shown again");
+        assert_eq!(
+            document.frames[1].clicks, now.frames[1].clicks,
+            "a comment takes no clicks away"
+        );
+        assert_eq!(
+            document.frames[2], now.frames[2],
+            "what was suggested is shown again"
+        );
     }
 
     #[test]
@@ -171,8 +268,14 @@ mod tests {
         ours.cameras[0].click_noise_px = Some(3.0);
         ours.cameras.push(Camera::new("second".into(), SIZE).into());
         ours.field.template = "futsal".to_owned();
-        let Merged { document, conflicts } = graft(&[Edit::between(&base, &ours, "Cameras")], &base);
+        let Merged {
+            document,
+            conflicts,
+        } = graft(&[Edit::between(&base, &ours, "Cameras")], &base);
         assert_eq!(conflicts, ["camera main", "the field"]);
-        assert_eq!((document.cameras.len(), document.cameras[0].click_noise_px), (2, None));
+        assert_eq!(
+            (document.cameras.len(), document.cameras[0].click_noise_px),
+            (2, None)
+        );
     }
 }

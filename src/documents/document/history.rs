@@ -1,7 +1,7 @@
 //! Undo and redo by transactions: whole values, kept as long as memory is bounded.
 //!
-//! A transaction begins, changes the value as often as it likes, and commits or aborts. A drag is one step; a commit
-//! that changed nothing is none.
+//! A transaction begins, changes the value as often as it likes, and commits or aborts. A drag is
+//! one step; a commit that changed nothing is none.
 
 use super::{Document, EditKind, FrameId};
 use imbl::Vector;
@@ -21,13 +21,19 @@ impl Step {
     /// A step that concerns a frame.
     #[must_use]
     pub fn on_frame(name: impl Into<String>, frame: FrameId) -> Self {
-        Self { name: name.into(), frame: Some(frame) }
+        Self {
+            name: name.into(),
+            frame: Some(frame),
+        }
     }
 
     /// A step that concerns the document as a whole.
     #[must_use]
     pub fn on_document(name: impl Into<String>) -> Self {
-        Self { name: name.into(), frame: None }
+        Self {
+            name: name.into(),
+            frame: None,
+        }
     }
 }
 
@@ -47,8 +53,9 @@ impl Undoable for Document {
     }
 }
 
-/// The steps that can be undone and redone. Values are whole: what they share (`Arc` inside) is what keeps them small.
-/// The steps themselves are persistent vectors, so that a copy for whoever writes them costs nothing.
+/// The steps that can be undone and redone. Values are whole: what they share (`Arc` inside) is
+/// what keeps them small. The steps themselves are persistent vectors, so that a copy for whoever
+/// writes them costs nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct History<T: Clone> {
     limit: usize,
@@ -76,13 +83,19 @@ impl<T: Clone> Default for History<T> {
 }
 
 impl<T: Clone> History<T> {
-    /// How many steps are kept unless somebody says otherwise: what a step keeps does not grow with the document.
+    /// How many steps are kept unless somebody says otherwise: what a step keeps does not grow with
+    /// the document.
     pub const DEFAULT_LIMIT: usize = 500;
 
     /// A history that keeps at most `limit` steps; the oldest are forgotten.
     #[must_use]
     pub fn new(limit: usize) -> Self {
-        Self { limit, done: Vector::new(), undone: Vector::new(), open: None }
+        Self {
+            limit,
+            done: Vector::new(),
+            undone: Vector::new(),
+            open: None,
+        }
     }
 
     /// Whether a transaction is open.
@@ -102,8 +115,13 @@ impl<T: Clone> History<T> {
     pub fn open_kind(&self) -> EditKind {
         match &self.open {
             None => EditKind::NoStep,
-            Some(Transaction { resumed_at: Some(_), .. }) => EditKind::Continued,
-            Some(Transaction { step, .. }) => EditKind::Step { frame: step.frame.clone() },
+            Some(Transaction {
+                resumed_at: Some(_),
+                ..
+            }) => EditKind::Continued,
+            Some(Transaction { step, .. }) => EditKind::Step {
+                frame: step.frame.clone(),
+            },
         }
     }
 
@@ -128,7 +146,12 @@ impl<T: Clone> History<T> {
     /// The steps without the open transaction: what is kept of them where only whole steps are.
     #[must_use]
     pub fn committed(&self) -> Self {
-        Self { limit: self.limit, done: self.done.clone(), undone: self.undone.clone(), open: None }
+        Self {
+            limit: self.limit,
+            done: self.done.clone(),
+            undone: self.undone.clone(),
+            open: None,
+        }
     }
 
     /// Whether there is neither a step to undo nor one to redo.
@@ -147,24 +170,40 @@ impl<T: Undoable> History<T> {
     /// Opens a transaction on `current`; one that is still open is committed first.
     pub fn begin(&mut self, current: &T, step: Step) {
         self.commit(current);
-        self.open = Some(Transaction { step, before: current.clone(), resumed_at: None });
+        self.open = Some(Transaction {
+            step,
+            before: current.clone(),
+            resumed_at: None,
+        });
     }
 
-    /// Opens the transaction of the last step again on `current`, if it is this one and none is open: what follows belongs to it.
+    /// Opens the transaction of the last step again on `current`, if it is this one and none is
+    /// open: what follows belongs to it.
     pub fn resume(&mut self, current: &T, step: &Step) -> bool {
         if self.open.is_some() || self.next_undo() != Some(step) {
             return false;
         }
         let last = self.done.pop_back();
         let resumed_at = Some(current.clone());
-        self.open = last.map(|(step, before)| Transaction { step, before, resumed_at });
+        self.open = last.map(|(step, before)| Transaction {
+            step,
+            before,
+            resumed_at,
+        });
         true
     }
 
-    /// Closes the open transaction. True if it is now a step, for it changed something; what had been undone is forgotten then. A
-    /// step that went on and changed nothing more stays as it was.
+    /// Closes the open transaction. True if it is now a step, for it changed something; what had
+    /// been undone is forgotten then. A step that went on and changed nothing more stays as it was.
     pub fn commit(&mut self, current: &T) -> bool {
-        let Some(Transaction { step, before, resumed_at }) = self.open.take() else { return false };
+        let Some(Transaction {
+            step,
+            before,
+            resumed_at,
+        }) = self.open.take()
+        else {
+            return false;
+        };
         if resumed_at.is_some_and(|resumed| resumed.is_same_state(current)) {
             self.done.push_back((step, before));
             return true;
@@ -182,7 +221,9 @@ impl<T: Undoable> History<T> {
 
     /// Gives the open transaction up and puts the value back as it was. True if there was one.
     pub fn abort(&mut self, current: &mut T) -> bool {
-        let Some(open) = self.open.take() else { return false };
+        let Some(open) = self.open.take() else {
+            return false;
+        };
         *current = open.before;
         true
     }
@@ -196,7 +237,8 @@ impl<T: Undoable> History<T> {
         Some(step)
     }
 
-    /// Does the last undone step again and says which; after an open transaction that changed something there is none.
+    /// Does the last undone step again and says which; after an open transaction that changed
+    /// something there is none.
     pub fn redo(&mut self, current: &mut T) -> Option<Step> {
         self.commit(current);
         let (step, after) = self.undone.pop_back()?;
@@ -277,7 +319,11 @@ mod tests {
         assert!(history.commit(&value));
         history.undo(&mut value);
         assert!(history.resume(&value, &step("nudge")) && history.commit(&value));
-        assert_eq!(history.redo(&mut value), Some(step("drag")), "nothing more was changed");
+        assert_eq!(
+            history.redo(&mut value),
+            Some(step("drag")),
+            "nothing more was changed"
+        );
     }
 
     #[test]
@@ -287,12 +333,17 @@ mod tests {
             history.begin(&value, step(&next.to_string()));
             value = next;
         }
-        assert_eq!(history.undo(&mut value).unwrap().name, "4", "an open transaction is committed first");
+        assert_eq!(
+            history.undo(&mut value).unwrap().name,
+            "4",
+            "an open transaction is committed first"
+        );
         history.begin(&value, step("other"));
         value = 30;
         assert!(history.commit(&value));
         assert_eq!(history.redo(&mut value), None);
-        let undone: Vec<_> = std::iter::from_fn(|| history.undo(&mut value).map(|step| step.name)).collect();
+        let undone: Vec<_> =
+            std::iter::from_fn(|| history.undo(&mut value).map(|step| step.name)).collect();
         assert_eq!(undone, ["other", "3"]);
         assert_eq!(value, 2, "step 1 and 2 were forgotten");
     }

@@ -37,12 +37,15 @@ pub enum MaskSource {
 }
 
 impl RangedMask {
-    /// Whether it covers a frame. A frame without a number in a video, an image, is always covered: what lies on some images
-    /// of a camera may lie on all.
+    /// Whether it covers a frame. A frame without a number in a video, an image, is always covered:
+    /// what lies on some images of a camera may lie on all.
     #[must_use]
     pub fn covers(&self, frame: &Frame) -> bool {
-        let Some(video) = &frame.video else { return true };
-        self.from.is_none_or(|from| from <= video.frame_index) && self.to.is_none_or(|to| video.frame_index <= to)
+        let Some(video) = &frame.video else {
+            return true;
+        };
+        self.from.is_none_or(|from| from <= video.frame_index)
+            && self.to.is_none_or(|to| video.frame_index <= to)
     }
 }
 
@@ -55,9 +58,19 @@ mod tests {
     #[test]
     fn a_range_covers_its_ends_and_every_image() {
         let size = ImageSize::new(1280, 720);
-        let mask = |x| PixelBox { x, y: 0.0, width: 10.0, height: 10.0 };
-        let ranged =
-            |from, to| RangedMask { pixel_box: mask(3.0), from, to, source: MaskSource::Found, extra: Extra::new() };
+        let mask = |x| PixelBox {
+            x,
+            y: 0.0,
+            width: 10.0,
+            height: 10.0,
+        };
+        let ranged = |from, to| RangedMask {
+            pixel_box: mask(3.0),
+            from,
+            to,
+            source: MaskSource::Found,
+            extra: Extra::new(),
+        };
         let mut camera = Camera::new("main".into(), size);
         camera.masks.push(mask(1.0));
         camera.ranged_masks.push(ranged(Some(10), Some(20)));
@@ -68,9 +81,18 @@ mod tests {
         assert_eq!(document.masks_of(&frame), [mask(1.0), mask(3.0), mask(2.0)]);
         frame.image = None;
         for (index, covered) in [(9, false), (10, true), (20, true), (21, false)] {
-            let video = VideoFrame { path: "a.mp4".to_owned(), frame_index: index, pts_s: None, extra: Extra::new() };
+            let video = VideoFrame {
+                path: "a.mp4".to_owned(),
+                frame_index: index,
+                pts_s: None,
+                extra: Extra::new(),
+            };
             frame.video = Some(video);
-            assert_eq!(document.masks_of(&frame).len(), if covered { 3 } else { 2 }, "frame {index}");
+            assert_eq!(
+                document.masks_of(&frame).len(),
+                if covered { 3 } else { 2 },
+                "frame {index}"
+            );
             assert!(ranged(None, None).covers(&frame));
         }
     }

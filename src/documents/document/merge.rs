@@ -1,7 +1,8 @@
-//! Joins what two people made of one document: each frame and camera that only one of them changed is taken from that one.
+//! Joins what two people made of one document: each frame and camera that only one of them changed
+//! is taken from that one.
 //!
-//! Only what people did is joined. What the program suggests is taken out first and laid on the result, in frames that nobody has
-//! touched: a proposal never competes with a label.
+//! Only what people did is joined. What the program suggests is taken out first and laid on the
+//! result, in frames that nobody has touched: a proposal never competes with a label.
 
 use super::{Camera, Document, Frame, FrameId, Shared, Suggestion};
 use serde_json::{Map, Value};
@@ -16,8 +17,8 @@ pub struct Merged {
     pub conflicts: Vec<String>,
 }
 
-/// Joins what we and they made of `base`, frame by frame and camera by camera. The order is theirs; what only we added follows
-/// what it follows with us.
+/// Joins what we and they made of `base`, frame by frame and camera by camera. The order is theirs;
+/// what only we added follows what it follows with us.
 #[must_use]
 pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
     let [base, our_edits, their_edits] = [base, ours, theirs].map(Document::without_suggestions);
@@ -30,31 +31,61 @@ pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
 fn merge_edits(base: &Document, ours: &Document, theirs: &Document) -> Merged {
     let mut conflicts = Vec::new();
     let frames = |document: &Document| -> Keyed<_, _> {
-        document.frames.iter().map(|frame| (frame.id.clone(), frame.clone())).collect()
+        document
+            .frames
+            .iter()
+            .map(|frame| (frame.id.clone(), frame.clone()))
+            .collect()
     };
     let is_same_frame = |one: &Shared<Frame>, other: &Shared<Frame>| one.has_content_of(other);
-    let frames =
-        join([&frames(base), &frames(ours), &frames(theirs)], is_same_frame, |frame| conflicts.push(frame.name()));
+    let frames = join(
+        [&frames(base), &frames(ours), &frames(theirs)],
+        is_same_frame,
+        |frame| conflicts.push(frame.name()),
+    );
     let cameras = |document: &Document| -> Keyed<_, _> {
-        document.cameras.iter().map(|camera| (camera.id.clone(), camera.clone())).collect()
+        document
+            .cameras
+            .iter()
+            .map(|camera| (camera.id.clone(), camera.clone()))
+            .collect()
     };
-    let cameras = join([&cameras(base), &cameras(ours), &cameras(theirs)], PartialEq::eq, |camera| {
-        conflicts.push(format!("camera {}", camera.id));
-    });
+    let cameras = join(
+        [&cameras(base), &cameras(ours), &cameras(theirs)],
+        PartialEq::eq,
+        |camera| {
+            conflicts.push(format!("camera {}", camera.id));
+        },
+    );
     let mut whole = |what: &str, choice: Choice| -> bool {
         if matches!(choice, Choice::Conflict) {
             conflicts.push(what.to_owned());
         }
         matches!(choice, Choice::Theirs)
     };
-    let field = whole("the field", choose([&base.field, &ours.field, &theirs.field].map(Some), PartialEq::eq));
+    let field = whole(
+        "the field",
+        choose(
+            [&base.field, &ours.field, &theirs.field].map(Some),
+            PartialEq::eq,
+        ),
+    );
     let noise = [&base.click_noise, &ours.click_noise, &theirs.click_noise].map(Some);
     let noise = whole("the click noise", choose(noise, PartialEq::eq));
-    let shots = whole("the shots", choose([&base.shots, &ours.shots, &theirs.shots].map(Some), PartialEq::eq));
+    let shots = whole(
+        "the shots",
+        choose(
+            [&base.shots, &ours.shots, &theirs.shots].map(Some),
+            PartialEq::eq,
+        ),
+    );
     let of = |is_theirs: bool| if is_theirs { theirs } else { ours };
     let mut document = Document {
         generator: theirs.generator.clone(),
-        conventions: join_maps([&base.conventions, &ours.conventions, &theirs.conventions], &mut conflicts),
+        conventions: join_maps(
+            [&base.conventions, &ours.conventions, &theirs.conventions],
+            &mut conflicts,
+        ),
         field: of(field).field.clone(),
         cameras,
         frames: frames.into_iter().collect(),
@@ -63,14 +94,20 @@ fn merge_edits(base: &Document, ours: &Document, theirs: &Document) -> Merged {
         extra: join_maps([&base.extra, &ours.extra, &theirs.extra], &mut conflicts).into(),
     };
     raise_revisions(&mut document, [ours, theirs]);
-    Merged { document, conflicts }
+    Merged {
+        document,
+        conflicts,
+    }
 }
 
-/// Gives each frame the highest revision that it has on either side: no later reader takes it for an earlier version.
+/// Gives each frame the highest revision that it has on either side: no later reader takes it for
+/// an earlier version.
 fn raise_revisions(document: &mut Document, sides: [&Document; 2]) {
     for position in 0..document.frames.len() {
         let frame = &document.frames[position];
-        let known = sides.into_iter().filter_map(|side| side.frames.by_id(&frame.id));
+        let known = sides
+            .into_iter()
+            .filter_map(|side| side.frames.by_id(&frame.id));
         let highest = known.map(|frame| frame.revision).max().unwrap_or_default();
         if frame.revision < highest {
             document.frames[position].revision = highest;
@@ -78,8 +115,8 @@ fn raise_revisions(document: &mut Document, sides: [&Document; 2]) {
     }
 }
 
-/// Shows what either side suggests for frames that nobody has touched, where the camera still has the base that it was
-/// suggested for. The first side goes first.
+/// Shows what either side suggests for frames that nobody has touched, where the camera still has
+/// the base that it was suggested for. The first side goes first.
 pub(super) fn show_suggestions(document: &mut Document, sides: [&Document; 2]) {
     for position in 0..document.frames.len() {
         let frame = &document.frames[position];
@@ -87,8 +124,13 @@ pub(super) fn show_suggestions(document: &mut Document, sides: [&Document; 2]) {
             continue;
         }
         let base = document.camera_of(frame).and_then(Camera::base);
-        let suggestions = sides.into_iter().filter_map(|side| shown_suggestion(side, &frame.id));
-        if let Some(suggestion) = suggestions.into_iter().find(|suggestion| suggestion.base == base) {
+        let suggestions = sides
+            .into_iter()
+            .filter_map(|side| shown_suggestion(side, &frame.id));
+        if let Some(suggestion) = suggestions
+            .into_iter()
+            .find(|suggestion| suggestion.base == base)
+        {
             suggestion.show_in(&mut document.frames[position]);
         }
     }
@@ -97,7 +139,10 @@ pub(super) fn show_suggestions(document: &mut Document, sides: [&Document; 2]) {
 /// What a document shows as suggested for a frame.
 fn shown_suggestion(document: &Document, id: &FrameId) -> Option<Suggestion> {
     let frame = document.frames.by_id(id)?;
-    Suggestion::in_frame(frame, document.camera_of(frame).and_then(Camera::base).as_ref())
+    Suggestion::in_frame(
+        frame,
+        document.camera_of(frame).and_then(Camera::base).as_ref(),
+    )
 }
 
 /// Values in their order, each with what tells it apart.
@@ -153,16 +198,23 @@ fn join<K: Ord + Clone, V: Clone>(
             }
         }
     };
-    let mut joined: Keyed<K, V> =
-        theirs.iter().filter_map(|(key, _)| take(key).map(|value| (key.clone(), value))).collect();
+    let mut joined: Keyed<K, V> = theirs
+        .iter()
+        .filter_map(|(key, _)| take(key).map(|value| (key.clone(), value)))
+        .collect();
     let mut there: BTreeSet<K> = joined.iter().map(|(key, _)| key.clone()).collect();
     for (place, (key, _)) in ours.iter().enumerate() {
         if in_theirs.contains_key(key) {
             continue;
         }
         let Some(value) = take(key) else { continue };
-        let before = ours[..place].iter().rev().find(|(key, _)| there.contains(key));
-        let at = before.and_then(|(before, _)| joined.iter().position(|(key, _)| key == before)).map_or(0, |at| at + 1);
+        let before = ours[..place]
+            .iter()
+            .rev()
+            .find(|(key, _)| there.contains(key));
+        let at = before
+            .and_then(|(before, _)| joined.iter().position(|(key, _)| key == before))
+            .map_or(0, |at| at + 1);
         joined.insert(at, (key.clone(), value));
         there.insert(key.clone());
     }
@@ -173,10 +225,16 @@ type Keys = Map<String, Value>;
 
 fn join_maps(sides: [&Keys; 3], conflicts: &mut Vec<String>) -> Keys {
     let entries = |map: &Keys| -> Keyed<String, (String, Value)> {
-        map.iter().map(|(key, value)| (key.clone(), (key.clone(), value.clone()))).collect()
+        map.iter()
+            .map(|(key, value)| (key.clone(), (key.clone(), value.clone())))
+            .collect()
     };
     let [base, ours, theirs] = sides.map(entries);
-    join([&base, &ours, &theirs], PartialEq::eq, |(key, _)| conflicts.push(key.clone())).into_iter().collect()
+    join([&base, &ours, &theirs], PartialEq::eq, |(key, _)| {
+        conflicts.push(key.clone())
+    })
+    .into_iter()
+    .collect()
 }
 
 #[cfg(test)]
@@ -190,18 +248,31 @@ mod tests {
 
     fn document(names: &[&str]) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(Camera::new("main".into(), SIZE).into());
-        document.frames = names.iter().map(|name| Frame::from_image(name, "main".into(), SIZE).into()).collect();
+        document
+            .cameras
+            .push(Camera::new("main".into(), SIZE).into());
+        document.frames = names
+            .iter()
+            .map(|name| Frame::from_image(name, "main".into(), SIZE).into())
+            .collect();
         document
     }
 
     fn comment(document: &mut Document, name: &str, comment: &str) {
-        let frame = document.frames.iter_mut().find(|frame| frame.name() == name).unwrap();
+        let frame = document
+            .frames
+            .iter_mut()
+            .find(|frame| frame.name() == name)
+            .unwrap();
         frame.comment = Some(comment.to_owned());
     }
 
     fn told(document: &Document) -> Vec<String> {
-        document.frames.iter().map(|frame| frame.name() + frame.comment.as_deref().unwrap_or_default()).collect()
+        document
+            .frames
+            .iter()
+            .map(|frame| frame.name() + frame.comment.as_deref().unwrap_or_default())
+            .collect()
     }
 
     #[test]
@@ -212,14 +283,23 @@ mod tests {
         comment(&mut theirs, "c", " theirs");
         ours.frames.remove(0);
         theirs.frames.remove(3);
-        ours.frames.insert(2, Frame::from_image("new", "main".into(), SIZE).into());
+        ours.frames
+            .insert(2, Frame::from_image("new", "main".into(), SIZE).into());
         theirs.field.template = "futsal".to_owned();
         ours.extra.insert("note".to_owned(), "ours".into());
-        theirs.cameras.push(Camera::new("second".into(), SIZE).into());
-        let Merged { document, conflicts } = merge(&base, &ours, &theirs);
+        theirs
+            .cameras
+            .push(Camera::new("second".into(), SIZE).into());
+        let Merged {
+            document,
+            conflicts,
+        } = merge(&base, &ours, &theirs);
         assert_eq!(told(&document), ["b ours", "c theirs", "new"]);
         assert_eq!(conflicts, [""; 0]);
-        assert_eq!((document.field.template.as_str(), document.cameras.len()), ("futsal", 2));
+        assert_eq!(
+            (document.field.template.as_str(), document.cameras.len()),
+            ("futsal", 2)
+        );
         assert_eq!(document.extra["note"], "ours");
     }
 
@@ -231,15 +311,26 @@ mod tests {
         comment(&mut theirs, "a", " theirs");
         ours.frames.remove(2);
         theirs.frames[2].comment = Some(" second".to_owned());
-        let Merged { document, conflicts } = merge(&base, &ours, &theirs);
-        assert_eq!(told(&document), ["a ours", "b", "c second"], "work is not lost to a removal");
+        let Merged {
+            document,
+            conflicts,
+        } = merge(&base, &ours, &theirs);
+        assert_eq!(
+            told(&document),
+            ["a ours", "b", "c second"],
+            "work is not lost to a removal"
+        );
         assert_eq!(conflicts, ["a"]);
         let same = merge(&base, &ours, &ours);
         assert_eq!((same.document, same.conflicts.len()), (ours, 0));
     }
 
     fn suggest(document: &mut Document, name: &str, pan_deg: f64) {
-        let frame = document.frames.iter_mut().find(|frame| frame.name() == name).unwrap();
+        let frame = document
+            .frames
+            .iter_mut()
+            .find(|frame| frame.name() == name)
+            .unwrap();
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 900.0), None));
         frame.status = FrameStatus::Suggested;
     }
@@ -254,19 +345,36 @@ mod tests {
         suggest(&mut theirs, "c", 2.0);
         suggest(&mut theirs, "d", 2.0);
         let accepted = theirs.frames.iter_mut().next().unwrap();
-        accepted.clicks.push(Click::unnamed(ImagePoint::new(1.0, 1.0)));
+        accepted
+            .clicks
+            .push(Click::unnamed(ImagePoint::new(1.0, 1.0)));
         accepted.status = FrameStatus::Reference;
         comment(&mut ours, "d", " ours");
-        let Merged { document, conflicts } = merge(&base, &ours, &theirs);
+        let Merged {
+            document,
+            conflicts,
+        } = merge(&base, &ours, &theirs);
         assert_eq!(conflicts, [""; 0], "nobody changed a frame on both sides");
         let statuses: Vec<FrameStatus> = document.frames.iter().map(|frame| frame.status).collect();
         assert_eq!(
             statuses,
-            [FrameStatus::Reference, FrameStatus::Suggested, FrameStatus::Suggested, FrameStatus::Suggested]
+            [
+                FrameStatus::Reference,
+                FrameStatus::Suggested,
+                FrameStatus::Suggested,
+                FrameStatus::Suggested
+            ]
         );
         let pan_deg = |at: usize| document.frames[at].ptz.as_ref().map(|ptz| ptz.pan_deg);
-        assert_eq!([pan_deg(0), pan_deg(1), pan_deg(2)], [None, Some(1.0), Some(2.0)]);
-        assert_eq!(document.frames[3].comment.as_deref(), Some(" ours"), "a suggestion replaces no comment");
+        assert_eq!(
+            [pan_deg(0), pan_deg(1), pan_deg(2)],
+            [None, Some(1.0), Some(2.0)]
+        );
+        assert_eq!(
+            document.frames[3].comment.as_deref(),
+            Some(" ours"),
+            "a suggestion replaces no comment"
+        );
     }
 
     #[test]
@@ -276,8 +384,15 @@ mod tests {
         suggest(&mut ours, "a", 1.0);
         let mut moved = theirs;
         let upright = BaseAngles::default().base_from_world();
-        moved.cameras[0].set_base(&CameraBase::new(Vec3::new(0.0, -60.0, 18.0), upright, SIZE.centre()));
-        assert_eq!(merge(&base, &ours, &moved).document.frames[0].status, FrameStatus::New);
+        moved.cameras[0].set_base(&CameraBase::new(
+            Vec3::new(0.0, -60.0, 18.0),
+            upright,
+            SIZE.centre(),
+        ));
+        assert_eq!(
+            merge(&base, &ours, &moved).document.frames[0].status,
+            FrameStatus::New
+        );
     }
 
     #[test]
@@ -287,8 +402,14 @@ mod tests {
         ours.frames[0].revision = 5;
         comment(&mut theirs, "a", " theirs");
         theirs.frames[0].revision = 1;
-        let Merged { document, conflicts } = merge(&base, &ours, &theirs);
-        assert_eq!((told(&document), conflicts.len()), (vec!["a theirs".to_owned()], 0));
+        let Merged {
+            document,
+            conflicts,
+        } = merge(&base, &ours, &theirs);
+        assert_eq!(
+            (told(&document), conflicts.len()),
+            (vec!["a theirs".to_owned()], 0)
+        );
         assert_eq!(document.frames[0].revision, 5);
     }
 }

@@ -1,14 +1,17 @@
-//! The document: typed schema, versions, edits, history (undo), reading and writing its text. No disk, no solver.
+//! The document: typed schema, versions, edits, history (undo), reading and writing its text. No
+//! disk, no solver.
 //!
 //! [`Document`] and what it holds mirror the JSON of a project or dataset key by key, in the document's own units
-//! (degrees, metres, px), so that a number that is read is written back to the last digit. The way to the mathematics
-//! leads through [`Camera::base`], [`Camera::pointed`] and [`FramePtz::ptz`]. Unknown keys are kept at every level. A project is a
-//! folder with `project.json`; a dataset is one file of the same schema, without unnamed clicks.
+//! (degrees, metres, px), so that a number that is read is written back to the last digit. The way
+//! to the mathematics leads through [`Camera::base`], [`Camera::pointed`] and [`FramePtz::ptz`].
+//! Unknown keys are kept at every level. A project is a folder with `project.json`; a dataset is
+//! one file of the same schema, without unnamed clicks.
 //!
 //! # Schema
 //!
-//! Every key that this program knows is typed, checked when it is read, and is listed here; the linked items give details. A key
-//! with `?` may be absent. Whatever else a file holds is kept as it is.
+//! Every key that this program knows is typed, checked when it is read, and is listed here; the
+//! linked items give details. A key with `?` may be absent. Whatever else a file holds is kept as
+//! it is.
 //!
 //! The document ([`Document`]):
 //!
@@ -76,8 +79,9 @@
 //! | `disputed?` | indices of clicks that disagree with the others |
 //! | `warnings` | `code`, `message`, `clicks?` and `renames?`: names that fit better ([`SolutionWarning`]) |
 //!
-//! `edited` is for programs and people who keep account of their work: it is read, checked and written back, and the program
-//! fills nothing in. It does not know the annotator's name, and the same input gives the same bytes.
+//! `edited` is for programs and people who keep account of their work: it is read, checked and
+//! written back, and the program fills nothing in. It does not know the annotator's name, and the
+//! same input gives the same bytes.
 
 pub(crate) mod adapters;
 mod at;
@@ -89,7 +93,10 @@ mod click_noise;
 mod common_base;
 mod create;
 mod dataset;
-#[allow(clippy::module_inception, reason = "the room is named after what it is about")]
+#[allow(
+    clippy::module_inception,
+    reason = "the room is named after what it is about"
+)]
 mod document;
 mod edit;
 mod edit_mismatch;
@@ -164,7 +171,8 @@ pub use shared::Shared;
 pub use shot::{Shot, ShotEnd, ShotKind};
 pub use shots::shots;
 pub use solution::{
-    BetterName, FramePtz, PaintEvidence, Proposed, Solution, SolutionSource, SolutionWarning, TimingsMs,
+    BetterName, FramePtz, PaintEvidence, Proposed, Solution, SolutionSource, SolutionWarning,
+    TimingsMs,
 };
 pub use step_edit::{StepEdit, StepMisfit};
 pub use suggestion::Suggestion;

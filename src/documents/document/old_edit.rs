@@ -1,4 +1,5 @@
-//! Edits as the journals of earlier versions hold them: frames by their positions. They are read for ever and never written.
+//! Edits as the journals of earlier versions hold them: frames by their positions. They are read
+//! for ever and never written.
 
 use super::{Document, EditMismatch, Frame, FrameId, Shared};
 use serde::{Deserialize, Serialize};
@@ -31,7 +32,10 @@ impl OldChange {
         let frames = document.frames.len();
         match self {
             Self::Frame { index, mut frame } => {
-                let place = document.frames.get_mut(index).ok_or(EditMismatch::Position { index, frames })?;
+                let place = document
+                    .frames
+                    .get_mut(index)
+                    .ok_or(EditMismatch::Position { index, frames })?;
                 frame.id = place.id.clone();
                 frame.revision = place.next_revision();
                 *place = frame;
@@ -39,7 +43,11 @@ impl OldChange {
             Self::Frames { at, remove, insert } => {
                 let end = at.checked_add(remove).filter(|end| *end <= frames);
                 let end = end.ok_or(EditMismatch::Position { index: at, frames })?;
-                let gone: BTreeSet<FrameId> = document.frames.range(at..end).map(|frame| frame.id.clone()).collect();
+                let gone: BTreeSet<FrameId> = document
+                    .frames
+                    .range(at..end)
+                    .map(|frame| frame.id.clone())
+                    .collect();
                 document.frames.retain(|frame| !gone.contains(&frame.id));
                 document.frames.insert_all(at, insert);
             }
@@ -56,14 +64,17 @@ mod tests {
 
     fn document() -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame = |name: &str| Frame::from_image(name, "main".into(), ImageSize::new(64, 48)).into();
+        let frame =
+            |name: &str| Frame::from_image(name, "main".into(), ImageSize::new(64, 48)).into();
         document.frames.extend(["a", "b", "c"].map(frame));
         document
     }
 
     /// A frame as an earlier version wrote it.
     fn written(image: &str) -> String {
-        format!(r#"{{"image":"{image}","camera":"main","image_size_px":[64,48],"status":"draft","clicks":[]}}"#)
+        format!(
+            r#"{{"image":"{image}","camera":"main","image_size_px":[64,48],"status":"draft","clicks":[]}}"#
+        )
     }
 
     fn apply(edit: &str, document: &mut Document) -> Result<(), EditMismatch> {
@@ -74,25 +85,45 @@ mod tests {
     fn a_frame_by_its_position_keeps_its_id() {
         let mut document = document();
         let id = document.frames[1].id.clone();
-        let edit = format!(r#"{{"name":"Old","changes":[{{"frame":{{"index":1,"frame":{}}}}}]}}"#, written("b"));
+        let edit = format!(
+            r#"{{"name":"Old","changes":[{{"frame":{{"index":1,"frame":{}}}}}]}}"#,
+            written("b")
+        );
         apply(&edit, &mut document).unwrap();
         let frame = &document.frames[1];
-        assert_eq!((&frame.id, frame.revision, frame.status.as_str()), (&id, 1, "draft"));
+        assert_eq!(
+            (&frame.id, frame.revision, frame.status.as_str()),
+            (&id, 1, "draft")
+        );
         document.frames.pop();
         document.frames.pop();
-        assert_eq!(apply(&edit, &mut document), Err(EditMismatch::Position { index: 1, frames: 1 }));
+        assert_eq!(
+            apply(&edit, &mut document),
+            Err(EditMismatch::Position {
+                index: 1,
+                frames: 1
+            })
+        );
     }
 
     #[test]
     fn frames_by_their_positions_come_and_go() {
         let mut document = document();
         let insert = format!("{},{}", written("x"), written("x"));
-        let edit = format!(r#"{{"name":"Old","changes":[{{"frames":{{"at":0,"remove":2,"insert":[{insert}]}}}}]}}"#);
+        let edit = format!(
+            r#"{{"name":"Old","changes":[{{"frames":{{"at":0,"remove":2,"insert":[{insert}]}}}}]}}"#
+        );
         apply(&edit, &mut document).unwrap();
         let names: Vec<String> = document.frames.iter().map(|frame| frame.name()).collect();
         assert_eq!(names, ["x", "x", "c"]);
         assert_ne!(document.frames[0].id, document.frames[1].id);
         let far = r#"{"name":"Old","changes":[{"frames":{"at":9,"remove":0,"insert":[]}}]}"#;
-        assert_eq!(apply(far, &mut document), Err(EditMismatch::Position { index: 9, frames: 3 }));
+        assert_eq!(
+            apply(far, &mut document),
+            Err(EditMismatch::Position {
+                index: 9,
+                frames: 3
+            })
+        );
     }
 }

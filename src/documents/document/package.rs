@@ -1,8 +1,9 @@
 //! Work packages: a document in parts that several people label, and that are put together again.
 //!
-//! A package is a document of some of the frames. It notes which frames it was given ([`KEY`]), so that a frame that a person removed
-//! can be told from one that was never in it. [`restore_package`] makes of it what its person would have made of the whole document;
-//! that is what [`merge`](super::merge) joins.
+//! A package is a document of some of the frames. It notes which frames it was given ([`KEY`]), so
+//! that a frame that a person removed can be told from one that was never in it.
+//! [`restore_package`] makes of it what its person would have made of the whole document; that is
+//! what [`merge`](super::merge) joins.
 
 use super::{Document, Frame, FrameId, Frames, Shared, Shot, ShotEnd};
 use serde_json::{Value, json};
@@ -14,8 +15,14 @@ const KEY: &str = "package";
 /// The document in packages of `count` frames each, in its order; the last one may have fewer.
 #[must_use]
 pub fn split_into_packages(document: &Document, count: usize) -> Vec<Document> {
-    let ids: Vec<FrameId> = document.frames.iter().map(|frame| frame.id.clone()).collect();
-    ids.chunks(count.max(1)).map(|ids| take_package(document, &ids.iter().cloned().collect())).collect()
+    let ids: Vec<FrameId> = document
+        .frames
+        .iter()
+        .map(|frame| frame.id.clone())
+        .collect();
+    ids.chunks(count.max(1))
+        .map(|ids| take_package(document, &ids.iter().cloned().collect()))
+        .collect()
 }
 
 /// The document of some frames.
@@ -24,14 +31,19 @@ fn take_package(document: &Document, ids: &BTreeSet<FrameId>) -> Document {
     package.frames.retain(|frame| ids.contains(&frame.id));
     package.shots = shots_of(document, &package.frames);
     let names: Vec<&str> = ids.iter().map(FrameId::as_str).collect();
-    package.extra.insert(KEY.to_owned(), json!({ "frames": names }));
+    package
+        .extra
+        .insert(KEY.to_owned(), json!({ "frames": names }));
     package
 }
 
 /// The shots of a document whose ends mean the same among some of its frames.
 fn shots_of(document: &Document, frames: &Frames) -> Vec<Shot> {
     let first_video = |frames: &Frames| -> Option<String> {
-        frames.iter().find_map(|frame| frame.video.as_ref()).map(|video| video.path.clone())
+        frames
+            .iter()
+            .find_map(|frame| frame.video.as_ref())
+            .map(|video| video.path.clone())
     };
     // A bare number counts in the first video of the document.
     let keeps_numbers = first_video(frames) == first_video(&document.frames);
@@ -39,26 +51,44 @@ fn shots_of(document: &Document, frames: &Frames) -> Vec<Shot> {
         ShotEnd::Frame(id) => frames.by_id(id).is_some(),
         ShotEnd::VideoFrame(_) => keeps_numbers,
     };
-    document.shots.iter().filter(|shot| is_there(&shot.from) && is_there(&shot.to)).cloned().collect()
+    document
+        .shots
+        .iter()
+        .filter(|shot| is_there(&shot.from) && is_there(&shot.to))
+        .cloned()
+        .collect()
 }
 
 /// The frames that a package was given; none where a document is no package.
 fn given_frames(document: &Document) -> Option<BTreeSet<FrameId>> {
     let names = document.extra.get(KEY)?.get("frames")?.as_array()?;
-    Some(names.iter().filter_map(Value::as_str).map(FrameId::from).collect())
+    Some(
+        names
+            .iter()
+            .filter_map(Value::as_str)
+            .map(FrameId::from)
+            .collect(),
+    )
 }
 
-/// A version of `base` that came from somebody, as a whole document whose pictures lie where `base` has them. Of a package the frames that
-/// it was not given are those of `base`. Where a picture lies is not an edit: a package has copies.
+/// A version of `base` that came from somebody, as a whole document whose pictures lie where `base`
+/// has them. Of a package the frames that it was not given are those of `base`. Where a picture
+/// lies is not an edit: a package has copies.
 #[must_use]
 pub fn restore_package(base: &Document, version: &Document) -> Document {
     let mut whole = version.clone();
     for frame in &mut whole.frames {
-        if let Some(known) = base.frames.by_id(&frame.id).filter(|known| !has_place_of(frame, known)) {
+        if let Some(known) = base
+            .frames
+            .by_id(&frame.id)
+            .filter(|known| !has_place_of(frame, known))
+        {
             take_place(frame, known);
         }
     }
-    let Some(given) = given_frames(version) else { return whole };
+    let Some(given) = given_frames(version) else {
+        return whole;
+    };
     whole.extra.remove(KEY);
     whole.frames = join_frames(base, &whole.frames, &given);
     let mut package = base.clone();
@@ -77,13 +107,19 @@ fn take_place(frame: &mut Shared<Frame>, known: &Frame) {
     frame.video.clone_from(&known.video);
 }
 
-/// The frames of `base`, with those of a package in place of the ones it was given. New frames follow the frame that they follow in
-/// the package.
+/// The frames of `base`, with those of a package in place of the ones it was given. New frames
+/// follow the frame that they follow in the package.
 fn join_frames(base: &Document, package: &Frames, given: &BTreeSet<FrameId>) -> Frames {
     let mut after: BTreeMap<Option<FrameId>, Vec<Shared<Frame>>> = BTreeMap::new();
     // Before the first frame that is still there comes what precedes the package.
-    let first_given = base.frames.iter().position(|frame| given.contains(&frame.id)).unwrap_or(0);
-    let before = first_given.checked_sub(1).and_then(|before| base.frames.get(before));
+    let first_given = base
+        .frames
+        .iter()
+        .position(|frame| given.contains(&frame.id))
+        .unwrap_or(0);
+    let before = first_given
+        .checked_sub(1)
+        .and_then(|before| base.frames.get(before));
     let mut last = before.map(|frame| frame.id.clone());
     for frame in package {
         if base.frames.by_id(&frame.id).is_some() {
@@ -95,7 +131,13 @@ fn join_frames(base: &Document, package: &Frames, given: &BTreeSet<FrameId>) -> 
     let mut joined: Vec<Shared<Frame>> = after.remove(&None).unwrap_or_default();
     for frame in &base.frames {
         let is_given = given.contains(&frame.id);
-        joined.extend(package.by_id(&frame.id).filter(|_| is_given).or((!is_given).then_some(frame)).cloned());
+        joined.extend(
+            package
+                .by_id(&frame.id)
+                .filter(|_| is_given)
+                .or((!is_given).then_some(frame))
+                .cloned(),
+        );
         joined.extend(after.remove(&Some(frame.id.clone())).unwrap_or_default());
     }
     joined.into_iter().collect()
@@ -106,7 +148,12 @@ fn join_shots(base: &Document, given: &[Shot], now: &[Shot]) -> Vec<Shot> {
     if given == now {
         return base.shots.clone();
     }
-    base.shots.iter().filter(|shot| !given.contains(shot)).chain(now).cloned().collect()
+    base.shots
+        .iter()
+        .filter(|shot| !given.contains(shot))
+        .chain(now)
+        .cloned()
+        .collect()
 }
 
 #[cfg(test)]
@@ -120,14 +167,30 @@ mod tests {
 
     fn document(count: usize) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(crate::document::Camera::new("main".into(), SIZE).into());
+        document
+            .cameras
+            .push(crate::document::Camera::new("main".into(), SIZE).into());
         for index in 0..count {
-            document.frames.push(Frame::from_image(&format!("images/{index:03}.jpg"), "main".into(), SIZE).into());
+            document.frames.push(
+                Frame::from_image(&format!("images/{index:03}.jpg"), "main".into(), SIZE).into(),
+            );
         }
-        for pair in document.frames.iter().map(|frame| frame.id.clone()).collect::<Vec<_>>().chunks_exact(2) {
+        for pair in document
+            .frames
+            .iter()
+            .map(|frame| frame.id.clone())
+            .collect::<Vec<_>>()
+            .chunks_exact(2)
+        {
             let [from, to] = [&pair[0], &pair[1]].map(|id| ShotEnd::Frame(id.clone()));
             let extra = super::super::Extra::new();
-            document.shots.push(Shot { from, to, camera: None, kind: ShotKind::Cut, extra });
+            document.shots.push(Shot {
+                from,
+                to,
+                camera: None,
+                kind: ShotKind::Cut,
+                extra,
+            });
         }
         document
     }
@@ -142,7 +205,9 @@ mod tests {
     }
 
     fn edit(document: &mut Document, index: usize, id: &FrameId, edit: &Edit) {
-        let Some(position) = document.frames.position_of(id) else { return };
+        let Some(position) = document.frames.position_of(id) else {
+            return;
+        };
         match edit {
             Edit::Click(x) => {
                 let click = Click::landmark("centre_mark".into(), ImagePoint::new(*x, 3.0));
@@ -152,7 +217,10 @@ mod tests {
             Edit::Remove => drop(document.frames.remove(position)),
             Edit::AddAfter(number) => {
                 let name = format!("new/{index}-{number}.jpg");
-                document.frames.insert(position + 1, Frame::from_image(&name, "main".into(), SIZE).into());
+                document.frames.insert(
+                    position + 1,
+                    Frame::from_image(&name, "main".into(), SIZE).into(),
+                );
             }
         }
     }

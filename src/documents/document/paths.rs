@@ -4,7 +4,8 @@ use super::Document;
 use std::path::{Component, Path, PathBuf};
 
 impl Document {
-    /// The document as it must read in another folder, so that its relative paths point at the same files.
+    /// The document as it must read in another folder, so that its relative paths point at the same
+    /// files.
     ///
     /// Absolute paths stay. Both folders are absolute; across drives a path becomes absolute.
     #[must_use]
@@ -25,8 +26,13 @@ impl Document {
                 video.path = path;
             }
         }
-        let fields = self.cameras.iter_mut().filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
-        let fields = fields.filter_map(|camera| camera.field.as_mut()).chain([&mut self.field]);
+        let fields = self
+            .cameras
+            .iter_mut()
+            .filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
+        let fields = fields
+            .filter_map(|camera| camera.field.as_mut())
+            .chain([&mut self.field]);
         for field in fields {
             if field.is_file()
                 && let Some(path) = relocate(&field.template)
@@ -42,8 +48,8 @@ impl Document {
 const NOT_UTF8: char = char::REPLACEMENT_CHARACTER;
 
 impl Document {
-    /// The first path that names a file which is not there because a folder's or file's name is not UTF-8, as the document
-    /// must write it.
+    /// The first path that names a file which is not there because a folder's or file's name is not
+    /// UTF-8, as the document must write it.
     #[must_use]
     pub fn unwritable_path(&self, folder: &Path) -> Option<&str> {
         let mut paths = self.frames.iter().flat_map(|frame| {
@@ -59,22 +65,31 @@ fn relocate(path: &str, from_folder: &Path, to_folder: &Path) -> Option<String> 
     (!is_absolute(path)).then(|| path_between(to_folder, &from_folder.join(path)))
 }
 
-/// Absolute here or on another system: a document that was written on Windows keeps its `C:\…`. A file may be called `a:1.jpg`.
+/// Absolute here or on another system: a document that was written on Windows keeps its `C:\…`. A
+/// file may be called `a:1.jpg`.
 fn is_absolute(path: &str) -> bool {
-    let is_on_drive = matches!(path.as_bytes(), [letter, b':', b'/' | b'\\', ..] if letter.is_ascii_alphabetic());
+    let is_on_drive =
+        matches!(path.as_bytes(), [letter, b':', b'/' | b'\\', ..] if letter.is_ascii_alphabetic());
     Path::new(path).is_absolute() || path.starts_with(['/', '\\']) || is_on_drive
 }
 
-/// How a file is called from a folder, with `/` between the parts; absolute where they share no root.
+/// How a file is called from a folder, with `/` between the parts; absolute where they share no
+/// root.
 #[must_use]
 pub fn path_between(folder: &Path, file: &Path) -> String {
     let (folder, file) = (normalised(folder), normalised(file));
     let shared = folder.iter().zip(&file).take_while(|(a, b)| a == b).count();
     if shared == 0 {
-        return file.iter().collect::<PathBuf>().to_string_lossy().into_owned();
+        return file
+            .iter()
+            .collect::<PathBuf>()
+            .to_string_lossy()
+            .into_owned();
     }
     let up = std::iter::repeat_n("..".to_owned(), folder.len() - shared);
-    let down = file[shared..].iter().map(|part| part.as_os_str().to_string_lossy().into_owned());
+    let down = file[shared..]
+        .iter()
+        .map(|part| part.as_os_str().to_string_lossy().into_owned());
     up.chain(down).collect::<Vec<_>>().join("/")
 }
 
@@ -85,7 +100,11 @@ pub fn resolved(path: &Path) -> PathBuf {
     for ancestor in path.ancestors() {
         if let (Ok(real), Ok(rest)) = (ancestor.canonicalize(), path.strip_prefix(ancestor)) {
             // An empty rest would make a folder of a file.
-            return if rest.as_os_str().is_empty() { real } else { real.join(rest) };
+            return if rest.as_os_str().is_empty() {
+                real
+            } else {
+                real.join(rest)
+            };
         }
     }
     path
@@ -117,7 +136,10 @@ mod tests {
     fn paths_between_folders() {
         let between = |folder, file| path_between(Path::new(folder), Path::new(file));
         assert_eq!(between("/a/b", "/a/b/images/1.jpg"), "images/1.jpg");
-        assert_eq!(between("/a/c", "/a/b/../b/images/1.jpg"), "../b/images/1.jpg");
+        assert_eq!(
+            between("/a/c", "/a/b/../b/images/1.jpg"),
+            "../b/images/1.jpg"
+        );
         assert_eq!(between("/x/y", "/a/1.jpg"), "../../a/1.jpg");
         assert_eq!(between("/a/b", "/a/b/./../../1.jpg"), "../../1.jpg");
     }
@@ -129,17 +151,40 @@ mod tests {
         let mut both = Frame::from_image("images/1.jpg", "main".into(), size);
         both.video = Some(VideoFrame::new("../match.mp4", 3, None));
         document.frames.push(both.into());
-        document.frames.push(Frame::from_image("/data/2.jpg", "main".into(), size).into());
-        document.frames.push(Frame::from_image("D:\\data\\3.jpg", "main".into(), size).into());
-        document.frames.push(Frame::from_image("d:/data/4.jpg", "main".into(), size).into());
-        document.frames.push(Frame::from_image("a:1.jpg", "main".into(), size).into());
-        let moved = document.clone().relocated(Path::new("/home/a/match"), Path::new("/home/a/out/deep"));
-        assert_eq!(moved.frames[0].image.as_deref(), Some("../../match/images/1.jpg"));
-        assert_eq!(moved.frames[0].video.as_ref().unwrap().path, "../../match.mp4");
+        document
+            .frames
+            .push(Frame::from_image("/data/2.jpg", "main".into(), size).into());
+        document
+            .frames
+            .push(Frame::from_image("D:\\data\\3.jpg", "main".into(), size).into());
+        document
+            .frames
+            .push(Frame::from_image("d:/data/4.jpg", "main".into(), size).into());
+        document
+            .frames
+            .push(Frame::from_image("a:1.jpg", "main".into(), size).into());
+        let moved = document
+            .clone()
+            .relocated(Path::new("/home/a/match"), Path::new("/home/a/out/deep"));
+        assert_eq!(
+            moved.frames[0].image.as_deref(),
+            Some("../../match/images/1.jpg")
+        );
+        assert_eq!(
+            moved.frames[0].video.as_ref().unwrap().path,
+            "../../match.mp4"
+        );
         assert_eq!(moved.field.template, "../../match/fields/mine.json");
-        assert_eq!(moved.frames[4].image.as_deref(), Some("../../match/a:1.jpg"), "a name, and no drive");
+        assert_eq!(
+            moved.frames[4].image.as_deref(),
+            Some("../../match/a:1.jpg"),
+            "a name, and no drive"
+        );
         assert!(moved.frames.range(1..4).eq(document.frames.range(1..4)));
-        assert!(moved.frames[1].is_same(&document.frames[1]), "untouched frames are shared");
+        assert!(
+            moved.frames[1].is_same(&document.frames[1]),
+            "untouched frames are shared"
+        );
         let back = moved.relocated(Path::new("/home/a/out/deep"), Path::new("/home/a/match"));
         assert_eq!(back, document);
     }

@@ -3,8 +3,8 @@
 use super::document::conventions;
 use super::frames::DuplicateId;
 use super::{
-    Camera, DOCUMENT_VERSION, Document, Extra, FORMAT_NAME, FieldSpec, Frame, FrameId, Frames, Shared, Shot,
-    StoredClickNoise,
+    Camera, DOCUMENT_VERSION, Document, Extra, FORMAT_NAME, FieldSpec, Frame, FrameId, Frames,
+    Shared, Shot, StoredClickNoise,
 };
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -35,7 +35,10 @@ pub enum ReadError {
         column: usize,
     },
     /// It is JSON, but no document.
-    #[error("not a touchline document: `format` is {found}, expected {:?}", FORMAT_NAME)]
+    #[error(
+        "not a touchline document: `format` is {found}, expected {:?}",
+        FORMAT_NAME
+    )]
     NotADocument {
         /// What `format` is.
         found: String,
@@ -68,7 +71,9 @@ pub enum ReadError {
         first: usize,
     },
     /// Lists and objects lie too deep within each other.
-    #[error("lists and objects lie more than {MAX_DEPTH} deep within each other at line {line}; flatten what is there")]
+    #[error(
+        "lists and objects lie more than {MAX_DEPTH} deep within each other at line {line}; flatten what is there"
+    )]
     TooDeep {
         /// The line, from 1.
         line: usize,
@@ -92,7 +97,9 @@ pub enum ReadError {
 /// # Errors
 /// Each names the place and what is wrong there; nothing is guessed.
 pub fn document_from_bytes(bytes: &[u8]) -> Result<Document, ReadError> {
-    let text = std::str::from_utf8(bytes).map_err(|error| ReadError::NotUtf8 { offset: error.valid_up_to() })?;
+    let text = std::str::from_utf8(bytes).map_err(|error| ReadError::NotUtf8 {
+        offset: error.valid_up_to(),
+    })?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim_ascii().is_empty() {
         return Err(ReadError::Empty);
@@ -107,8 +114,8 @@ pub fn document_from_bytes(bytes: &[u8]) -> Result<Document, ReadError> {
     }
 }
 
-/// How deep lists and objects may lie within each other. The parser takes 128; what is edited is written into journals a few
-/// levels deeper, and must be read from there too.
+/// How deep lists and objects may lie within each other. The parser takes 128; what is edited is
+/// written into journals a few levels deeper, and must be read from there too.
 const MAX_DEPTH: usize = 100;
 
 /// Refuses a text whose lists and objects lie too deep within each other.
@@ -122,7 +129,9 @@ fn refuse_depth(text: &str) -> Result<(), ReadError> {
             b'[' | b'{' if !is_quoted => {
                 depth += 1;
                 if depth > MAX_DEPTH {
-                    return Err(ReadError::TooDeep { line: text[..at].matches('\n').count() + 1 });
+                    return Err(ReadError::TooDeep {
+                        line: text[..at].matches('\n').count() + 1,
+                    });
                 }
             }
             b']' | b'}' if !is_quoted => depth = depth.saturating_sub(1),
@@ -175,24 +184,45 @@ pub(super) struct DocumentJson {
 
 impl DocumentJson {
     fn document(self) -> Result<Document, ReadError> {
-        let Self { generator, conventions, field, cameras, frames, click_noise, shots, extra, .. } = self;
-        let frames = Frames::read(frames).map_err(|DuplicateId { id, second, first }| ReadError::DuplicateFrameId {
-            id,
-            second,
-            first,
+        let Self {
+            generator,
+            conventions,
+            field,
+            cameras,
+            frames,
+            click_noise,
+            shots,
+            extra,
+            ..
+        } = self;
+        let frames = Frames::read(frames).map_err(|DuplicateId { id, second, first }| {
+            ReadError::DuplicateFrameId { id, second, first }
         })?;
-        Ok(Document { generator, conventions, field, cameras, frames, click_noise, shots, extra })
+        Ok(Document {
+            generator,
+            conventions,
+            field,
+            cameras,
+            frames,
+            click_noise,
+            shots,
+            extra,
+        })
     }
 }
 
 fn check_header(format: &Value, version: &Value) -> Result<(), ReadError> {
     if format.as_str() != Some(FORMAT_NAME) {
-        return Err(ReadError::NotADocument { found: shown(format) });
+        return Err(ReadError::NotADocument {
+            found: shown(format),
+        });
     }
     match version.as_u64() {
         Some(1..=DOCUMENT_VERSION) => Ok(()),
         Some(found) if found > DOCUMENT_VERSION => Err(ReadError::NewerVersion { found }),
-        _ => Err(ReadError::NoVersion { found: shown(version) }),
+        _ => Err(ReadError::NoVersion {
+            found: shown(version),
+        }),
     }
 }
 
@@ -204,7 +234,11 @@ fn shown(value: &Value) -> String {
         Value::Object(_) => "an object".to_owned(),
         other => {
             let text = plain(&other.to_string());
-            if text.chars().count() > 40 { text.chars().take(40).chain(['…']).collect() } else { text }
+            if text.chars().count() > 40 {
+                text.chars().take(40).chain(['…']).collect()
+            } else {
+                text
+            }
         }
     }
 }
@@ -212,13 +246,17 @@ fn shown(value: &Value) -> String {
 /// The message of a JSON error without its position.
 fn message_of(error: &serde_json::Error) -> String {
     let text = error.to_string();
-    text.rfind(" at line ").map_or(text.as_str(), |end| &text[..end]).to_owned()
+    text.rfind(" at line ")
+        .map_or(text.as_str(), |end| &text[..end])
+        .to_owned()
 }
 
 /// What the parser says of a text that is no JSON.
 fn syntax_message(error: &serde_json::Error) -> String {
     match message_of(error) {
-        message if message == "expected value" => "expected a value (JSON has no NaN and no Infinity)".to_owned(),
+        message if message == "expected value" => {
+            "expected a value (JSON has no NaN and no Infinity)".to_owned()
+        }
         message => message,
     }
 }
@@ -239,35 +277,65 @@ fn explain(text: &str, error: &serde_json::Error) -> ReadError {
     if let Err(header) = check_header(key("format"), key("version")) {
         return header;
     }
-    let (place, message) = place(&value).unwrap_or_else(|| ("the document".to_owned(), message_of(error)));
-    ReadError::Schema { place: plain(&place), message: plain(&message), line: error.line(), column: error.column() }
+    let (place, message) =
+        place(&value).unwrap_or_else(|| ("the document".to_owned(), message_of(error)));
+    ReadError::Schema {
+        place: plain(&place),
+        message: plain(&message),
+        line: error.line(),
+        column: error.column(),
+    }
 }
 
 /// Where the first thing lies that does not fit the schema, and what it is.
 fn place(document: &Value) -> Option<(String, String)> {
-    let fails = |value: &Value| FieldSpec::deserialize(value).err().map(|error| error.to_string());
-    if let Some(found) = document.get("field").and_then(|field| found(field, "field", &fails)) {
+    let fails = |value: &Value| {
+        FieldSpec::deserialize(value)
+            .err()
+            .map(|error| error.to_string())
+    };
+    if let Some(found) = document
+        .get("field")
+        .and_then(|field| found(field, "field", &fails))
+    {
         return Some(found);
     }
-    let fails = |value: &Value| Camera::deserialize(value).err().map(|error| error.to_string());
+    let fails = |value: &Value| {
+        Camera::deserialize(value)
+            .err()
+            .map(|error| error.to_string())
+    };
     for (index, camera) in elements(document, "cameras") {
         if let Some((place, message)) = found(camera, &format!("cameras[{index}]"), &fails) {
             return Some((named(place, camera, "id"), message));
         }
     }
-    let fails = |value: &Value| Frame::deserialize(value).err().map(|error| error.to_string());
+    let fails = |value: &Value| {
+        Frame::deserialize(value)
+            .err()
+            .map(|error| error.to_string())
+    };
     for (index, frame) in elements(document, "frames") {
         if let Some((place, message)) = found(frame, &format!("frames[{index}]"), &fails) {
             return Some((named(place, frame, "image"), message));
         }
     }
-    let fails = |value: &Value| Shot::deserialize(value).err().map(|error| error.to_string());
+    let fails = |value: &Value| {
+        Shot::deserialize(value)
+            .err()
+            .map(|error| error.to_string())
+    };
     let mut shots = elements(document, "shots");
     shots.find_map(|(index, shot)| found(shot, &format!("shots[{index}]"), &fails))
 }
 
 fn elements<'a>(document: &'a Value, key: &str) -> impl Iterator<Item = (usize, &'a Value)> {
-    document.get(key).and_then(Value::as_array).into_iter().flatten().enumerate()
+    document
+        .get(key)
+        .and_then(Value::as_array)
+        .into_iter()
+        .flatten()
+        .enumerate()
 }
 
 fn named(place: String, value: &Value, key: &str) -> String {
@@ -277,14 +345,26 @@ fn named(place: String, value: &Value, key: &str) -> String {
     }
 }
 
-/// How many values are looked at to find out which of them is wrong. A file may have any number; beyond, the place that is known
-/// by then is said.
+/// How many values are looked at to find out which of them is wrong. A file may have any number;
+/// beyond, the place that is known by then is said.
 const MOST_LOOKS: usize = 1_000_000;
 
 /// Where in a value a failure lies, and what it is; none where it does not fail.
-fn found(value: &Value, place: &str, fails: &dyn Fn(&Value) -> Option<String>) -> Option<(String, String)> {
+fn found(
+    value: &Value,
+    place: &str,
+    fails: &dyn Fn(&Value) -> Option<String>,
+) -> Option<(String, String)> {
     let mut looks = MOST_LOOKS;
-    descend(&Part { value, place, around: 0 }, &mut looks, fails)
+    descend(
+        &Part {
+            value,
+            place,
+            around: 0,
+        },
+        &mut looks,
+        fails,
+    )
 }
 
 /// A part of a value that fails.
@@ -296,8 +376,16 @@ struct Part<'a> {
 }
 
 /// Follows a failure down to the key whose absence changes it.
-fn descend(part: &Part, looks: &mut usize, fails: &dyn Fn(&Value) -> Option<String>) -> Option<(String, String)> {
-    let &Part { value, place, around } = part;
+fn descend(
+    part: &Part,
+    looks: &mut usize,
+    fails: &dyn Fn(&Value) -> Option<String>,
+) -> Option<(String, String)> {
+    let &Part {
+        value,
+        place,
+        around,
+    } = part;
     let message = fails(value)?;
     // Whether so many values may still be looked at.
     let mut may_look = |values: usize| {
@@ -324,7 +412,11 @@ fn descend(part: &Part, looks: &mut usize, fails: &dyn Fn(&Value) -> Option<Stri
                 };
                 // What is wrong may be the value as a whole: a list that is too long.
                 let within = format!("{place}.{key}");
-                let part = Part { value: inner, place: &within, around: around + size - count(inner) };
+                let part = Part {
+                    value: inner,
+                    place: &within,
+                    around: around + size - count(inner),
+                };
                 return descend(&part, looks, &with).or(Some((within, message)));
             }
         }
@@ -336,7 +428,15 @@ fn descend(part: &Part, looks: &mut usize, fails: &dyn Fn(&Value) -> Option<Stri
                 }
                 if alone(inner).is_some() {
                     let within = format!("{place}[{index}]");
-                    return descend(&Part { value: inner, place: &within, around }, looks, &alone);
+                    return descend(
+                        &Part {
+                            value: inner,
+                            place: &within,
+                            around,
+                        },
+                        looks,
+                        &alone,
+                    );
                 }
             }
         }

@@ -31,6 +31,12 @@ impl Repeat {
     /// A blind click of a round, without its time.
     #[must_use]
     pub fn new(landmark: LandmarkId, image: ImagePoint, round: u32) -> Self {
-        Self { landmark, image, round, at: None, extra: Extra::new() }
+        Self {
+            landmark,
+            image,
+            round,
+            at: None,
+            extra: Extra::new(),
+        }
     }
 }

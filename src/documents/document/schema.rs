@@ -1,7 +1,8 @@
-//! The JSON Schema of documents: `assets/touchline.schema.json`, made from the types (draft 2020-12).
+//! The JSON Schema of documents: `assets/touchline.schema.json`, made from the types (draft
+//! 2020-12).
 //!
-//! It says what a reader must expect; what it says nothing of, such as ids that are unique, is checked when a document is read.
-//! After a change of the types: `make schema`.
+//! It says what a reader must expect; what it says nothing of, such as ids that are unique, is
+//! checked when a document is read. After a change of the types: `make schema`.
 
 pub use touchline_assets::SCHEMA;
 
@@ -11,7 +12,9 @@ pub use touchline_assets::SCHEMA;
 #[must_use]
 pub fn schema_of_types() -> String {
     let settings = schemars::generate::SchemaSettings::draft2020_12();
-    let schema = settings.into_generator().into_root_schema_for::<super::read::DocumentJson>();
+    let schema = settings
+        .into_generator()
+        .into_root_schema_for::<super::read::DocumentJson>();
     format!("{:#}", schema.to_value())
 }
 
@@ -34,10 +37,15 @@ pub(crate) mod tests {
         }
     }
 
-    /// Where a value does not fit a schema. Of JSON Schema only what ours uses is known; anything else is a fault of the schema.
+    /// Where a value does not fit a schema. Of JSON Schema only what ours uses is known; anything
+    /// else is a fault of the schema.
     fn faults(schema: &Value, value: &Value, at: &str) -> Vec<String> {
         let Some(rules) = schema.as_object() else {
-            return if *schema == Value::Bool(false) { vec![format!("{at}: nothing fits")] } else { Vec::new() };
+            return if *schema == Value::Bool(false) {
+                vec![format!("{at}: nothing fits")]
+            } else {
+                Vec::new()
+            };
         };
         let mut found = Vec::new();
         let number = value.as_f64();
@@ -45,22 +53,34 @@ pub(crate) mod tests {
             let fits = match rule.as_str() {
                 "$schema" | "$defs" | "title" | "description" | "default" | "format" => true,
                 "$ref" => {
-                    let target = wanted.as_str().and_then(|path| PARSED.pointer(path.strip_prefix('#')?));
+                    let target = wanted
+                        .as_str()
+                        .and_then(|path| PARSED.pointer(path.strip_prefix('#')?));
                     found.extend(faults(target.unwrap_or(&Value::Bool(false)), value, at));
                     true
                 }
-                "type" => {
-                    wanted.as_array().map_or(is_a(wanted, value), |kinds| kinds.iter().any(|kind| is_a(kind, value)))
-                }
+                "type" => wanted.as_array().map_or(is_a(wanted, value), |kinds| {
+                    kinds.iter().any(|kind| is_a(kind, value))
+                }),
                 "const" => value == wanted,
-                "enum" => wanted.as_array().is_some_and(|values| values.contains(value)),
+                "enum" => wanted
+                    .as_array()
+                    .is_some_and(|values| values.contains(value)),
                 "minimum" => number.is_none_or(|number| number >= wanted.as_f64().unwrap()),
                 "maximum" => number.is_none_or(|number| number <= wanted.as_f64().unwrap()),
                 "exclusiveMinimum" => number.is_none_or(|number| number > wanted.as_f64().unwrap()),
-                "minItems" => value.as_array().is_none_or(|items| items.len() as u64 >= wanted.as_u64().unwrap()),
-                "maxItems" => value.as_array().is_none_or(|items| items.len() as u64 <= wanted.as_u64().unwrap()),
+                "minItems" => value
+                    .as_array()
+                    .is_none_or(|items| items.len() as u64 >= wanted.as_u64().unwrap()),
+                "maxItems" => value
+                    .as_array()
+                    .is_none_or(|items| items.len() as u64 <= wanted.as_u64().unwrap()),
                 "required" => {
-                    let keys = wanted.as_array().unwrap().iter().map(|key| key.as_str().unwrap());
+                    let keys = wanted
+                        .as_array()
+                        .unwrap()
+                        .iter()
+                        .map(|key| key.as_str().unwrap());
                     let missing = keys.filter(|key| value.is_object() && value.get(key).is_none());
                     found.extend(missing.map(|key| format!("{at}/{key} is missing")));
                     true
@@ -89,8 +109,12 @@ pub(crate) mod tests {
                     true
                 }
                 "anyOf" | "oneOf" => {
-                    let count =
-                        wanted.as_array().unwrap().iter().filter(|way| faults(way, value, at).is_empty()).count();
+                    let count = wanted
+                        .as_array()
+                        .unwrap()
+                        .iter()
+                        .filter(|way| faults(way, value, at).is_empty())
+                        .count();
                     count == 1 || (rule == "anyOf" && count > 1)
                 }
                 _ => false,
@@ -117,7 +141,8 @@ pub(crate) mod tests {
 
     #[test]
     fn a_document_fits_and_what_is_none_does_not() {
-        let good: Value = serde_json::from_str(include_str!("../tests/samples/document-v1.json")).unwrap();
+        let good: Value =
+            serde_json::from_str(include_str!("../tests/samples/document-v1.json")).unwrap();
         assert_eq!(faults(&PARSED, &good, ""), Vec::<String>::new());
         for (pointer, bad) in [
             ("/format", json!("coco")),
@@ -132,8 +157,13 @@ pub(crate) mod tests {
             ("/frames/0/ptz/focal_px", json!(null)),
         ] {
             let mut document = good.clone();
-            *document.pointer_mut(pointer).unwrap_or_else(|| panic!("{pointer}")) = bad.clone();
-            assert!(!faults(&PARSED, &document, "").is_empty(), "{pointer} {bad}");
+            *document
+                .pointer_mut(pointer)
+                .unwrap_or_else(|| panic!("{pointer}")) = bad.clone();
+            assert!(
+                !faults(&PARSED, &document, "").is_empty(),
+                "{pointer} {bad}"
+            );
         }
     }
 }

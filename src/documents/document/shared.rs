@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 /// A value behind an `Arc` that is copied when it is written to while somebody else holds it too.
 ///
-/// Cloning is a reference count, comparing two handles of the same value looks at no field. A document of 10,000 frames
-/// is cloned for undo without copying a frame.
+/// Cloning is a reference count, comparing two handles of the same value looks at no field. A
+/// document of 10,000 frames is cloned for undo without copying a frame.
 #[derive(Default)]
 pub struct Shared<T>(Arc<T>);
 

@@ -25,11 +25,19 @@ pub struct FramePtz {
     pub focal_px: f64,
     /// The k₁ that was used. It is input only where the camera has no curve.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub k1: Option<f64>,
     /// The k₂ that was used, where it is not zero: a record, never an input.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub k2: Option<f64>,
     /// Unknown keys.
     #[serde(flatten)]
@@ -53,7 +61,10 @@ impl FramePtz {
     /// The lens that was used, where it is recorded.
     #[must_use]
     pub fn lens(&self) -> Option<Radial> {
-        Some(Radial { k1: self.k1?, k2: self.k2.unwrap_or(0.0) })
+        Some(Radial {
+            k1: self.k1?,
+            k2: self.k2.unwrap_or(0.0),
+        })
     }
 
     /// The same as the mathematics has it.
@@ -69,27 +80,48 @@ impl FramePtz {
 pub struct Solution {
     /// Covariance in the order `pan_deg`, `tilt_deg`, `focal_px` (deg², deg·px, px²).
     #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 3]; 3]>"))]
-    #[serde(default, with = "adapters::optional_matrix", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_matrix",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub covariance: Option<Mat3>,
-    /// The same by the frame's own evidence alone (clicks, paint, features, points), with the camera's base taken as exact. The total
-    /// is computed from it, never the reverse; documents written before it was kept lack it.
+    /// The same by the frame's own evidence alone (clicks, paint, features, points), with the
+    /// camera's base taken as exact. The total is computed from it, never the reverse; documents
+    /// written before it was kept lack it.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 3]; 3]>"))]
-    #[serde(default, with = "adapters::optional_matrix", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_matrix",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub own_covariance: Option<Mat3>,
     /// Root mean square of the residuals, px; none where the clicks leave nothing to compare.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub rms_px: Option<f64>,
     /// 1-σ of the overlay at the worst corner of the picture, px.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub worst_corner_sigma_px: Option<f64>,
     /// What it was solved from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<SolutionSource>,
     /// The probability that the overlay is right within 10 px at 1920 px width.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub confidence: Option<f64>,
     /// How many samples of painted lines took part, where they did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -103,7 +135,8 @@ pub struct Solution {
     /// What finding it took.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub timings_ms: Option<TimingsMs>,
-    /// The verdict on the clicks when they were solved; none in older documents, and in frames without clicks.
+    /// The verdict on the clicks when they were solved; none in older documents, and in frames
+    /// without clicks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Verdict>,
     /// Indices of the clicks that disagree with the others.
@@ -117,8 +150,8 @@ pub struct Solution {
     pub extra: Extra,
 }
 
-/// A camera that the program proposed. A frame keeps it when a person corrects it: fewer clicks than decide by themselves
-/// start from it, and without clicks it holds again.
+/// A camera that the program proposed. A frame keeps it when a person corrects it: fewer clicks
+/// than decide by themselves start from it, and without clicks it holds again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Proposed {
@@ -129,19 +162,35 @@ pub struct Proposed {
     pub source: SolutionSource,
     /// The probability that it is right.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub confidence: Option<f64>,
     /// Its covariance in the order `pan_deg`, `tilt_deg`, `focal_px`.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 3]; 3]>"))]
-    #[serde(default, with = "adapters::optional_matrix", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_matrix",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub covariance: Option<Mat3>,
     /// The same with the camera's base taken as exact.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 3]; 3]>"))]
-    #[serde(default, with = "adapters::optional_matrix", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_matrix",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub own_covariance: Option<Mat3>,
     /// 1-σ of its overlay at the worst corner of the picture, px.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub worst_corner_sigma_px: Option<f64>,
 }
 
@@ -175,19 +224,35 @@ pub struct PaintEvidence {
     pub bare: usize,
     /// The median distance of the paint from where it is predicted, px.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub offset_px: Option<f64>,
     /// The median of how far the paint lies below the lines that are predicted, across them, px.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub bias_px: Option<f64>,
     /// How far apart the overlays are that two halves of the paint would give, px.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub halves_px: Option<f64>,
     /// The share of the paint on the playing area that no predicted line explains.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub unexplained: Option<f64>,
     /// Unknown keys.
     #[serde(flatten)]
@@ -258,7 +323,9 @@ pub struct SolutionWarning {
 impl Solution {
     /// The warnings about this frame itself: all but the one that its field's size is assumed.
     pub fn warnings_of_frame(&self) -> impl Iterator<Item = &SolutionWarning> {
-        self.warnings.iter().filter(|warning| warning.code != WarningCode::FieldAssumed.as_str())
+        self.warnings
+            .iter()
+            .filter(|warning| warning.code != WarningCode::FieldAssumed.as_str())
     }
 }
 
@@ -266,7 +333,13 @@ impl SolutionWarning {
     /// A warning about the frame as a whole.
     #[must_use]
     pub fn new(code: &str, message: String) -> Self {
-        Self { code: code.to_owned(), message, clicks: Vec::new(), renames: Vec::new(), extra: Extra::new() }
+        Self {
+            code: code.to_owned(),
+            message,
+            clicks: Vec::new(),
+            renames: Vec::new(),
+            extra: Extra::new(),
+        }
     }
 }
 
@@ -284,7 +357,10 @@ pub struct BetterName {
 impl BetterName {
     /// Every name that a finding would change.
     pub fn all(found: &IdentityFinding) -> impl Iterator<Item = Self> + '_ {
-        found.renames.iter().map(|rename| Self { click: rename.click, target: Target::from(&rename.name) })
+        found.renames.iter().map(|rename| Self {
+            click: rename.click,
+            target: Target::from(&rename.name),
+        })
     }
 }
 

@@ -1,4 +1,5 @@
-//! The history of a document as edits: what each edit of a journal is to it, and what of it is kept beside a saved document.
+//! The history of a document as edits: what each edit of a journal is to it, and what of it is kept
+//! beside a saved document.
 
 use super::edit::apply_all;
 use super::{Change, Document, Edit, EditKind, EditMismatch, History, Step, Undoable as _};
@@ -26,7 +27,10 @@ pub struct StepMisfit {
 
 impl StepEdit {
     fn between(from: &Document, to: &Document, step: &Step) -> Self {
-        Self { step: step.clone(), changes: Edit::between(from, to, "").changes }
+        Self {
+            step: step.clone(),
+            changes: Edit::between(from, to, "").changes,
+        }
     }
 }
 
@@ -58,8 +62,8 @@ impl History<Document> {
         }
     }
 
-    /// What undo would make of `document`, which is the current one: the last step first, each from the document after it to
-    /// that before it.
+    /// What undo would make of `document`, which is the current one: the last step first, each from
+    /// the document after it to that before it.
     pub fn undo_edits<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = StepEdit> + 'a {
         edits_along(document, self.done.iter().rev())
     }
@@ -69,16 +73,23 @@ impl History<Document> {
         edits_along(document, self.undone.iter().rev())
     }
 
-    /// The history of `document` that [`Self::undo_edits`] and [`Self::redo_edits`] tell of. Where a step does not fit, the
-    /// history ends before it, and the step is told as well.
+    /// The history of `document` that [`Self::undo_edits`] and [`Self::redo_edits`] tell of. Where
+    /// a step does not fit, the history ends before it, and the step is told as well.
     #[must_use]
-    pub fn from_edits(document: &Document, undo: Vec<StepEdit>, redo: Vec<StepEdit>) -> (Self, Option<StepMisfit>) {
+    pub fn from_edits(
+        document: &Document,
+        undo: Vec<StepEdit>,
+        redo: Vec<StepEdit>,
+    ) -> (Self, Option<StepMisfit>) {
         let mut history = Self::default();
         let mut misfit = None;
         let mut done = walk(document, undo, &mut misfit);
         done.truncate(Self::DEFAULT_LIMIT);
         history.done = done.into_iter().rev().collect();
-        history.undone = walk(document, redo, &mut misfit).into_iter().rev().collect();
+        history.undone = walk(document, redo, &mut misfit)
+            .into_iter()
+            .rev()
+            .collect();
         (history, misfit)
     }
 }
@@ -96,12 +107,19 @@ fn edits_along<'a>(
 }
 
 /// The states that steps lead to, one after the other, up to one that does not fit.
-fn walk(document: &Document, edits: Vec<StepEdit>, misfit: &mut Option<StepMisfit>) -> Vec<(Step, Document)> {
+fn walk(
+    document: &Document,
+    edits: Vec<StepEdit>,
+    misfit: &mut Option<StepMisfit>,
+) -> Vec<(Step, Document)> {
     let mut document = document.clone();
     let mut states = Vec::with_capacity(edits.len());
     for StepEdit { step, changes } in edits {
         if let Err(source) = apply_all(changes, &mut document) {
-            misfit.get_or_insert(StepMisfit { name: step.name, source });
+            misfit.get_or_insert(StepMisfit {
+                name: step.name,
+                source,
+            });
             break;
         }
         states.push((step, document.clone()));

@@ -1,5 +1,5 @@
-//! What the program suggests for a frame that nobody has decided on. In a file it stands in the frame; a program that edits
-//! the document takes it out, so that undo and redo leave it alone.
+//! What the program suggests for a frame that nobody has decided on. In a file it stands in the
+//! frame; a program that edits the document takes it out, so that undo and redo leave it alone.
 
 use super::{Document, Frame, FramePtz, FrameStatus, Shared, Solution};
 use touchline_core::camera::CameraBase;
@@ -18,18 +18,33 @@ pub struct Suggestion {
 }
 
 impl Suggestion {
-    /// What a frame shows as suggested, its camera having this base; none where a person decided or nothing is suggested.
+    /// What a frame shows as suggested, its camera having this base; none where a person decided or
+    /// nothing is suggested.
     #[must_use]
     pub fn in_frame(frame: &Frame, base: Option<&CameraBase>) -> Option<Self> {
-        let Frame { revision, ptz, solution, .. } = frame;
-        let suggestion =
-            || Self { revision: *revision, base: base.copied(), ptz: ptz.clone(), solution: solution.clone() };
+        let Frame {
+            revision,
+            ptz,
+            solution,
+            ..
+        } = frame;
+        let suggestion = || Self {
+            revision: *revision,
+            base: base.copied(),
+            ptz: ptz.clone(),
+            solution: solution.clone(),
+        };
         frame.shows_suggestion().then(suggestion)
     }
 
-    /// Puts it into its frame, as a file has it: with a camera the frame is `suggested`, without one it is `new`.
+    /// Puts it into its frame, as a file has it: with a camera the frame is `suggested`, without
+    /// one it is `new`.
     pub fn show_in(&self, frame: &mut Frame) {
-        frame.status = if self.ptz.is_some() { FrameStatus::Suggested } else { FrameStatus::New };
+        frame.status = if self.ptz.is_some() {
+            FrameStatus::Suggested
+        } else {
+            FrameStatus::New
+        };
         frame.ptz.clone_from(&self.ptz);
         frame.solution.clone_from(&self.solution);
     }
@@ -42,28 +57,35 @@ impl Suggestion {
 }
 
 impl Frame {
-    /// Whether nobody has clicked in it, given it a camera, accepted or rejected it. What the program suggests stands beside.
+    /// Whether nobody has clicked in it, given it a camera, accepted or rejected it. What the
+    /// program suggests stands beside.
     #[must_use]
     pub fn is_untouched(&self) -> bool {
         self.status == FrameStatus::New && self.clicks.is_empty() && self.ptz.is_none()
     }
 
-    /// Whether another document, by its version of it or for want of one, lacks something that a person made here: the clicks with
-    /// the decision, the comment, masks, or landmarks clicked again.
+    /// Whether another document, by its version of it or for want of one, lacks something that a
+    /// person made here: the clicks with the decision, the comment, masks, or landmarks clicked
+    /// again.
     pub fn gives_way_in(&self, other: &Document) -> bool {
         let mine = self.without_suggestion();
-        let Some(theirs) = other.frames.by_id(&self.id).map(|frame| frame.without_suggestion()) else {
+        let Some(theirs) = other
+            .frames
+            .by_id(&self.id)
+            .map(|frame| frame.without_suggestion())
+        else {
             return !mine.is_untouched() || mine.comment.is_some();
         };
-        let has_same_labels =
-            (&mine.clicks, mine.status, mine.reason) == (&theirs.clicks, theirs.status, theirs.reason);
+        let has_same_labels = (&mine.clicks, mine.status, mine.reason)
+            == (&theirs.clicks, theirs.status, theirs.reason);
         (!mine.is_untouched() && !has_same_labels)
             || (mine.comment.is_some() && mine.comment != theirs.comment)
             || (!mine.masks.is_empty() && mine.masks != theirs.masks)
             || (!mine.repeats.is_empty() && mine.repeats != theirs.repeats)
     }
 
-    /// Whether its camera, or the reason why it has none, is the program's alone: no click, and nobody has decided on it.
+    /// Whether its camera, or the reason why it has none, is the program's alone: no click, and
+    /// nobody has decided on it.
     #[must_use]
     pub fn shows_suggestion(&self) -> bool {
         self.clicks.is_empty()
@@ -106,14 +128,21 @@ impl Document {
         let frames = if let Some(changed) = self.frames.changed_in_place(&before.frames) {
             let mut frames = edited_before.frames.clone();
             for position in changed {
-                frames[position] = share_without_suggestion(&self.frames[position], Some(&frames[position]));
+                frames[position] =
+                    share_without_suggestion(&self.frames[position], Some(&frames[position]));
             }
             frames
         } else {
             let known = |frame: &Frame| edited_before.frames.by_id(&frame.id);
-            self.frames.iter().map(|frame| share_without_suggestion(frame, known(frame))).collect()
+            self.frames
+                .iter()
+                .map(|frame| share_without_suggestion(frame, known(frame)))
+                .collect()
         };
-        Self { frames, ..self.clone() }
+        Self {
+            frames,
+            ..self.clone()
+        }
     }
 }
 
@@ -123,7 +152,10 @@ fn share_without_suggestion(frame: &Shared<Frame>, known: Option<&Shared<Frame>>
         return frame.clone();
     }
     let without = frame.without_suggestion();
-    known.filter(|known| ***known == without).cloned().unwrap_or_else(|| without.into())
+    known
+        .filter(|known| ***known == without)
+        .cloned()
+        .unwrap_or_else(|| without.into())
 }
 
 #[cfg(test)]
@@ -137,7 +169,10 @@ mod tests {
         let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
         frame.status = status;
         frame.ptz = ptz.then(|| FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
-        frame.solution = source.map(|source| Solution { source: Some(source), ..Solution::default() });
+        frame.solution = source.map(|source| Solution {
+            source: Some(source),
+            ..Solution::default()
+        });
         frame
     }
 
@@ -151,7 +186,9 @@ mod tests {
         ] {
             let suggestion = Suggestion::in_frame(&frame, None).unwrap();
             let mut without = frame.without_suggestion();
-            assert!(without.is_untouched() && without.solution.is_none() && !without.shows_suggestion());
+            assert!(
+                without.is_untouched() && without.solution.is_none() && !without.shows_suggestion()
+            );
             suggestion.show_in(&mut without);
             assert_eq!(without, frame);
         }
@@ -165,7 +202,8 @@ mod tests {
     #[test]
     fn the_document_without_suggestions_changes_with_the_edits_of_people_alone() {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame = |name: &str| Frame::from_image(name, "main".into(), ImageSize::new(64, 36)).into();
+        let frame =
+            |name: &str| Frame::from_image(name, "main".into(), ImageSize::new(64, 36)).into();
         document.frames.extend(["a", "b", "c"].map(frame));
         let untouched = document.clone();
         suggest(&mut document.frames[1], 1.0);
@@ -190,7 +228,9 @@ mod tests {
     #[test]
     fn what_a_person_did_stays_in_the_frame() {
         let mut clicked = frame(FrameStatus::Suggested, true, Some(SolutionSource::Forest));
-        clicked.clicks.push(Click::unnamed(ImagePoint::new(1.0, 1.0)));
+        clicked
+            .clicks
+            .push(Click::unnamed(ImagePoint::new(1.0, 1.0)));
         for frame in [
             clicked,
             frame(FrameStatus::New, false, None),

@@ -6,14 +6,21 @@ impl Frame {
     /// Whether the forest found no answer for it, and it has not been labelled or accepted since.
     #[must_use]
     pub fn is_unanswered(&self) -> bool {
-        let asked = self.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Forest));
+        let asked = self
+            .solution
+            .as_ref()
+            .is_some_and(|solution| solution.source == Some(SolutionSource::Forest));
         self.status == FrameStatus::New && self.ptz.is_none() && self.clicks.is_empty() && asked
     }
 
     /// Why the forest has no answer.
     #[must_use]
     pub fn no_answer(&self) -> Option<&str> {
-        let warnings = self.solution.as_ref().filter(|_| self.is_unanswered()).map(|solution| &solution.warnings)?;
+        let warnings = self
+            .solution
+            .as_ref()
+            .filter(|_| self.is_unanswered())
+            .map(|solution| &solution.warnings)?;
         warnings.first().map(|warning| warning.message.as_str())
     }
 }
@@ -28,8 +35,15 @@ mod tests {
         let mut frame = Frame::from_image("x.jpg", "main".into(), ImageSize::new(64, 36));
         assert!(!frame.is_unanswered(), "nobody asked");
         let warnings = vec![SolutionWarning::new("coverage", "3 of 30.".to_owned())];
-        frame.solution = Some(Solution { source: Some(SolutionSource::Forest), warnings, ..Solution::default() });
-        assert_eq!((frame.is_unanswered(), frame.no_answer()), (true, Some("3 of 30.")));
+        frame.solution = Some(Solution {
+            source: Some(SolutionSource::Forest),
+            warnings,
+            ..Solution::default()
+        });
+        assert_eq!(
+            (frame.is_unanswered(), frame.no_answer()),
+            (true, Some("3 of 30."))
+        );
         frame.clicks.push(Click::unnamed(ImagePoint::new(1.0, 1.0)));
         assert_eq!((frame.is_unanswered(), frame.no_answer()), (false, None));
         frame.clicks.clear();

@@ -11,7 +11,8 @@ const LIKELY: f64 = 0.5;
 const HOLDS: f64 = 0.1;
 
 impl Frame {
-    /// The probability that its camera is right, while that is the program's and no person has accepted it or clicked it right.
+    /// The probability that its camera is right, while that is the program's and no person has
+    /// accepted it or clicked it right.
     #[must_use]
     pub fn suggested_confidence(&self) -> Option<f64> {
         let is_open = self.is_suggestion() && self.status == FrameStatus::Suggested;
@@ -21,31 +22,42 @@ impl Frame {
     /// The probability that a suggestion is right, where it is more likely wrong.
     #[must_use]
     pub fn unlikely(&self) -> Option<f64> {
-        self.suggested_confidence().filter(|confidence| *confidence < LIKELY)
+        self.suggested_confidence()
+            .filter(|confidence| *confidence < LIKELY)
     }
 
     /// Why a suggestion is more likely wrong than right, where that is recorded.
     #[must_use]
     pub fn why_unlikely(&self) -> Option<&str> {
         self.unlikely()?;
-        self.solution.as_ref()?.warnings.first().map(|warning| warning.message.as_str())
+        self.solution
+            .as_ref()?
+            .warnings
+            .first()
+            .map(|warning| warning.message.as_str())
     }
 
     /// What is recorded of the paint of its picture, where that contradicts its camera.
     #[must_use]
     pub fn contradicting_paint(&self) -> Option<&PaintEvidence> {
-        let evidence = self.solution.as_ref().filter(|_| self.ptz.is_some())?.line_check.as_ref()?;
+        let evidence = self
+            .solution
+            .as_ref()
+            .filter(|_| self.ptz.is_some())?
+            .line_check
+            .as_ref()?;
         (evidence.verdict() == LineVerdict::Contradicts).then_some(evidence)
     }
 
     /// The same of a camera that a person has accepted.
     #[must_use]
     pub fn accepted_off_paint(&self) -> Option<&PaintEvidence> {
-        self.contradicting_paint().filter(|_| self.status == FrameStatus::Reference)
+        self.contradicting_paint()
+            .filter(|_| self.status == FrameStatus::Reference)
     }
 
-    /// Whether its camera may speak for others: a person's word for it, or a suggestion that is as likely right as wrong and that no
-    /// paint contradicts.
+    /// Whether its camera may speak for others: a person's word for it, or a suggestion that is as
+    /// likely right as wrong and that no paint contradicts.
     #[must_use]
     pub fn vouches(&self) -> bool {
         self.suggested_confidence()
@@ -55,7 +67,8 @@ impl Frame {
     /// Whether its camera is a suggestion that does not even hold.
     #[must_use]
     pub fn is_hopeless(&self) -> bool {
-        self.suggested_confidence().is_some_and(|confidence| confidence < HOLDS)
+        self.suggested_confidence()
+            .is_some_and(|confidence| confidence < HOLDS)
     }
 
     /// Where its camera comes from, or what found none for it.
@@ -64,10 +77,15 @@ impl Frame {
         self.solution.as_ref()?.source
     }
 
-    /// Whether its camera was proposed by the program rather than clicked, snapped, imported or set manually.
+    /// Whether its camera was proposed by the program rather than clicked, snapped, imported or set
+    /// manually.
     #[must_use]
     pub fn is_suggestion(&self) -> bool {
-        self.ptz.is_some() && matches!(self.source(), Some(SolutionSource::Forest | SolutionSource::Tracking))
+        self.ptz.is_some()
+            && matches!(
+                self.source(),
+                Some(SolutionSource::Forest | SolutionSource::Tracking)
+            )
     }
 
     /// Whether its camera was carried to it from its neighbours in a clip.
@@ -76,8 +94,8 @@ impl Frame {
         self.ptz.is_some() && self.source() == Some(SolutionSource::Tracking)
     }
 
-    /// Whether the program gave it a camera by something else than a forest: no forest is asked for it where its answer would
-    /// be one among others.
+    /// Whether the program gave it a camera by something else than a forest: no forest is asked for
+    /// it where its answer would be one among others.
     #[must_use]
     pub fn is_answered_without_forest(&self) -> bool {
         self.ptz.is_some() && self.source() != Some(SolutionSource::Forest)
@@ -93,7 +111,9 @@ impl Frame {
     #[must_use]
     pub fn is_snapped(&self) -> bool {
         let by_paint = |solution: &Solution| solution.source == Some(SolutionSource::Markings);
-        self.solution.as_ref().is_some_and(|solution| by_paint(solution) && solution.proposed.is_none())
+        self.solution
+            .as_ref()
+            .is_some_and(|solution| by_paint(solution) && solution.proposed.is_none())
     }
 
     /// Whether its camera is the forest's, pulled onto the painted lines before anybody saw it.
@@ -122,14 +142,17 @@ impl Frame {
     /// Whether the verdict on its clicks was Wrong when it was solved.
     #[must_use]
     pub fn is_judged_wrong(&self) -> bool {
-        self.solution.as_ref().is_some_and(|solution| solution.verdict == Some(Verdict::Wrong))
+        self.solution
+            .as_ref()
+            .is_some_and(|solution| solution.verdict == Some(Verdict::Wrong))
     }
 
-    /// Whether the forest is trained with it. By default references are used, but neither accepted suggestions nor frames
-    /// judged Wrong; the user can override each.
+    /// Whether the forest is trained with it. By default references are used, but neither accepted
+    /// suggestions nor frames judged Wrong; the user can override each.
     #[must_use]
     pub fn is_used_for_training(&self) -> bool {
-        self.status == FrameStatus::Reference && self.use_for_training.unwrap_or(self.trains_by_default())
+        self.status == FrameStatus::Reference
+            && self.use_for_training.unwrap_or(self.trains_by_default())
     }
 
     /// Sets whether the forest is trained with it once it is a reference.
@@ -141,7 +164,8 @@ impl Frame {
         !self.is_suggestion() && !self.is_judged_wrong()
     }
 
-    /// Whether its clicks are used to estimate its camera's base: not if the frame is rejected or was left out.
+    /// Whether its clicks are used to estimate its camera's base: not if the frame is rejected or
+    /// was left out.
     #[must_use]
     pub fn is_used_for_base(&self) -> bool {
         self.status != FrameStatus::Rejected && self.use_for_base
@@ -151,7 +175,10 @@ impl Frame {
     #[must_use]
     pub fn landmark_clicks(&self) -> usize {
         let landmarks = |target: &Option<Target>| matches!(target, Some(Target::Landmark(_)));
-        self.clicks.iter().filter(|click| !click.check && landmarks(&click.target)).count()
+        self.clicks
+            .iter()
+            .filter(|click| !click.check && landmarks(&click.target))
+            .count()
     }
 }
 
@@ -165,26 +192,50 @@ mod tests {
     fn reference(source: SolutionSource) -> Frame {
         let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
-        frame.solution = Some(Solution { source: Some(source), ..Solution::default() });
+        frame.solution = Some(Solution {
+            source: Some(source),
+            ..Solution::default()
+        });
         frame.status = FrameStatus::Reference;
         frame
     }
 
     #[test]
     fn a_suggestion_speaks_for_others_while_it_is_likely_and_a_person_always() {
-        let off = PaintEvidence { score: 0.01, found: 3, bare: 80, predicted: 90, ..PaintEvidence::default() };
-        for (confidence, line_check, speaks) in [(0.6, None, true), (0.4, None, false), (0.6, Some(off), false)] {
+        let off = PaintEvidence {
+            score: 0.01,
+            found: 3,
+            bare: 80,
+            predicted: 90,
+            ..PaintEvidence::default()
+        };
+        for (confidence, line_check, speaks) in [
+            (0.6, None, true),
+            (0.4, None, false),
+            (0.6, Some(off), false),
+        ] {
             let accepted = reference(SolutionSource::Forest);
-            let mut suggested = Frame { status: FrameStatus::Suggested, ..accepted.clone() };
+            let mut suggested = Frame {
+                status: FrameStatus::Suggested,
+                ..accepted.clone()
+            };
             let solution = suggested.solution.as_mut().unwrap();
             (solution.confidence, solution.line_check) = (Some(confidence), line_check);
-            assert_eq!((suggested.vouches(), accepted.vouches()), (speaks, true), "{confidence}");
+            assert_eq!(
+                (suggested.vouches(), accepted.vouches()),
+                (speaks, true),
+                "{confidence}"
+            );
         }
     }
 
     #[test]
     fn a_frame_judged_wrong_is_no_training_frame_unless_a_person_says_so() {
-        for (verdict, by_itself) in [(Verdict::Good, true), (Verdict::Check, true), (Verdict::Wrong, false)] {
+        for (verdict, by_itself) in [
+            (Verdict::Good, true),
+            (Verdict::Check, true),
+            (Verdict::Wrong, false),
+        ] {
             let mut frame = reference(SolutionSource::Clicks);
             frame.solution.as_mut().unwrap().verdict = Some(verdict);
             assert_eq!(frame.is_used_for_training(), by_itself, "{verdict}");

@@ -1,7 +1,7 @@
 //! The shots of one video: found or marked, changed cut by cut, written into the document.
 //!
-//! A document says it twice, for two kinds of readers: `shots` has what was found and how, and each frame's `clip` has the
-//! shot that it belongs to. [`VideoShots::write`] keeps both in agreement.
+//! A document says it twice, for two kinds of readers: `shots` has what was found and how, and each
+//! frame's `clip` has the shot that it belongs to. [`VideoShots::write`] keeps both in agreement.
 
 use super::{Clip, Document, Extra, Frame, Shot, ShotEnd, ShotKind};
 use std::collections::BTreeSet;
@@ -41,7 +41,9 @@ pub enum ShotsError {
         frame: u64,
     },
     /// A cut cannot pass another one or leave the video.
-    #[error("the cut before frame {cut} lies between frames {from} and {to} and cannot be moved to {frame}")]
+    #[error(
+        "the cut before frame {cut} lies between frames {from} and {to} and cannot be moved to {frame}"
+    )]
     BeyondNeighbours {
         /// The first frame of its shot.
         cut: u64,
@@ -55,16 +57,27 @@ pub enum ShotsError {
 }
 
 impl VideoShots {
-    /// The shots of a video as a search found them: `cuts` has the first frame of every shot but the first, and how it was
-    /// found; `last` is the video's last frame.
+    /// The shots of a video as a search found them: `cuts` has the first frame of every shot but
+    /// the first, and how it was found; `last` is the video's last frame.
     #[must_use]
     pub fn found(document: &Document, video: &str, last: u64, cuts: &[(u64, ShotKind)]) -> Self {
-        let inside: BTreeSet<(u64, ShotKind)> =
-            cuts.iter().copied().filter(|(from, _)| (1..=last).contains(from)).collect();
-        let mut shots = Self { video: video.to_owned(), starts: Vec::new(), last };
+        let inside: BTreeSet<(u64, ShotKind)> = cuts
+            .iter()
+            .copied()
+            .filter(|(from, _)| (1..=last).contains(from))
+            .collect();
+        let mut shots = Self {
+            video: video.to_owned(),
+            starts: Vec::new(),
+            last,
+        };
         for (from, kind) in std::iter::once((0, ShotKind::Cut)).chain(inside) {
             let clip = shots.free_clip(document);
-            shots.starts.push(Start { from, shot: shot(kind), clip });
+            shots.starts.push(Start {
+                from,
+                shot: shot(kind),
+                clip,
+            });
         }
         shots
     }
@@ -76,30 +89,48 @@ impl VideoShots {
         let mut last = numbers.last()?.0;
         let mut starts: Vec<Start> = Vec::new();
         for shot in &document.shots {
-            let (Some(from), Some(to)) = (end(document, &shot.from, video), end(document, &shot.to, video)) else {
+            let (Some(from), Some(to)) = (
+                end(document, &shot.from, video),
+                end(document, &shot.to, video),
+            ) else {
                 continue;
             };
             let first = numbers.get(numbers.partition_point(|(number, _)| *number < from));
             let first = first.filter(|(number, _)| *number <= to);
             let clip = first.and_then(|(_, position)| document.frames[*position].clip.clone());
             last = last.max(to);
-            starts.push(Start { from, shot: shot.clone(), clip: clip.unwrap_or(Clip::Number(0)) });
+            starts.push(Start {
+                from,
+                shot: shot.clone(),
+                clip: clip.unwrap_or(Clip::Number(0)),
+            });
         }
         starts.sort_by_key(|start| start.from);
         starts.dedup_by_key(|start| start.from);
-        (!starts.is_empty()).then(|| Self { video: video.to_owned(), starts, last })
+        (!starts.is_empty()).then(|| Self {
+            video: video.to_owned(),
+            starts,
+            last,
+        })
     }
 
     /// The first frame of every shot, and how it was found.
     #[must_use]
     pub fn starts(&self) -> impl ExactSizeIterator<Item = (u64, ShotKind)> {
-        self.starts.iter().map(|start| (start.from, start.shot.kind))
+        self.starts
+            .iter()
+            .map(|start| (start.from, start.shot.kind))
     }
 
     /// The first frame of the shot that a frame belongs to.
     #[must_use]
     pub fn start_of(&self, frame: u64) -> u64 {
-        self.starts.iter().rev().map(|start| start.from).find(|from| *from <= frame).unwrap_or(0)
+        self.starts
+            .iter()
+            .rev()
+            .map(|start| start.from)
+            .find(|from| *from <= frame)
+            .unwrap_or(0)
     }
 
     /// A shot begins at a frame: the one that it was in ends before it.
@@ -113,8 +144,17 @@ impl VideoShots {
         }
         let clip = self.free_clip(document);
         let mut new = shot(ShotKind::ByHand);
-        new.camera = at.checked_sub(1).and_then(|before| self.starts[before].shot.camera.clone());
-        self.starts.insert(at, Start { from: frame, shot: new, clip });
+        new.camera = at
+            .checked_sub(1)
+            .and_then(|before| self.starts[before].shot.camera.clone());
+        self.starts.insert(
+            at,
+            Start {
+                from: frame,
+                shot: new,
+                clip,
+            },
+        );
         Ok(())
     }
 
@@ -135,9 +175,17 @@ impl VideoShots {
     pub fn move_cut(&mut self, cut: u64, frame: u64) -> Result<(), ShotsError> {
         let at = self.cut_at(cut)?;
         let from = self.starts[at - 1].from + 1;
-        let to = self.starts.get(at + 1).map_or(self.last, |next| next.from - 1);
+        let to = self
+            .starts
+            .get(at + 1)
+            .map_or(self.last, |next| next.from - 1);
         if !(from..=to).contains(&frame) {
-            return Err(ShotsError::BeyondNeighbours { cut, frame, from, to });
+            return Err(ShotsError::BeyondNeighbours {
+                cut,
+                frame,
+                from,
+                to,
+            });
         }
         if frame != cut {
             self.starts[at].from = frame;
@@ -153,28 +201,54 @@ impl VideoShots {
 
     /// A number that no shot has.
     fn free_clip(&self, document: &Document) -> Clip {
-        let known = document.frames.iter().filter_map(|frame| frame.clip.as_ref());
+        let known = document
+            .frames
+            .iter()
+            .filter_map(|frame| frame.clip.as_ref());
         let known = known.chain(self.starts.iter().map(|start| &start.clip));
-        let most = known.filter_map(|clip| if let Clip::Number(number) = clip { Some(*number) } else { None }).max();
+        let most = known
+            .filter_map(|clip| {
+                if let Clip::Number(number) = clip {
+                    Some(*number)
+                } else {
+                    None
+                }
+            })
+            .max();
         Clip::Number(most.unwrap_or(0).saturating_add(1))
     }
 
-    /// Writes the shots in place of those that the document has of this video, and each frame's shot into the frame.
+    /// Writes the shots in place of those that the document has of this video, and each frame's
+    /// shot into the frame.
     pub fn write(mut self, document: &mut Document) {
         // Shots of which no frame is here have shared nothing; give each a name of its own.
         for at in 0..self.starts.len() {
-            if self.starts[..at].iter().any(|before| before.clip == self.starts[at].clip) {
+            if self.starts[..at]
+                .iter()
+                .any(|before| before.clip == self.starts[at].clip)
+            {
                 self.starts[at].clip = self.free_clip(document);
             }
         }
-        let is_only_video =
-            document.frames.iter().all(|frame| frame.video.as_ref().is_none_or(|video| video.path == self.video));
-        let of_others: Vec<Shot> =
-            document.shots.iter().filter(|shot| end(document, &shot.from, &self.video).is_none()).cloned().collect();
+        let is_only_video = document.frames.iter().all(|frame| {
+            frame
+                .video
+                .as_ref()
+                .is_none_or(|video| video.path == self.video)
+        });
+        let of_others: Vec<Shot> = document
+            .shots
+            .iter()
+            .filter(|shot| end(document, &shot.from, &self.video).is_none())
+            .cloned()
+            .collect();
         let numbers = numbers(document, &self.video);
         let mut shots = Vec::new();
         for (at, start) in self.starts.iter().enumerate() {
-            let to = self.starts.get(at + 1).map_or(self.last, |next| next.from - 1);
+            let to = self
+                .starts
+                .get(at + 1)
+                .map_or(self.last, |next| next.from - 1);
             let place = |number: u64| numbers.partition_point(|(known, _)| *known < number);
             let inside = &numbers[place(start.from)..place(to.saturating_add(1))];
             let id = |frame: Option<&(u64, usize)>| {
@@ -185,7 +259,11 @@ impl VideoShots {
             } else {
                 id(inside.first()).zip(id(inside.last()))
             };
-            shots.extend(ends.map(|(from, to)| Shot { from, to, ..start.shot.clone() }));
+            shots.extend(ends.map(|(from, to)| Shot {
+                from,
+                to,
+                ..start.shot.clone()
+            }));
             for &(_, position) in inside {
                 if document.frames[position].clip.as_ref() != Some(&start.clip) {
                     document.frames[position].clip = Some(start.clip.clone());
@@ -198,28 +276,44 @@ impl VideoShots {
 
 /// A shot whose ends are not known yet.
 fn shot(kind: ShotKind) -> Shot {
-    Shot { from: ShotEnd::VideoFrame(0), to: ShotEnd::VideoFrame(0), camera: None, kind, extra: Extra::new() }
+    Shot {
+        from: ShotEnd::VideoFrame(0),
+        to: ShotEnd::VideoFrame(0),
+        camera: None,
+        kind,
+        extra: Extra::new(),
+    }
 }
 
 /// The number of a frame in a video; none where it is of another one or of none.
 fn number(frame: &Frame, video: &str) -> Option<u64> {
-    frame.video.as_ref().filter(|of| of.path == video).map(|of| of.frame_index)
+    frame
+        .video
+        .as_ref()
+        .filter(|of| of.path == video)
+        .map(|of| of.frame_index)
 }
 
-/// The numbers that a document's frames have in a video, and where the frames stand, in the order of the video.
+/// The numbers that a document's frames have in a video, and where the frames stand, in the order
+/// of the video.
 fn numbers(document: &Document, video: &str) -> Vec<(u64, usize)> {
     let numbered = document.frames.iter().enumerate();
-    let mut numbers: Vec<(u64, usize)> =
-        numbered.filter_map(|(position, frame)| Some((number(frame, video)?, position))).collect();
+    let mut numbers: Vec<(u64, usize)> = numbered
+        .filter_map(|(position, frame)| Some((number(frame, video)?, position)))
+        .collect();
     numbers.sort_unstable();
     numbers
 }
 
-/// The number that an end of a shot has in a video; none where it is of another one. A bare number is of the first video.
+/// The number that an end of a shot has in a video; none where it is of another one. A bare number
+/// is of the first video.
 fn end(document: &Document, end: &ShotEnd, video: &str) -> Option<u64> {
     match end {
         ShotEnd::VideoFrame(frame) => {
-            let first = document.frames.iter().find_map(|frame| frame.video.as_ref())?;
+            let first = document
+                .frames
+                .iter()
+                .find_map(|frame| frame.video.as_ref())?;
             (first.path == video).then_some(*frame)
         }
         ShotEnd::Frame(id) => number(document.frames.by_id(id)?, video),
@@ -238,35 +332,77 @@ mod tests {
         for video in videos {
             for index in (0..12).step_by(step) {
                 let video = VideoFrame::new(video, index, None);
-                document.frames.push(Frame::from_video(video, "main".into(), ImageSize::new(64, 36)).into());
+                document
+                    .frames
+                    .push(Frame::from_video(video, "main".into(), ImageSize::new(64, 36)).into());
             }
         }
         document
     }
 
     fn clips(document: &Document) -> Vec<String> {
-        document.frames.iter().map(|frame| frame.clip.as_ref().map_or_else(String::new, ToString::to_string)).collect()
+        document
+            .frames
+            .iter()
+            .map(|frame| {
+                frame
+                    .clip
+                    .as_ref()
+                    .map_or_else(String::new, ToString::to_string)
+            })
+            .collect()
     }
 
     fn spans(document: &Document) -> Vec<(u64, u64, ShotKind)> {
-        let number = |end: &ShotEnd| if let ShotEnd::VideoFrame(number) = end { *number } else { panic!("an id") };
-        document.shots.iter().map(|shot| (number(&shot.from), number(&shot.to), shot.kind)).collect()
+        let number = |end: &ShotEnd| {
+            if let ShotEnd::VideoFrame(number) = end {
+                *number
+            } else {
+                panic!("an id")
+            }
+        };
+        document
+            .shots
+            .iter()
+            .map(|shot| (number(&shot.from), number(&shot.to), shot.kind))
+            .collect()
     }
 
     #[test]
     fn cuts_are_found_added_moved_and_removed() {
         let mut document = document(&["a.mp4"], 1);
-        VideoShots::found(&document, "a.mp4", 11, &[(4, ShotKind::Cut), (8, ShotKind::Fade)]).write(&mut document);
-        let found = [(0, 3, ShotKind::Cut), (4, 7, ShotKind::Cut), (8, 11, ShotKind::Fade)];
+        VideoShots::found(
+            &document,
+            "a.mp4",
+            11,
+            &[(4, ShotKind::Cut), (8, ShotKind::Fade)],
+        )
+        .write(&mut document);
+        let found = [
+            (0, 3, ShotKind::Cut),
+            (4, 7, ShotKind::Cut),
+            (8, 11, ShotKind::Fade),
+        ];
         assert_eq!(spans(&document), found);
         assert_eq!(clips(&document).concat(), "111122223333");
 
         let mut shots = VideoShots::of(&document, "a.mp4").unwrap();
-        assert_eq!((shots.start_of(3), shots.start_of(4), shots.start_of(11)), (0, 4, 8));
+        assert_eq!(
+            (shots.start_of(3), shots.start_of(4), shots.start_of(11)),
+            (0, 4, 8)
+        );
         assert_eq!(shots.add(&document, 4), Err(ShotsError::IsCut { frame: 4 }));
         assert_eq!(shots.remove(0), Err(ShotsError::NoCut { frame: 0 }));
         assert_eq!(shots.remove(5), Err(ShotsError::NoCut { frame: 5 }));
-        assert_eq!(shots.move_cut(4, 8), Err(ShotsError::BeyondNeighbours { cut: 4, frame: 8, from: 1, to: 7 }));
+        assert_eq!(
+            shots.move_cut(4, 8),
+            Err(ShotsError::BeyondNeighbours {
+                cut: 4,
+                frame: 8,
+                from: 1,
+                to: 7
+            })
+        );
         shots.move_cut(8, 10).unwrap();
         shots.add(&document, 6).unwrap();
         shots.write(&mut document);
@@ -283,12 +419,28 @@ mod tests {
     #[test]
     fn a_document_of_some_frames_keeps_the_numbers_of_the_video() {
         let mut document = document(&["a.mp4"], 5);
-        VideoShots::found(&document, "a.mp4", 11, &[(3, ShotKind::Cut), (7, ShotKind::Cut), (7, ShotKind::Cut)])
-            .write(&mut document);
-        assert_eq!(spans(&document), [(0, 2, ShotKind::Cut), (3, 6, ShotKind::Cut), (7, 11, ShotKind::Cut)]);
+        VideoShots::found(
+            &document,
+            "a.mp4",
+            11,
+            &[(3, ShotKind::Cut), (7, ShotKind::Cut), (7, ShotKind::Cut)],
+        )
+        .write(&mut document);
+        assert_eq!(
+            spans(&document),
+            [
+                (0, 2, ShotKind::Cut),
+                (3, 6, ShotKind::Cut),
+                (7, 11, ShotKind::Cut)
+            ]
+        );
         assert_eq!(clips(&document).concat(), "123");
         assert_eq!(
-            VideoShots::of(&document, "a.mp4").unwrap().starts().map(|(from, _)| from).collect::<Vec<_>>(),
+            VideoShots::of(&document, "a.mp4")
+                .unwrap()
+                .starts()
+                .map(|(from, _)| from)
+                .collect::<Vec<_>>(),
             [0, 3, 7]
         );
     }
@@ -299,8 +451,13 @@ mod tests {
         VideoShots::found(&document, "a.mp4", 11, &[(8, ShotKind::Cut)]).write(&mut document);
         VideoShots::found(&document, "b.mp4", 11, &[(4, ShotKind::Cut)]).write(&mut document);
         assert_eq!(clips(&document).concat(), "112344");
-        let starts =
-            |video| VideoShots::of(&document, video).unwrap().starts().map(|(from, _)| from).collect::<Vec<_>>();
+        let starts = |video| {
+            VideoShots::of(&document, video)
+                .unwrap()
+                .starts()
+                .map(|(from, _)| from)
+                .collect::<Vec<_>>()
+        };
         assert_eq!((starts("a.mp4"), starts("b.mp4")), (vec![0, 8], vec![0, 4]));
         assert_eq!(VideoShots::of(&document, "c.mp4"), None);
     }

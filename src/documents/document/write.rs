@@ -1,6 +1,8 @@
-//! From a document to text: the same document gives the same bytes, and a small change gives a small difference.
+//! From a document to text: the same document gives the same bytes, and a small change gives a
+//! small difference.
 //!
-//! What fits on a line is written on one line (a click, a mask, a new frame); everything else is broken, one entry a line.
+//! What fits on a line is written on one line (a click, a mask, a new frame); everything else is
+//! broken, one entry a line.
 
 use super::{DOCUMENT_VERSION, Document, FORMAT_NAME, generator};
 use serde::Serialize;
@@ -12,8 +14,17 @@ use thiserror::Error;
 const LINE_WIDTH: usize = 120;
 
 /// The keys of a document that have a meaning.
-pub(super) const OWN_KEYS: [&str; 9] =
-    ["format", "version", "generator", "conventions", "field", "cameras", FRAMES, "click_noise", "shots"];
+pub(super) const OWN_KEYS: [&str; 9] = [
+    "format",
+    "version",
+    "generator",
+    "conventions",
+    "field",
+    "cameras",
+    FRAMES,
+    "click_noise",
+    "shots",
+];
 
 /// Each level is moved in by so many spaces.
 const INDENT: usize = 2;
@@ -46,17 +57,36 @@ pub fn document_to_string(document: &Document) -> Result<String, WriteError> {
     root.insert("format".to_owned(), FORMAT_NAME.into());
     root.insert("version".to_owned(), DOCUMENT_VERSION.into());
     root.insert("generator".to_owned(), generator().into());
-    root.insert("conventions".to_owned(), Value::Object(document.conventions.clone()));
-    root.insert("field".to_owned(), json(&document.field, || "field".to_owned())?);
-    let cameras = document.cameras.iter().map(|camera| json(camera, || format!("camera {}", camera.id)));
-    root.insert("cameras".to_owned(), Value::Array(cameras.collect::<Result<_, _>>()?));
-    // In their place among the keys; they are written one after the other, for together they take ten times as much memory as text.
+    root.insert(
+        "conventions".to_owned(),
+        Value::Object(document.conventions.clone()),
+    );
+    root.insert(
+        "field".to_owned(),
+        json(&document.field, || "field".to_owned())?,
+    );
+    let cameras = document
+        .cameras
+        .iter()
+        .map(|camera| json(camera, || format!("camera {}", camera.id)));
+    root.insert(
+        "cameras".to_owned(),
+        Value::Array(cameras.collect::<Result<_, _>>()?),
+    );
+    // In their place among the keys; they are written one after the other, for together they take
+    // ten times as much memory as text.
     root.insert(FRAMES.to_owned(), Value::Null);
     if let Some(noise) = &document.click_noise {
-        root.insert("click_noise".to_owned(), json(noise, || "click_noise".to_owned())?);
+        root.insert(
+            "click_noise".to_owned(),
+            json(noise, || "click_noise".to_owned())?,
+        );
     }
     if !document.shots.is_empty() {
-        root.insert("shots".to_owned(), json(&document.shots, || "shots".to_owned())?);
+        root.insert(
+            "shots".to_owned(),
+            json(&document.shots, || "shots".to_owned())?,
+        );
     }
     for (key, value) in &document.extra {
         root.entry(key.as_str()).or_insert_with(|| value.clone());
@@ -79,7 +109,8 @@ pub fn document_to_string(document: &Document) -> Result<String, WriteError> {
 /// Writes the frames as [`write_value`] writes a list, `used` bytes of the line being taken.
 fn write_frames(document: &Document, used: usize, text: &mut String) -> Result<(), WriteError> {
     let frames = document.frames.iter().enumerate();
-    let mut frames = frames.map(|(index, frame)| json(frame, || format!("frames[{index}] ({})", frame.name())));
+    let mut frames =
+        frames.map(|(index, frame)| json(frame, || format!("frames[{index}] ({})", frame.name())));
     if document.frames.len() <= MAY_FIT_ON_LINE {
         let few = Value::Array(frames.collect::<Result<_, _>>()?);
         write_value(&few, INDENT, used, text);
@@ -96,8 +127,14 @@ fn write_frames(document: &Document, used: usize, text: &mut String) -> Result<(
 }
 
 /// A part of the document as JSON; `place` names it in an error.
-pub(super) fn json<T: Serialize>(value: &T, place: impl Fn() -> String) -> Result<Value, WriteError> {
-    serde_json::to_value(value).map_err(|error| WriteError::NotFinite { place: place(), message: error.to_string() })
+pub(super) fn json<T: Serialize>(
+    value: &T,
+    place: impl Fn() -> String,
+) -> Result<Value, WriteError> {
+    serde_json::to_value(value).map_err(|error| WriteError::NotFinite {
+        place: place(),
+        message: error.to_string(),
+    })
 }
 
 fn write_value(value: &Value, indent: usize, used: usize, text: &mut String) {
@@ -171,7 +208,8 @@ fn write_item(comma: bool, item: &Value, indent: usize, text: &mut String) {
     write_value(item, indent, indent, text);
 }
 
-/// Begins an entry of an object on a line of its own, up to its value; how many bytes of that line are taken.
+/// Begins an entry of an object on a line of its own, up to its value; how many bytes of that line
+/// are taken.
 fn begin_entry(comma: bool, key: &str, indent: usize, text: &mut String) -> usize {
     new_line(comma, indent, text);
     let start = text.len();
@@ -209,7 +247,8 @@ mod tests {
             for index in 0..count {
                 let mut frame = Frame::from_image(&index.to_string(), "c".into(), size);
                 // The last one fits on no line.
-                let ptz = touchline_core::camera::Ptz::from_degrees(1.0 / 3.0, 2.0 / 3.0, 1000.0 / 3.0);
+                let ptz =
+                    touchline_core::camera::Ptz::from_degrees(1.0 / 3.0, 2.0 / 3.0, 1000.0 / 3.0);
                 frame.ptz = (index == 3).then(|| FramePtz::new(ptz, None));
                 document.frames.push(frame.into());
             }
@@ -226,7 +265,10 @@ mod tests {
         for index in 0..4 {
             let mut frame = Frame::from_image(&index.to_string(), "c".into(), ImageSize::new(9, 9));
             let focal_px = if index == 2 { f64::NAN } else { 900.0 };
-            frame.ptz = Some(FramePtz::new(touchline_core::camera::Ptz::from_degrees(1.0, 2.0, focal_px), None));
+            frame.ptz = Some(FramePtz::new(
+                touchline_core::camera::Ptz::from_degrees(1.0, 2.0, focal_px),
+                None,
+            ));
             document.frames.push(frame.into());
         }
         let error = document_to_string(&document).unwrap_err().to_string();

@@ -16,9 +16,9 @@ const fn about(conventions: &'static str, users: &'static str) -> About {
     About { conventions, users }
 }
 
-const SOCCERNET_WORLD: &str = "x right, y toward the main camera, z down, m; angles ZXZ in degrees, tilt 0 looks down";
-const YARDS: &str =
-    "image → template in yards from the far-left corner, y toward the camera; pixel centres at whole numbers";
+const SOCCERNET_WORLD: &str =
+    "x right, y toward the main camera, z down, m; angles ZXZ in degrees, tilt 0 looks down";
+const YARDS: &str = "image → template in yards from the far-left corner, y toward the camera; pixel centres at whole numbers";
 
 impl Format {
     /// What its file is usually called; for a folder the folder.
@@ -49,9 +49,10 @@ impl Format {
                 "world: origin at the field's centre, x right, y away, z up, m; degrees; pixels from the corner",
                 "this program, touchline_dataset.py (numpy)",
             ),
-            Self::SoccerNet => {
-                about(SOCCERNET_WORLD, "SoccerNet challenges, sn-calibration, tracklab, TVCalib, PnLCalib, sportlight")
-            }
+            Self::SoccerNet => about(
+                SOCCERNET_WORLD,
+                "SoccerNet challenges, sn-calibration, tracklab, TVCalib, PnLCalib, sportlight",
+            ),
             Self::SoccerNetLines => about(
                 "points as fractions of width and height, by class of line",
                 "SoccerNet calibration, game state (--variant gamestate)",
@@ -64,16 +65,23 @@ impl Format {
                 "points as fractions of width and height; one box per picture",
                 "Ultralytics pose models, Roboflow",
             ),
-            Self::Coco => {
-                about("pixel centres at whole numbers (touchline's − 0.5)", "mmpose, Detectron2, FiftyOne, pycocotools")
-            }
+            Self::Coco => about(
+                "pixel centres at whole numbers (touchline's − 0.5)",
+                "mmpose, Detectron2, FiftyOne, pycocotools",
+            ),
             Self::Cvat => about("pixels from the corner", "CVAT"),
             Self::LabelStudio => about("percent of width and height", "Label Studio"),
             Self::Labelme => about("pixels from the corner", "labelme, AnyLabeling"),
             Self::Wc14 => about(YARDS, "World Cup 2014 benchmarks, KpSFR, SCCvSD"),
             Self::TsWorldCup => about(YARDS, "TS-WorldCup benchmarks, KpSFR"),
-            Self::Homography => about("pitch ← image in metres, pixels from the corner; each line says so", "scripts"),
-            Self::BroadTrack => about(SOCCERNET_WORLD, "BroadTrack, pipelines with cached calibrations"),
+            Self::Homography => about(
+                "pitch ← image in metres, pixels from the corner; each line says so",
+                "scripts",
+            ),
+            Self::BroadTrack => about(
+                SOCCERNET_WORLD,
+                "BroadTrack, pipelines with cached calibrations",
+            ),
             Self::Colmap => about(
                 "touchline's world → camera, quaternion; pixels from the corner; one camera per frame",
                 "COLMAP, pycolmap, NeRF, 3D Gaussian splats",
@@ -94,22 +102,28 @@ impl Format {
                 "pan right positive, 1/32768°, 1/64 mm; zoom in raw steps",
                 "virtual studios, Unreal LiveLink, Vizrt",
             ),
-            Self::FreeDCsv => about("as FreeD, in degrees and mm, with times", "spreadsheets, FreeD players"),
+            Self::FreeDCsv => about(
+                "as FreeD, in degrees and mm, with times",
+                "spreadsheets, FreeD players",
+            ),
             Self::DeepSport => about("far-left corner, z down, cm", "DeepSport, calib3d"),
-            Self::Chan => {
-                about("y up, m, rotation order ZXY, vertical field of view in degrees", "Nuke, Blender, Natron")
-            }
+            Self::Chan => about(
+                "y up, m, rotation order ZXY, vertical field of view in degrees",
+                "Nuke, Blender, Natron",
+            ),
             Self::Fifa => about(
                 "touchline's world → camera, R and t; pixel centres at whole numbers; a lens per frame",
                 "FIFA Skeletal Tracking tasks, NumPy",
             ),
-            Self::Cdf => {
-                about("touchline's world; the camera's position, m", "the Common Data Format and its validator")
-            }
+            Self::Cdf => about(
+                "touchline's world; the camera's position, m",
+                "the Common Data Format and its validator",
+            ),
             Self::PnlCalib => about(SOCCERNET_WORLD, "PnLCalib, No Bells Just Whistles, TVCalib"),
-            Self::AuthorsMat => {
-                about("corner of the field, yards and metres, Rodrigues", "the two-point method's authors")
-            }
+            Self::AuthorsMat => about(
+                "corner of the field, yards and metres, Rodrigues",
+                "the two-point method's authors",
+            ),
         }
     }
 }

@@ -1,9 +1,10 @@
 //! `BroadTrack`'s JSON: an object with a camera for each picture (WACV 2025).
 //!
-//! World, angles and their order are `SoccerNet`'s. The focal length is a horizontal field of view, the principal point always
-//! the middle, and a distortion coefficient is `k · (height / f)^(2 i)`, three at most. Pictures are found by the file's name, so
-//! names must be unique; a public reader drops entries with a `score` below 0.3.
-//! Source: `evs-broadcast/BroadTrack`, formats of its files only.
+//! World, angles and their order are `SoccerNet`'s. The focal length is a horizontal field of view,
+//! the principal point always the middle, and a distortion coefficient is `k · (height / f)^(2 i)`,
+//! three at most. Pictures are found by the file's name, so names must be unique; a public reader
+//! drops entries with a `score` below 0.3. Source: `evs-broadcast/BroadTrack`, formats of its files
+//! only.
 
 use super::camera_format::{CameraFormat, WriteContext, file_name_of, has_ending};
 use super::error::{ExchangeError, Problem};
@@ -29,10 +30,19 @@ fn unit(pinhole: &Pinhole, size: ImageSize) -> f64 {
 fn to_json(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize) -> Value {
     let [pan, tilt, roll] = angles_deg(&flipped_world(&pinhole.cam_from_world));
     let position = flipped(pinhole.position_m);
-    let (width, unit, Radial { k1, k2 }) = (f64::from(size.width), unit(pinhole, size), pinhole.lens);
-    let coefficients = if k2 == 0.0 { vec![k1 * unit] } else { vec![k1 * unit, k2 * unit * unit] };
+    let (width, unit, Radial { k1, k2 }) =
+        (f64::from(size.width), unit(pinhole, size), pinhole.lens);
+    let coefficients = if k2 == 0.0 {
+        vec![k1 * unit]
+    } else {
+        vec![k1 * unit, k2 * unit * unit]
+    };
     let is_reference = frame.record.status == FrameStatus::Reference;
-    let score = if is_reference { 1.0 } else { frame.record.confidence.unwrap_or(1.0) };
+    let score = if is_reference {
+        1.0
+    } else {
+        frame.record.confidence.unwrap_or(1.0)
+    };
     json!({
         "cp": {
             "sensorResolutionWidthPixels": width,
@@ -62,10 +72,22 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
     let view = camera.key("horizontalFieldOfViewDegrees")?.positive()?;
     if !(view < 179.0) {
         let what = format!("[{name:?}].cp.horizontalFieldOfViewDegrees");
-        return Err(Problem::OutOfRange { what, value: view, wanted: "below 179" });
+        return Err(Problem::OutOfRange {
+            what,
+            value: view,
+            wanted: "below 179",
+        });
     }
-    let angles = [number("panDegrees")?, number("tiltDegrees")?, number("rollDegrees")?];
-    let position = Vec3::new(number("positionXMeters")?, number("positionYMeters")?, number("positionZMeters")?);
+    let angles = [
+        number("panDegrees")?,
+        number("tiltDegrees")?,
+        number("rollDegrees")?,
+    ];
+    let position = Vec3::new(
+        number("positionXMeters")?,
+        number("positionYMeters")?,
+        number("positionZMeters")?,
+    );
     let mut pinhole = Pinhole {
         cam_from_world: flipped_world(&rotation_of(angles)),
         position_m: flipped(position),
@@ -73,39 +95,76 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
         principal_point: size.centre(),
         lens: Radial::default(),
     };
-    let terms = camera.find("normalizedRadialDistortionCoefficients").map(|node| node.all_numbers()).transpose()?;
+    let terms = camera
+        .find("normalizedRadialDistortionCoefficients")
+        .map(|node| node.all_numbers())
+        .transpose()?;
     let terms = terms.unwrap_or_default();
     if terms.iter().skip(2).any(|term| *term != 0.0) {
         let what = "a third distortion coefficient".to_owned();
-        return Err(Problem::Unsupported { what, why: "the document's lens has k1 and k2 only" });
+        return Err(Problem::Unsupported {
+            what,
+            why: "the document's lens has k1 and k2 only",
+        });
     }
-    let (unit, term) = (unit(&pinhole, size), |index: usize| terms.get(index).copied().unwrap_or(0.0));
-    pinhole.lens = Radial { k1: term(0) / unit, k2: term(1) / (unit * unit) };
+    let (unit, term) = (unit(&pinhole, size), |index: usize| {
+        terms.get(index).copied().unwrap_or(0.0)
+    });
+    pinhole.lens = Radial {
+        k1: term(0) / unit,
+        k2: term(1) / (unit * unit),
+    };
     let score = node.key("score")?.number()?;
-    let mut frame = FrameCamera::new(name, Some(size), Shown::Camera(pinhole.checked("the camera")?));
+    let mut frame = FrameCamera::new(
+        name,
+        Some(size),
+        Shown::Camera(pinhole.checked("the camera")?),
+    );
     frame.image = Some(safe_path(name)?);
-    frame.record = Record { confidence: Some(score.clamp(0.0, 1.0)), ..Record::default() };
+    frame.record = Record {
+        confidence: Some(score.clamp(0.0, 1.0)),
+        ..Record::default()
+    };
     Ok(frame)
 }
 
 impl CameraFormat for BroadTrack {
-    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        _index: usize,
+        _context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
         let (pinhole, size) = parts(frame)?;
-        Ok(with(frame, file_name_of(frame), Pinhole { principal_point: size.centre(), ..pinhole }))
+        Ok(with(
+            frame,
+            file_name_of(frame),
+            Pinhole {
+                principal_point: size.centre(),
+                ..pinhole
+            },
+        ))
     }
 
     fn notes(&self, _frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
         pitch_note(context).into_iter().collect()
     }
 
-    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        _context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         let mut all = Map::new();
         for frame in held {
             if let Ok((pinhole, size)) = parts(frame) {
                 all.insert(frame.name.clone(), to_json(frame, &pinhole, size));
             }
         }
-        Ok(Files::one("broadtrack.json", format!("{:#}\n", Value::Object(all)).into_bytes()))
+        Ok(Files::one(
+            "broadtrack.json",
+            format!("{:#}\n", Value::Object(all)).into_bytes(),
+        ))
     }
 
     fn wanted(&self) -> &'static str {
@@ -116,10 +175,17 @@ impl CameraFormat for BroadTrack {
         has_ending(name, "json")
     }
 
-    fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(
+        &self,
+        files: &Files,
+        _options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
         files.read_all(|_, bytes| {
             let value = parse(bytes)?;
-            Node::root(&value).entries()?.map(|(name, node)| from_json(name, &node)).collect::<Result<Vec<_>, _>>()
+            Node::root(&value)
+                .entries()?
+                .map(|(name, node)| from_json(name, &node))
+                .collect::<Result<Vec<_>, _>>()
         })
     }
 }
@@ -132,11 +198,19 @@ mod tests {
 
     #[test]
     fn the_reference_camera_has_the_published_numbers() {
-        let text = text_of(&exported(&reference(), Format::BroadTrack).files, "broadtrack.json");
+        let text = text_of(
+            &exported(&reference(), Format::BroadTrack).files,
+            "broadtrack.json",
+        );
         let all: Value = serde_json::from_str(&text).unwrap();
         let camera = &all["0001.jpg"]["cp"];
-        assert!((camera["horizontalFieldOfViewDegrees"].as_f64().unwrap() - 43.43876531380934).abs() < 1e-12);
-        let coefficient = camera["normalizedRadialDistortionCoefficients"][0].as_f64().unwrap();
+        assert!(
+            (camera["horizontalFieldOfViewDegrees"].as_f64().unwrap() - 43.43876531380934).abs()
+                < 1e-12
+        );
+        let coefficient = camera["normalizedRadialDistortionCoefficients"][0]
+            .as_f64()
+            .unwrap();
         assert!((coefficient - 0.013274399545462374).abs() < 1e-15);
         assert_eq!(all["0001.jpg"]["score"], 1.0);
     }
@@ -146,18 +220,33 @@ mod tests {
         let exported = exported(&awkward(), Format::BroadTrack);
         assert!(exported.worst_px < 1e-6);
         let loss = exported.loss.unwrap();
-        assert_eq!((loss.what.as_slice(), loss.frames), (["the principal point"].as_slice(), 12));
+        assert_eq!(
+            (loss.what.as_slice(), loss.frames),
+            (["the principal point"].as_slice(), 12)
+        );
         assert!(loss.rms_px > 8.0 && loss.rms_px < 15.0, "{loss}");
     }
 
     #[test]
     fn damaged_files_are_named_in_one_line() {
-        let good = text_of(&exported(&reference(), Format::BroadTrack).files, "broadtrack.json");
+        let good = text_of(
+            &exported(&reference(), Format::BroadTrack).files,
+            "broadtrack.json",
+        );
         let swap = |from: &str, to: &str| good.replacen(from, to, 1);
         for (text, wanted) in [
-            ("[]".to_owned(), "the file: an object is expected, found a list of 0"),
-            (swap("0001.jpg", "../0001.jpg"), "the path \"../0001.jpg\" points outside the folder"),
-            (swap("\"score\"", "\"scores\""), "[\"0001.jpg\"].score is missing"),
+            (
+                "[]".to_owned(),
+                "the file: an object is expected, found a list of 0",
+            ),
+            (
+                swap("0001.jpg", "../0001.jpg"),
+                "the path \"../0001.jpg\" points outside the folder",
+            ),
+            (
+                swap("\"score\"", "\"scores\""),
+                "[\"0001.jpg\"].score is missing",
+            ),
             (swap("\"cp\"", "\"camera\""), "[\"0001.jpg\"].cp is missing"),
             (
                 swap("1920.0", "1920.5"),
@@ -177,7 +266,10 @@ mod tests {
             ),
         ] {
             let files = Files::one("a.json", text.into_bytes());
-            let error = BroadTrack.read(&files, &ImportOptions::default()).unwrap_err().to_string();
+            let error = BroadTrack
+                .read(&files, &ImportOptions::default())
+                .unwrap_err()
+                .to_string();
             assert_eq!(error, format!("a.json: {wanted}"));
         }
     }

@@ -28,7 +28,11 @@ pub struct WriteContext<'a> {
 impl WriteContext<'_> {
     /// The timecode of a frame, where its number and the rate are known.
     pub fn timecode(&self, frame: &FrameCamera) -> Option<Timecode> {
-        Some(Timecode::from_start(self.options.start, frame.frame_index?, self.rate_of(frame)?))
+        Some(Timecode::from_start(
+            self.options.start,
+            frame.frame_index?,
+            self.rate_of(frame)?,
+        ))
     }
 
     /// Frames a second of a frame's video, where it is known.
@@ -43,7 +47,12 @@ pub trait CameraFormat: Sync {
     ///
     /// # Errors
     /// It cannot hold the frame at all; the reason in words.
-    fn hold(&self, frame: &FrameCamera, index: usize, context: &WriteContext<'_>) -> Result<FrameCamera, String>;
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        index: usize,
+        context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String>;
 
     /// How far a landmark may move through the digits of the format, px.
     fn resolution_px(&self, _held: &FrameCamera) -> f64 {
@@ -79,7 +88,11 @@ pub trait CameraFormat: Sync {
     ///
     /// # Errors
     /// A value cannot be written.
-    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<Files, ExchangeError>;
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError>;
 
     /// What its files are called in an error: "camera files".
     fn wanted(&self) -> &'static str;
@@ -91,7 +104,11 @@ pub trait CameraFormat: Sync {
     ///
     /// # Errors
     /// A file is damaged.
-    fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError>;
+    fn read(
+        &self,
+        files: &Files,
+        options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError>;
 
     /// What its files say that the document does not hold, in words.
     fn unread(&self, _files: &Files) -> Vec<String> {
@@ -109,14 +126,24 @@ pub trait CameraFormat: Sync {
     }
 }
 
-/// The name of a frame's files: its image's without the ending, or the video's with the frame's number.
+/// The name of a frame's files: its image's without the ending, or the video's with the frame's
+/// number.
 #[must_use]
 pub fn stem_of(frame: &FrameCamera) -> String {
-    let stem = |name: &str| Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let stem = |name: &str| {
+        Path::new(name)
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned()
+    };
     match (&frame.image, frame.frame_index) {
         (Some(image), _) => stem(image),
         (None, Some(index)) => {
-            let name = frame.name.rsplit_once('#').map_or(frame.name.as_str(), |(video, _)| video);
+            let name = frame
+                .name
+                .rsplit_once('#')
+                .map_or(frame.name.as_str(), |(video, _)| video);
             format!("{}_{index:06}", stem(name))
         }
         (None, None) => stem(&frame.name),
@@ -126,12 +153,20 @@ pub fn stem_of(frame: &FrameCamera) -> String {
 /// The file name of a frame's picture.
 #[must_use]
 pub fn file_name_of(frame: &FrameCamera) -> String {
-    let name = frame.image.as_deref().and_then(|image| Path::new(image).file_name());
-    name.map_or_else(|| format!("{}.jpg", stem_of(frame)), |name| name.to_string_lossy().into_owned())
+    let name = frame
+        .image
+        .as_deref()
+        .and_then(|image| Path::new(image).file_name());
+    name.map_or_else(
+        || format!("{}.jpg", stem_of(frame)),
+        |name| name.to_string_lossy().into_owned(),
+    )
 }
 
 /// Whether a name has this ending, in any case.
 #[must_use]
 pub fn has_ending(name: &str, ending: &str) -> bool {
-    Path::new(name).extension().is_some_and(|found| found.eq_ignore_ascii_case(ending))
+    Path::new(name)
+        .extension()
+        .is_some_and(|found| found.eq_ignore_ascii_case(ending))
 }

@@ -1,9 +1,11 @@
-//! Common Data Format (football match data, schema 0.3.2): the sheet of a video, as a small file beside an export. Export only.
+//! Common Data Format (football match data, schema 0.3.2): the sheet of a video, as a small file
+//! beside an export. Export only.
 //!
-//! Axes and units are ours: the pitch's centre, metres, x along the touchlines, z up. It holds the camera's *place* only: no
-//! angles, no focal length, no lens, no frames. Frame rates are whole numbers: 29.97 cannot be said. Match, start and perspective
-//! are nothing that a document knows and nothing that is invented: they are asked for.
-//! Source: common-data-format-validator 0.1.1 (`schema/video.json`); arXiv 2505.15820.
+//! Axes and units are ours: the pitch's centre, metres, x along the touchlines, z up. It holds the
+//! camera's *place* only: no angles, no focal length, no lens, no frames. Frame rates are whole
+//! numbers: 29.97 cannot be said. Match, start and perspective are nothing that a document knows
+//! and nothing that is invented: they are asked for. Source: common-data-format-validator 0.1.1
+//! (`schema/video.json`); arXiv 2505.15820.
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::ExchangeError;
@@ -21,33 +23,67 @@ pub struct Cdf;
 const SAME_PLACE_M: f64 = 1e-6;
 
 fn needed(what: &'static str, option: &'static str) -> ExchangeError {
-    ExchangeError::ExportNeeds { format: Format::Cdf, what, option }
+    ExchangeError::ExportNeeds {
+        format: Format::Cdf,
+        what,
+        option,
+    }
 }
 
 impl CameraFormat for Cdf {
-    fn hold(&self, frame: &FrameCamera, index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        index: usize,
+        _context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
         parts(frame)?;
-        Ok(FrameCamera { name: format!("{index:06}"), ..frame.clone() })
+        Ok(FrameCamera {
+            name: format!("{index:06}"),
+            ..frame.clone()
+        })
     }
 
     fn notes(&self, _frames: &[FrameCamera], _context: &WriteContext<'_>) -> Vec<String> {
         let said = "it holds only the camera's position, the picture size and the frame rate: no angles, focal length, lens or frames";
-        vec![said.to_owned(), "the list of whistles is empty; fill it in where it is known".to_owned()]
+        vec![
+            said.to_owned(),
+            "the list of whistles is empty; fill it in where it is known".to_owned(),
+        ]
     }
 
-    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         let cannot = |frame: &FrameCamera, why: String| {
             let frame = frame.image.clone().unwrap_or_else(|| frame.name.clone());
-            ExchangeError::CannotHold { frame, format: Format::Cdf, why }
+            ExchangeError::CannotHold {
+                frame,
+                format: Format::Cdf,
+                why,
+            }
         };
         let recording = &context.options.recording;
-        let match_id = recording.match_id.as_deref().ok_or_else(|| needed("the match's id", "--match-id"))?;
-        let start = recording.start.as_deref().ok_or_else(|| needed("when the video begins", "--start-time"))?;
+        let match_id = recording
+            .match_id
+            .as_deref()
+            .ok_or_else(|| needed("the match's id", "--match-id"))?;
+        let start = recording
+            .start
+            .as_deref()
+            .ok_or_else(|| needed("when the video begins", "--start-time"))?;
         let perspective = recording.perspective.as_deref();
-        let perspective = perspective.ok_or_else(|| needed("the camera's perspective", "--perspective"))?;
-        let rate = context.rate.ok_or_else(|| needed("the frame rate", "--fps"))?;
+        let perspective =
+            perspective.ok_or_else(|| needed("the camera's perspective", "--perspective"))?;
+        let rate = context
+            .rate
+            .ok_or_else(|| needed("the frame rate", "--fps"))?;
         let mut frames = held.iter();
-        let Some(first) = frames.next() else { return Ok(Files::default()) };
+        let Some(first) = frames.next() else {
+            return Ok(Files::default());
+        };
         let (pinhole, size) = parts(first).map_err(|why| cannot(first, why))?;
         for frame in frames {
             let (other, other_size) = parts(frame).map_err(|why| cannot(frame, why))?;
@@ -57,11 +93,17 @@ impl CameraFormat for Cdf {
             }
         }
         if rate.frames % rate.seconds != 0 {
-            let why =
-                format!("its frame rates are whole numbers, and {:.2} frames per second is not", rate.per_second());
+            let why = format!(
+                "its frame rates are whole numbers, and {:.2} frames per second is not",
+                rate.per_second()
+            );
             return Err(cannot(first, why));
         }
-        let operation = if recording.is_automated { "automated" } else { "manual" };
+        let operation = if recording.is_automated {
+            "automated"
+        } else {
+            "manual"
+        };
         let at = pinhole.position_m;
         let sheet = json!({
             "match": { "id": match_id },
@@ -76,7 +118,10 @@ impl CameraFormat for Cdf {
             },
             "whistles": [],
         });
-        Ok(Files::one("video.json", format!("{sheet:#}\n").into_bytes()))
+        Ok(Files::one(
+            "video.json",
+            format!("{sheet:#}\n").into_bytes(),
+        ))
     }
 
     fn wanted(&self) -> &'static str {
@@ -91,8 +136,16 @@ impl CameraFormat for Cdf {
         false
     }
 
-    fn read(&self, _files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
-        Err(ExchangeError::OneWay { format: Format::Cdf, what: "imported", instead: "exported" })
+    fn read(
+        &self,
+        _files: &Files,
+        _options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+        Err(ExchangeError::OneWay {
+            format: Format::Cdf,
+            what: "imported",
+            instead: "exported",
+        })
     }
 }
 
@@ -110,11 +163,16 @@ mod tests {
             perspective: Some("camera_1".to_owned()),
             is_automated: false,
         };
-        ExportOptions { recording, ..ExportOptions::default() }
+        ExportOptions {
+            recording,
+            ..ExportOptions::default()
+        }
     }
 
     fn refusal(options: &ExportOptions) -> String {
-        export(reference().at(Path::new("/")), Format::Cdf, options).unwrap_err().to_string()
+        export(reference().at(Path::new("/")), Format::Cdf, options)
+            .unwrap_err()
+            .to_string()
     }
 
     #[test]
@@ -134,11 +192,23 @@ mod tests {
 
     #[test]
     fn what_nobody_said_is_asked_for_and_a_broken_rate_refused() {
-        assert_eq!(refusal(&ExportOptions::default()), "cdf needs the match's id; give --match-id");
+        assert_eq!(
+            refusal(&ExportOptions::default()),
+            "cdf needs the match's id; give --match-id"
+        );
         let mut silent = options();
         silent.recording.start = None;
-        assert_eq!(refusal(&silent), "cdf needs when the video begins; give --start-time");
-        let ntsc = ExportOptions { rate: Some(Rate::new(30_000, 1001)), ..options() };
-        assert!(refusal(&ntsc).ends_with("its frame rates are whole numbers, and 29.97 frames per second is not"));
+        assert_eq!(
+            refusal(&silent),
+            "cdf needs when the video begins; give --start-time"
+        );
+        let ntsc = ExportOptions {
+            rate: Some(Rate::new(30_000, 1001)),
+            ..options()
+        };
+        assert!(
+            refusal(&ntsc)
+                .ends_with("its frame rates are whole numbers, and 29.97 frames per second is not")
+        );
     }
 }

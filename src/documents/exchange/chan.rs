@@ -1,8 +1,8 @@
 //! Nuke's camera track: a line a frame, `frame tx ty tz rx ry rz vfov` between tabs.
 //!
-//! World y up, metres: (x, z, −y) of ours. The camera looks along −z, y up; rotation = Ry · Rx · Rz (Nuke's default order ZXY).
-//! The last column is the *vertical* field of view in degrees. There is neither a size of picture nor a principal point, lens
-//! or rate.
+//! World y up, metres: (x, z, −y) of ours. The camera looks along −z, y up; rotation = Ry · Rx · Rz
+//! (Nuke's default order ZXY). The last column is the *vertical* field of view in degrees. There is
+//! neither a size of picture nor a principal point, lens or rate.
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
@@ -56,11 +56,19 @@ fn read_line(line: &str, options: &ImportOptions) -> Result<Option<FrameCamera>,
     }
     let found = values.len();
     let [number, x, y, z, rx, ry, rz, view]: [f64; 8] =
-        values.try_into().map_err(|_| Problem::Count { what: "columns".to_owned(), wanted: 8, found })?;
+        values.try_into().map_err(|_| Problem::Count {
+            what: "columns".to_owned(),
+            wanted: 8,
+            found,
+        })?;
     let number = frame_number("the frame", number)?;
     if !(view > 0.0 && view < 179.0) {
         let what = "the field of view".to_owned();
-        return Err(Problem::OutOfRange { what, value: view, wanted: "between 0 and 179 degrees" });
+        return Err(Problem::OutOfRange {
+            what,
+            value: view,
+            wanted: "between 0 and 179 degrees",
+        });
     }
     let size = options.size.unwrap_or_default();
     let world_from_cam = y_up().transpose() * rotation([rx, ry, rz]) * looking_back();
@@ -72,13 +80,26 @@ fn read_line(line: &str, options: &ImportOptions) -> Result<Option<FrameCamera>,
         lens: Radial::default(),
     };
     let name = format!("{number:06}");
-    Ok(Some(FrameCamera::new(&name, Some(size), Shown::Camera(pinhole.checked("the camera")?))))
+    Ok(Some(FrameCamera::new(
+        &name,
+        Some(size),
+        Shown::Camera(pinhole.checked("the camera")?),
+    )))
 }
 
 impl CameraFormat for Chan {
-    fn hold(&self, frame: &FrameCamera, index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        index: usize,
+        _context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
         let (pinhole, size) = parts(frame)?;
-        Ok(with(frame, format!("{:06}", number_of(frame, index)), plain(&pinhole, size)))
+        Ok(with(
+            frame,
+            format!("{:06}", number_of(frame, index)),
+            plain(&pinhole, size),
+        ))
     }
 
     fn notes(&self, _frames: &[FrameCamera], _context: &WriteContext<'_>) -> Vec<String> {
@@ -87,17 +108,30 @@ impl CameraFormat for Chan {
         vec![how.to_owned()]
     }
 
-    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        _context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         let mut text = String::new();
         for (index, frame) in held.iter().enumerate() {
-            let Ok((pinhole, size)) = parts(frame) else { continue };
+            let Ok((pinhole, size)) = parts(frame) else {
+                continue;
+            };
             let m = y_up() * pinhole.cam_from_world.transpose() * looking_back();
             let [rx, ry, rz] = angles_deg(&m);
             let at = y_up() * pinhole.position_m;
-            let view = 2.0 * (f64::from(size.height) / 2.0).atan2(pinhole.focal_px).to_degrees();
+            let view = 2.0
+                * (f64::from(size.height) / 2.0)
+                    .atan2(pinhole.focal_px)
+                    .to_degrees();
             let number = number_of(frame, index);
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "{number}\t{}\t{}\t{}\t{rx}\t{ry}\t{rz}\t{view}", at.x, at.y, at.z);
+            let _ = writeln!(
+                text,
+                "{number}\t{}\t{}\t{}\t{rx}\t{ry}\t{rz}\t{view}",
+                at.x, at.y, at.z
+            );
         }
         Ok(Files::one("camera.chan", text.into_bytes()))
     }
@@ -110,16 +144,27 @@ impl CameraFormat for Chan {
         has_ending(name, "chan")
     }
 
-    fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(
+        &self,
+        files: &Files,
+        options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
         if options.size.is_none() {
             let (what, option) = ("the size of its pictures", "--size WIDTHxHEIGHT");
-            return Err(ExchangeError::OptionNeeded { format: super::format::Format::Chan, what, option });
+            return Err(ExchangeError::OptionNeeded {
+                format: super::format::Format::Chan,
+                what,
+                option,
+            });
         }
         files.read_all(|_, bytes| {
             let lines = text(bytes)?.lines().enumerate();
-            let lines =
-                lines.map(|(index, line)| read_line(line, options).map_err(|problem| problem.at_line(index + 1)));
-            lines.filter_map(Result::transpose).collect::<Result<Vec<_>, _>>()
+            let lines = lines.map(|(index, line)| {
+                read_line(line, options).map_err(|problem| problem.at_line(index + 1))
+            });
+            lines
+                .filter_map(Result::transpose)
+                .collect::<Result<Vec<_>, _>>()
         })
     }
 }
@@ -135,7 +180,11 @@ mod tests {
         let exported = exported(&reference(), Format::Chan);
         let text = text_of(&exported.files, "camera.chan");
         let found = numbers("the line", &text).unwrap();
-        for (found, wanted) in found.iter().zip([412.0, 0.0, 18.0, 60.0, -11.2, -12.5, 0.0, 25.25891790605078]) {
+        for (found, wanted) in
+            found
+                .iter()
+                .zip([412.0, 0.0, 18.0, 60.0, -11.2, -12.5, 0.0, 25.25891790605078])
+        {
             assert!((found - wanted).abs() < 1e-12, "{text}");
         }
         assert_eq!(exported.loss.unwrap().what, ["lens distortion"]);
@@ -145,24 +194,48 @@ mod tests {
     fn rolled_cameras_come_back_as_far_as_they_are_held() {
         let exported = exported(&awkward(), Format::Chan);
         assert!(exported.worst_px < 1e-6, "{}", exported.worst_px);
-        assert_eq!(exported.loss.unwrap().what, ["lens distortion", "the principal point"]);
+        assert_eq!(
+            exported.loss.unwrap().what,
+            ["lens distortion", "the principal point"]
+        );
     }
 
     #[test]
     fn damaged_tracks_are_named_in_one_line() {
-        let options = ImportOptions { size: Some(SIZE), ..ImportOptions::default() };
+        let options = ImportOptions {
+            size: Some(SIZE),
+            ..ImportOptions::default()
+        };
         for (text, wanted) in [
             ("", "the file is empty"),
-            ("412 0 18 60 -11 -12 0\n", "line 1: columns: 8 are expected, found 7"),
-            ("412 0 18 60 -11 -12 0 25 1\n", "line 1: columns: 8 are expected, found 9"),
-            ("frame tx ty\n", "line 1: a column: a number is expected, found \"frame\""),
-            ("412 0 18 60 -11 -12 0 25\n413 0 18 nan -11 -12 0 25\n", "line 2: a column is not a finite number"),
-            ("412 0 18 60 -11 -12 0 0\n", "line 1: the field of view is 0, which must be between 0 and 179 degrees"),
+            (
+                "412 0 18 60 -11 -12 0\n",
+                "line 1: columns: 8 are expected, found 7",
+            ),
+            (
+                "412 0 18 60 -11 -12 0 25 1\n",
+                "line 1: columns: 8 are expected, found 9",
+            ),
+            (
+                "frame tx ty\n",
+                "line 1: a column: a number is expected, found \"frame\"",
+            ),
+            (
+                "412 0 18 60 -11 -12 0 25\n413 0 18 nan -11 -12 0 25\n",
+                "line 2: a column is not a finite number",
+            ),
+            (
+                "412 0 18 60 -11 -12 0 0\n",
+                "line 1: the field of view is 0, which must be between 0 and 179 degrees",
+            ),
             (
                 "412 0 18 60 -11 -12 0 2000\n",
                 "line 1: the field of view is 2000, which must be between 0 and 179 degrees",
             ),
-            ("4.5 0 18 60 -11 -12 0 25\n", "line 1: the frame is 4.5, which must be a whole number from 0 to 10^12"),
+            (
+                "4.5 0 18 60 -11 -12 0 25\n",
+                "line 1: the frame is 4.5, which must be a whole number from 0 to 10^12",
+            ),
             (
                 "412 0 1e9 60 -11 -12 0 25\n",
                 "line 1: a coordinate of the position of the camera is 1000000000, which must be within 100 km, in metres",
@@ -173,7 +246,13 @@ mod tests {
             assert_eq!(error, format!("a.chan: {wanted}"));
         }
         let files = Files::one("a.chan", b"1 0 0 0 0 0 0 25".to_vec());
-        let error = Chan.read(&files, &ImportOptions::default()).unwrap_err().to_string();
-        assert_eq!(error, "chan does not say the size of its pictures; give --size WIDTHxHEIGHT");
+        let error = Chan
+            .read(&files, &ImportOptions::default())
+            .unwrap_err()
+            .to_string();
+        assert_eq!(
+            error,
+            "chan does not say the size of its pictures; give --size WIDTHxHEIGHT"
+        );
     }
 }

@@ -11,17 +11,29 @@ pub fn is_chosen(frame: &Frame, choice: &FrameChoice) -> bool {
         [] => frame.status != FrameStatus::Rejected,
         statuses => statuses.contains(&frame.status),
     };
-    let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
-    let by_confidence = choice.min_confidence.is_none_or(|least| confidence.is_none_or(|of| of >= least));
-    by_status && by_confidence && (choice.cameras.is_empty() || choice.cameras.contains(&frame.camera))
+    let confidence = frame
+        .solution
+        .as_ref()
+        .and_then(|solution| solution.confidence);
+    let by_confidence = choice
+        .min_confidence
+        .is_none_or(|least| confidence.is_none_or(|of| of >= least));
+    by_status
+        && by_confidence
+        && (choice.cameras.is_empty() || choice.cameras.contains(&frame.camera))
 }
 
 /// Names the accepted frames whose paint contradicts their cameras; none where there are none.
 pub fn off_paint_note<'a>(frames: impl Iterator<Item = &'a Frame>) -> Option<String> {
-    let off: Vec<String> = frames.filter(|frame| frame.accepted_off_paint().is_some()).map(Frame::name).collect();
+    let off: Vec<String> = frames
+        .filter(|frame| frame.accepted_off_paint().is_some())
+        .map(Frame::name)
+        .collect();
     let first = off.first()?;
     Some(match off.len() {
-        1 => format!("the paint contradicts the camera of {first}, which is accepted: look at it again"),
+        1 => format!(
+            "the paint contradicts the camera of {first}, which is accepted: look at it again"
+        ),
         count => format!(
             "the paint contradicts the cameras of {count} accepted frames, the first {first}: look at them again"
         ),

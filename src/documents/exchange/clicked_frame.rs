@@ -58,7 +58,10 @@ pub type Sizes<'a> = dyn Fn(&str) -> Option<ImageSize> + 'a;
 #[must_use]
 pub fn size_needed(image: &str) -> Problem {
     let what = format!("the size of {:?}", clipped(image));
-    Problem::OptionNeeded { what, option: "--size WIDTHxHEIGHT or --images FOLDER" }
+    Problem::OptionNeeded {
+        what,
+        option: "--size WIDTHxHEIGHT or --images FOLDER",
+    }
 }
 
 /// A format that holds points of pictures.
@@ -78,7 +81,11 @@ pub trait ClickFormat: Sync {
     ///
     /// # Errors
     /// A value cannot be written.
-    fn write(&self, frames: &[ClickedFrame], context: &ClickContext<'_>) -> Result<Files, ExchangeError>;
+    fn write(
+        &self,
+        frames: &[ClickedFrame],
+        context: &ClickContext<'_>,
+    ) -> Result<Files, ExchangeError>;
 
     /// What its files are called in an error.
     fn wanted(&self) -> &'static str;
@@ -97,7 +104,8 @@ pub trait ClickFormat: Sync {
         sizes: &Sizes<'_>,
     ) -> Result<Vec<LabelledFrame>, ExchangeError>;
 
-    /// The meaning of labels in what this program itself writes, and of formats with classes of their own.
+    /// The meaning of labels in what this program itself writes, and of formats with classes of
+    /// their own.
     fn own_labels(&self) -> LabelMap {
         LabelMap::Touchline
     }

@@ -1,7 +1,8 @@
 //! COCO keypoints: one JSON file, one category whose keypoints are landmarks.
 //!
-//! A keypoint is x, y, v: v 0 absent (x = y = 0), 1 labelled but hidden, 2 visible. Pixels count from the first one's centre: ours
-//! − 0.5, unless `info.convention` says otherwise. Numbers of images and annotations begin at 1, the skeleton's too.
+//! A keypoint is x, y, v: v 0 absent (x = y = 0), 1 labelled but hidden, 2 visible. Pixels count
+//! from the first one's centre: ours − 0.5, unless `info.convention` says otherwise. Numbers of
+//! images and annotations begin at 1, the skeleton's too.
 
 use super::camera_format::has_ending;
 use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes};
@@ -24,23 +25,37 @@ const CENTRE: &str = "pixel centres";
 /// The landmarks in the order of the keypoints; absent ones are none.
 pub(super) fn in_order<'a>(clicks: &'a [Click], names: &[String]) -> Vec<Option<&'a Click>> {
     let of = |name: &String| {
-        clicks.iter().find(|click| matches!(&click.target, Some(Target::Landmark(id)) if id.as_str() == name))
+        clicks.iter().find(
+            |click| matches!(&click.target, Some(Target::Landmark(id)) if id.as_str() == name),
+        )
     };
     names.iter().map(of).collect()
 }
 
 /// Whether a click is on one of the keypoints.
 pub(super) fn is_keypoint(click: &Click, context: &ClickContext<'_>) -> bool {
-    let Some(Target::Landmark(id)) = &click.target else { return false };
-    keypoints(context.options.names, context.field).iter().any(|name| name == id.as_str())
+    let Some(Target::Landmark(id)) = &click.target else {
+        return false;
+    };
+    keypoints(context.options.names, context.field)
+        .iter()
+        .any(|name| name == id.as_str())
 }
 
 fn annotation(number: usize, frame: &ClickedFrame, names: &[String]) -> Option<Value> {
     let shift = Pixels::Centre.to_corner_px();
-    let points: Vec<ImagePoint> =
-        frame.clicks.iter().map(|click| ImagePoint::new(click.image.x - shift, click.image.y - shift)).collect();
+    let points: Vec<ImagePoint> = frame
+        .clicks
+        .iter()
+        .map(|click| ImagePoint::new(click.image.x - shift, click.image.y - shift))
+        .collect();
     let range = |of: fn(&ImagePoint) -> f64| {
-        points.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)))
+        points
+            .iter()
+            .map(of)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+                (low.min(at), high.max(at))
+            })
     };
     let ((left, right), (top, bottom)) = (range(|point| point.x), range(|point| point.y));
     if points.is_empty() {
@@ -48,9 +63,16 @@ fn annotation(number: usize, frame: &ClickedFrame, names: &[String]) -> Option<V
     }
     let keypoints: Vec<f64> = in_order(&frame.clicks, names)
         .into_iter()
-        .flat_map(|click| click.map_or([0.0; 3], |click| [click.image.x - shift, click.image.y - shift, 2.0]))
+        .flat_map(|click| {
+            click.map_or([0.0; 3], |click| {
+                [click.image.x - shift, click.image.y - shift, 2.0]
+            })
+        })
         .collect();
-    let visible = keypoints.chunks_exact(3).filter(|point| point[2] > 0.0).count();
+    let visible = keypoints
+        .chunks_exact(3)
+        .filter(|point| point[2] > 0.0)
+        .count();
     Some(json!({
         "id": number,
         "image_id": number,
@@ -70,23 +92,38 @@ fn id_of(node: &Node<'_>) -> Result<i64, Problem> {
     if value.fract() == 0.0 && value.abs() < 9e15 {
         return Ok(value as i64);
     }
-    Err(Problem::OutOfRange { what: node.path().to_owned(), value, wanted: "a whole number" })
+    Err(Problem::OutOfRange {
+        what: node.path().to_owned(),
+        value,
+        wanted: "a whole number",
+    })
 }
 
 fn read(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Problem> {
     let value = parse(bytes)?;
     let root = Node::root(&value);
     let said = root.find("info").and_then(|info| info.find("convention"));
-    let said = said.and_then(|convention| convention.text().ok().map(|text| text.contains("corner")));
-    let by_file = if said == Some(true) { Pixels::Corner } else { Pixels::Centre };
+    let said =
+        said.and_then(|convention| convention.text().ok().map(|text| text.contains("corner")));
+    let by_file = if said == Some(true) {
+        Pixels::Corner
+    } else {
+        Pixels::Centre
+    };
     let shift = options.pixels.unwrap_or(by_file).to_corner_px();
     let mut names: BTreeMap<i64, Vec<&str>> = BTreeMap::new();
     for category in root.key("categories")?.items()? {
         if let Some(of) = category.find("keypoints") {
-            let of = of.items()?.map(|name| name.text()).collect::<Result<_, _>>()?;
+            let of = of
+                .items()?
+                .map(|name| name.text())
+                .collect::<Result<_, _>>()?;
             let id = id_of(&category.key("id")?)?;
             if names.insert(id, of).is_some() {
-                return Err(Problem::Twice { what: "the category id", name: id.to_string() });
+                return Err(Problem::Twice {
+                    what: "the category id",
+                    name: id.to_string(),
+                });
             }
         }
     }
@@ -95,26 +132,53 @@ fn read(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Pro
     for image in root.key("images")?.items()? {
         let id = id_of(&image.key("id")?)?;
         if at.insert(id, frames.len()).is_some() {
-            return Err(Problem::Twice { what: "the image id", name: id.to_string() });
+            return Err(Problem::Twice {
+                what: "the image id",
+                name: id.to_string(),
+            });
         }
         let name = image.key("file_name")?.image_name()?;
-        let size = ImageSize::new(image.key("width")?.side_px()?, image.key("height")?.side_px()?);
-        frames.push(LabelledFrame { image: Some(name.clone()), name, size, marks: Vec::new() });
+        let size = ImageSize::new(
+            image.key("width")?.side_px()?,
+            image.key("height")?.side_px()?,
+        );
+        frames.push(LabelledFrame {
+            image: Some(name.clone()),
+            name,
+            size,
+            marks: Vec::new(),
+        });
     }
     for annotation in root.key("annotations")?.items()? {
-        let Some(points) = annotation.find("keypoints") else { continue };
+        let Some(points) = annotation.find("keypoints") else {
+            continue;
+        };
         let image = annotation.key("image_id")?;
         let id = id_of(&image)?;
-        let unknown = |what, id: i64| Problem::Unknown { what, name: id.to_string() };
-        let frame = *at.get(&id).ok_or_else(|| unknown("the image of an annotation,", id))?;
+        let unknown = |what, id: i64| Problem::Unknown {
+            what,
+            name: id.to_string(),
+        };
+        let frame = *at
+            .get(&id)
+            .ok_or_else(|| unknown("the image of an annotation,", id))?;
         let category = id_of(&annotation.key("category_id")?)?;
-        let of = names.get(&category).ok_or_else(|| unknown("the category of an annotation,", category))?;
+        let of = names
+            .get(&category)
+            .ok_or_else(|| unknown("the category of an annotation,", category))?;
         let values = points.all_numbers()?;
         if values.len() != 3 * of.len() {
             let what = format!("{} (numbers)", points.path());
-            return Err(Problem::Count { what, wanted: 3 * of.len(), found: values.len() });
+            return Err(Problem::Count {
+                what,
+                wanted: 3 * of.len(),
+                found: values.len(),
+            });
         }
-        let marks = values.chunks_exact(3).zip(of).filter(|(point, _)| point[2] > 0.0);
+        let marks = values
+            .chunks_exact(3)
+            .zip(of)
+            .filter(|(point, _)| point[2] > 0.0);
         frames[frame].marks.extend(marks.map(|(point, name)| Mark {
             label: (*name).to_owned(),
             image: ImagePoint::new(point[0] + shift, point[1] + shift),
@@ -132,13 +196,20 @@ impl ClickFormat for Coco {
         frame.image.clone()
     }
 
-    fn write(&self, frames: &[ClickedFrame], context: &ClickContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        frames: &[ClickedFrame],
+        context: &ClickContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         let names = keypoints(context.options.names, context.field);
         let images = frames.iter().enumerate().map(|(index, frame)| {
             let (width, height) = (frame.size.width, frame.size.height);
             json!({ "id": index + 1, "width": width, "height": height, "file_name": frame.name })
         });
-        let annotations = frames.iter().enumerate().filter_map(|(index, frame)| annotation(index + 1, frame, &names));
+        let annotations = frames
+            .iter()
+            .enumerate()
+            .filter_map(|(index, frame)| annotation(index + 1, frame, &names));
         let all = json!({
             "info": { "description": crate::document::generator(), "convention": CENTRE },
             "licenses": [],
@@ -146,7 +217,10 @@ impl ClickFormat for Coco {
             "categories": [{ "id": 1, "name": "pitch", "keypoints": names, "skeleton": [] }],
             "annotations": annotations.collect::<Vec<_>>(),
         });
-        Ok(Files::one("keypoints.json", format!("{all}\n").into_bytes()))
+        Ok(Files::one(
+            "keypoints.json",
+            format!("{all}\n").into_bytes(),
+        ))
     }
 
     fn wanted(&self) -> &'static str {
@@ -180,9 +254,19 @@ mod tests {
         let all: Value = serde_json::from_str(&text_of(&exported.files, "keypoints.json")).unwrap();
         let names = all["categories"][0]["keypoints"].as_array().unwrap();
         let at = names.iter().position(|name| name == "centre_mark").unwrap();
-        let point: Vec<f64> =
-            (0..3).map(|part| all["annotations"][0]["keypoints"][3 * at + part].as_f64().unwrap()).collect();
-        assert!((point[0] - 444.181).abs() < 1e-9 && (point[1] - 788.675).abs() < 1e-9 && point[2] == 2.0, "{point:?}");
+        let point: Vec<f64> = (0..3)
+            .map(|part| {
+                all["annotations"][0]["keypoints"][3 * at + part]
+                    .as_f64()
+                    .unwrap()
+            })
+            .collect();
+        assert!(
+            (point[0] - 444.181).abs() < 1e-9
+                && (point[1] - 788.675).abs() < 1e-9
+                && point[2] == 2.0,
+            "{point:?}"
+        );
         assert_eq!(all["images"][0]["id"], 1);
         assert_eq!(
             exported.notes,
@@ -195,18 +279,27 @@ mod tests {
 
     #[test]
     fn the_names_of_roboflow_are_kept() {
-        let options = ExportOptions { names: KeypointNames::Roboflow32, ..ExportOptions::default() };
+        let options = ExportOptions {
+            names: KeypointNames::Roboflow32,
+            ..ExportOptions::default()
+        };
         let exported = export(clicked().at(Path::new("/")), Format::Coco, &options).unwrap();
         let all: Value = serde_json::from_str(&text_of(&exported.files, "keypoints.json")).unwrap();
-        assert_eq!(all["categories"][0]["keypoints"].as_array().unwrap().len(), 32);
+        assert_eq!(
+            all["categories"][0]["keypoints"].as_array().unwrap().len(),
+            32
+        );
         // The centre mark is not among them.
         assert_eq!(all["annotations"][0]["num_keypoints"], 2);
     }
 
     #[test]
     fn damaged_files_are_named_in_one_line() {
-        let good: Value =
-            serde_json::from_str(&text_of(&exported(&clicked(), Format::Coco).files, "keypoints.json")).unwrap();
+        let good: Value = serde_json::from_str(&text_of(
+            &exported(&clicked(), Format::Coco).files,
+            "keypoints.json",
+        ))
+        .unwrap();
         let with = |pointer: &str, value: Value| {
             let mut all = good.clone();
             *all.pointer_mut(pointer).unwrap() = value;
@@ -221,13 +314,31 @@ mod tests {
         for (text, wanted) in [
             ("{}".to_owned(), "categories is missing"),
             ("{\"categories\":[]}".to_owned(), "images is missing"),
-            (with("/images", json!({})), "images: a list is expected, found an object"),
-            (with("/images/0/width", json!(0)), "images[0].width is 0, which must be a whole number from 1 to 65535"),
-            (with("/images/0/file_name", json!("../../a.jpg")), "the path \"../../a.jpg\" points outside the folder"),
-            (with("/images/0/id", json!(1.5)), "images[0].id is 1.5, which must be a whole number"),
+            (
+                with("/images", json!({})),
+                "images: a list is expected, found an object",
+            ),
+            (
+                with("/images/0/width", json!(0)),
+                "images[0].width is 0, which must be a whole number from 1 to 65535",
+            ),
+            (
+                with("/images/0/file_name", json!("../../a.jpg")),
+                "the path \"../../a.jpg\" points outside the folder",
+            ),
+            (
+                with("/images/0/id", json!(1.5)),
+                "images[0].id is 1.5, which must be a whole number",
+            ),
             (repeated("images"), "the image id \"1\" occurs twice"),
-            (with("/annotations/0/image_id", json!(99)), "the image of an annotation, \"99\" is not in the file"),
-            (with("/annotations/0/category_id", json!(9)), "the category of an annotation, \"9\" is not in the file"),
+            (
+                with("/annotations/0/image_id", json!(99)),
+                "the image of an annotation, \"99\" is not in the file",
+            ),
+            (
+                with("/annotations/0/category_id", json!(9)),
+                "the category of an annotation, \"9\" is not in the file",
+            ),
             (
                 with("/annotations/0/keypoints", json!([1.0, 2.0, 2])),
                 "annotations[0].keypoints (numbers): 141 are expected, found 3",
@@ -236,10 +347,16 @@ mod tests {
                 with("/annotations/0/keypoints/0", json!("x")),
                 "annotations[0].keypoints[0]: a number is expected, found the text \"x\"",
             ),
-            (with("/categories/0/keypoints/0", json!(7)), "categories[0].keypoints[0]: a text is expected, found 7"),
+            (
+                with("/categories/0/keypoints/0", json!(7)),
+                "categories[0].keypoints[0]: a text is expected, found 7",
+            ),
         ] {
             let files = Files::one("a.json", text.into_bytes());
-            let error = Coco.read(&files, &ImportOptions::default(), &|_| None).unwrap_err().to_string();
+            let error = Coco
+                .read(&files, &ImportOptions::default(), &|_| None)
+                .unwrap_err()
+                .to_string();
             assert_eq!(error, format!("a.json: {wanted}"));
         }
     }

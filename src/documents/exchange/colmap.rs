@@ -1,9 +1,10 @@
 //! COLMAP's text files: `cameras.txt`, `images.txt`, `points3D.txt`.
 //!
-//! The pixel (0.5, 0.5) is the first one's centre, as ours; world→camera as a Hamilton quaternion and t = −R C; world and units
-//! are free and stay ours. A zoom has a camera a frame. Every image has two lines, the second one even where it is empty:
-//! without it readers lose images and say nothing. Landmarks that people clicked are points with tracks.
-//! Source: colmap/colmap, doc/format.rst.
+//! The pixel (0.5, 0.5) is the first one's centre, as ours; world→camera as a Hamilton quaternion
+//! and t = −R C; world and units are free and stay ours. A zoom has a camera a frame. Every image
+//! has two lines, the second one even where it is empty: without it readers lose images and say
+//! nothing. Landmarks that people clicked are points with tracks. Source: colmap/colmap,
+//! doc/format.rst.
 
 use super::camera_format::{CameraFormat, WriteContext};
 use super::error::{ExchangeError, Problem};
@@ -34,16 +35,33 @@ type Lens = (ImageSize, f64, ImagePoint, Radial);
 fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
     let fields: Vec<&str> = line.split_whitespace().collect();
     let [id, model, width, height, params @ ..] = &fields[..] else {
-        return Err(Problem::Count { what: "fields of a camera".to_owned(), wanted: 8, found: fields.len() });
+        return Err(Problem::Count {
+            what: "fields of a camera".to_owned(),
+            wanted: 8,
+            found: fields.len(),
+        });
     };
-    let params: Vec<f64> =
-        params.iter().map(|field| number("a parameter of the camera", field)).collect::<Result<_, _>>()?;
+    let params: Vec<f64> = params
+        .iter()
+        .map(|field| number("a parameter of the camera", field))
+        .collect::<Result<_, _>>()?;
     let side = |field: &str| {
         let wrong = || {
-            let (what, wanted) = ("the size of the picture".to_owned(), "a whole number from 1 to 65535");
-            Problem::Kind { what, wanted, found: format!("{:?}", clipped(field)) }
+            let (what, wanted) = (
+                "the size of the picture".to_owned(),
+                "a whole number from 1 to 65535",
+            );
+            Problem::Kind {
+                what,
+                wanted,
+                found: format!("{:?}", clipped(field)),
+            }
         };
-        field.parse::<u32>().ok().filter(|side| ImageSize::is_side_px(f64::from(*side))).ok_or_else(wrong)
+        field
+            .parse::<u32>()
+            .ok()
+            .filter(|side| ImageSize::is_side_px(f64::from(*side)))
+            .ok_or_else(wrong)
     };
     let size = ImageSize::new(side(width)?, side(height)?);
     let wanted = match *model {
@@ -53,35 +71,63 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
         "OPENCV" => 8,
         other => {
             let why = "SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read";
-            return Err(Problem::Unsupported { what: format!("the camera model {:?}", clipped(other)), why });
+            return Err(Problem::Unsupported {
+                what: format!("the camera model {:?}", clipped(other)),
+                why,
+            });
         }
     };
     if params.len() != wanted {
-        return Err(Problem::Count { what: format!("parameters of {model}"), wanted, found: params.len() });
+        return Err(Problem::Count {
+            what: format!("parameters of {model}"),
+            wanted,
+            found: params.len(),
+        });
     }
     let has_two = matches!(*model, "PINHOLE" | "OPENCV");
-    let (focal, rest) = if has_two { (&params[..2], &params[2..]) } else { (&params[..1], &params[1..]) };
+    let (focal, rest) = if has_two {
+        (&params[..2], &params[2..])
+    } else {
+        (&params[..1], &params[1..])
+    };
     if has_two && (focal[0] / focal[1] - 1.0).abs() > 1e-9 {
         let what = format!("focal lengths {} and {} px", focal[0], focal[1]);
-        return Err(Problem::Unsupported { what, why: "pixels must be square" });
+        return Err(Problem::Unsupported {
+            what,
+            why: "pixels must be square",
+        });
     }
     if rest.iter().skip(4).any(|value| *value != 0.0) {
         let why = "the document's lens has k1 and k2 only";
-        return Err(Problem::Unsupported { what: "tangential distortion".to_owned(), why });
+        return Err(Problem::Unsupported {
+            what: "tangential distortion".to_owned(),
+            why,
+        });
     }
-    let lens = Radial { k1: rest.get(2).copied().unwrap_or(0.0), k2: rest.get(3).copied().unwrap_or(0.0) };
+    let lens = Radial {
+        k1: rest.get(2).copied().unwrap_or(0.0),
+        k2: rest.get(3).copied().unwrap_or(0.0),
+    };
     let id = id.parse().map_err(|_| Problem::Kind {
         what: "the camera's number".to_owned(),
         wanted: "a whole number",
         found: format!("{:?}", clipped(id)),
     })?;
-    Ok((id, (size, focal[0], ImagePoint::new(rest[0], rest[1]), lens)))
+    Ok((
+        id,
+        (size, focal[0], ImagePoint::new(rest[0], rest[1]), lens),
+    ))
 }
 
-/// Lines that are no comments, with their number from 1. Empty lines count only where `keeps_empty`.
+/// Lines that are no comments, with their number from 1. Empty lines count only where
+/// `keeps_empty`.
 fn lines(text: &str, keeps_empty: bool) -> impl Iterator<Item = (usize, &str)> {
-    let numbered = text.lines().enumerate().map(|(index, line)| (index + 1, line));
-    numbered.filter(move |(_, line)| !line.starts_with('#') && (keeps_empty || !line.trim().is_empty()))
+    let numbered = text
+        .lines()
+        .enumerate()
+        .map(|(index, line)| (index + 1, line));
+    numbered
+        .filter(move |(_, line)| !line.starts_with('#') && (keeps_empty || !line.trim().is_empty()))
 }
 
 fn read_cameras(bytes: &[u8]) -> Result<BTreeMap<u64, Lens>, Problem> {
@@ -89,7 +135,11 @@ fn read_cameras(bytes: &[u8]) -> Result<BTreeMap<u64, Lens>, Problem> {
     for (line_number, line) in lines(text(bytes)?, false) {
         let (id, lens) = read_camera(line).map_err(|problem| problem.at_line(line_number))?;
         if cameras.insert(id, lens).is_some() {
-            return Err(Problem::Twice { what: "the camera", name: id.to_string() }.at_line(line_number));
+            return Err(Problem::Twice {
+                what: "the camera",
+                name: id.to_string(),
+            }
+            .at_line(line_number));
         }
     }
     Ok(cameras)
@@ -98,21 +148,37 @@ fn read_cameras(bytes: &[u8]) -> Result<BTreeMap<u64, Lens>, Problem> {
 fn read_image(line: &str, cameras: &BTreeMap<u64, Lens>) -> Result<FrameCamera, Problem> {
     let fields: Vec<&str> = line.splitn(10, ' ').collect();
     let [_, pose @ .., camera, name] = &fields[..] else {
-        return Err(Problem::Count { what: "fields of an image".to_owned(), wanted: 10, found: fields.len() });
+        return Err(Problem::Count {
+            what: "fields of an image".to_owned(),
+            wanted: 10,
+            found: fields.len(),
+        });
     };
     let found = fields.len();
     let pose = numbers("the pose of the image", &pose.join(" "))?;
-    let [w, x, y, z, tx, ty, tz]: [f64; 7] =
-        pose.try_into().map_err(|_| Problem::Count { what: "fields of an image".to_owned(), wanted: 10, found })?;
+    let [w, x, y, z, tx, ty, tz]: [f64; 7] = pose.try_into().map_err(|_| Problem::Count {
+        what: "fields of an image".to_owned(),
+        wanted: 10,
+        found,
+    })?;
     let quaternion = Quaternion::new(w, x, y, z);
     if !((quaternion.norm() - 1.0).abs() < 1e-3) {
         let what = "the length of the quaternion".to_owned();
-        return Err(Problem::OutOfRange { what, value: quaternion.norm(), wanted: "1" });
+        return Err(Problem::OutOfRange {
+            what,
+            value: quaternion.norm(),
+            wanted: "1",
+        });
     }
-    let unknown = || Problem::Unknown { what: "the camera", name: clipped(camera) };
+    let unknown = || Problem::Unknown {
+        what: "the camera",
+        name: clipped(camera),
+    };
     let id: u64 = camera.parse().map_err(|_| unknown())?;
     let (size, focal_px, principal_point, lens) = *cameras.get(&id).ok_or_else(unknown)?;
-    let cam_from_world = *UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix().matrix();
+    let cam_from_world = *UnitQuaternion::from_quaternion(quaternion)
+        .to_rotation_matrix()
+        .matrix();
     let pinhole = Pinhole {
         cam_from_world,
         position_m: -(cam_from_world.transpose() * Vec3::new(tx, ty, tz)),
@@ -122,7 +188,10 @@ fn read_image(line: &str, cameras: &BTreeMap<u64, Lens>) -> Result<FrameCamera, 
     };
     let name = safe_path(name.trim())?;
     let pinhole = pinhole.checked("the camera")?;
-    Ok(FrameCamera { image: Some(name.clone()), ..FrameCamera::new(&name, Some(size), Shown::Camera(pinhole)) })
+    Ok(FrameCamera {
+        image: Some(name.clone()),
+        ..FrameCamera::new(&name, Some(size), Shown::Camera(pinhole))
+    })
 }
 
 fn read_images(bytes: &[u8], cameras: &BTreeMap<u64, Lens>) -> Result<Vec<FrameCamera>, Problem> {
@@ -135,13 +204,18 @@ fn read_images(bytes: &[u8], cameras: &BTreeMap<u64, Lens>) -> Result<Vec<FrameC
         }
         frames.push(read_image(line, cameras).map_err(|problem| problem.at_line(line_number))?);
         let Some((points_line, points)) = rest.next() else {
-            let missing = "the line of points behind the last image (it may be empty, but it must be there)";
+            let missing =
+                "the line of points behind the last image (it may be empty, but it must be there)";
             return Err(Problem::Missing(missing.to_owned()).at_line(line_number + 1));
         };
         let count = points.split_whitespace().count();
         if count % 3 != 0 {
             let what = "the line of points behind an image (numbers, by three)".to_owned();
-            let problem = Problem::Count { what, wanted: count.next_multiple_of(3), found: count };
+            let problem = Problem::Count {
+                what,
+                wanted: count.next_multiple_of(3),
+                found: count,
+            };
             return Err(problem.at_line(points_line));
         }
     }
@@ -158,13 +232,30 @@ struct Track {
 }
 
 /// The second line of an image: its clicks, with the points that they are of.
-fn points_line(frame: &FrameCamera, image: usize, field: &FieldModel, tracks: &mut BTreeMap<usize, Track>) -> String {
+fn points_line(
+    frame: &FrameCamera,
+    image: usize,
+    field: &FieldModel,
+    tracks: &mut BTreeMap<usize, Track>,
+) -> String {
     let mut points = Vec::new();
     for (name, at) in &frame.record.clicks {
-        let Some(index) = field.landmarks.iter().position(|landmark| landmark.id.as_str() == name) else { continue };
+        let Some(index) = field
+            .landmarks
+            .iter()
+            .position(|landmark| landmark.id.as_str() == name)
+        else {
+            continue;
+        };
         let point_in_world = field.landmark_in_world(&field.landmarks[index]);
-        let Some(shown) = frame.image_from_world(point_in_world) else { continue };
-        let track = tracks.entry(index + 1).or_insert(Track { point_in_world, off_px: 0.0, seen: Vec::new() });
+        let Some(shown) = frame.image_from_world(point_in_world) else {
+            continue;
+        };
+        let track = tracks.entry(index + 1).or_insert(Track {
+            point_in_world,
+            off_px: 0.0,
+            seen: Vec::new(),
+        });
         // A point has one place in an image.
         if track.seen.last().is_none_or(|(last, _)| *last != image) {
             track.seen.push((image, points.len()));
@@ -178,10 +269,22 @@ fn points_line(frame: &FrameCamera, image: usize, field: &FieldModel, tracks: &m
 /// `points3D.txt`.
 fn points_file(tracks: &BTreeMap<usize, Track>) -> String {
     let mut text = "# POINT3D_ID X Y Z R G B ERROR TRACK[] (IMAGE_ID POINT2D_IDX)\n".to_owned();
-    for (id, Track { point_in_world: point, off_px, seen }) in tracks {
+    for (
+        id,
+        Track {
+            point_in_world: point,
+            off_px,
+            seen,
+        },
+    ) in tracks
+    {
         let error = off_px / seen.len() as f64;
         // Writing to a string cannot fail.
-        let _ = write!(text, "{id} {} {} {} 255 255 255 {error}", point.x, point.y, point.z);
+        let _ = write!(
+            text,
+            "{id} {} {} {} 255 255 255 {error}",
+            point.x, point.y, point.z
+        );
         for (image, at) in seen {
             let _ = write!(text, " {image} {at}");
         }
@@ -191,22 +294,40 @@ fn points_file(tracks: &BTreeMap<usize, Track>) -> String {
 }
 
 impl CameraFormat for Colmap {
-    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        _index: usize,
+        _context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
         let name = relative_name(frame);
         if name.contains(char::is_whitespace) {
-            return Err(format!("names must not contain spaces, and {name:?} does; rename the image"));
+            return Err(format!(
+                "names must not contain spaces, and {name:?} does; rename the image"
+            ));
         }
-        Ok(FrameCamera { name, ..frame.clone() })
+        Ok(FrameCamera {
+            name,
+            ..frame.clone()
+        })
     }
 
-    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
-        let mut cameras = "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[] (f, cx, cy, k1, k2)\n".to_owned();
-        let mut images = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME\n# POINTS2D[] (X Y POINT3D_ID)\n\
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
+        let mut cameras =
+            "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[] (f, cx, cy, k1, k2)\n".to_owned();
+        let mut images =
+            "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME\n# POINTS2D[] (X Y POINT3D_ID)\n\
                           # world: metres from the field's middle, x right, y away, z up\n"
-            .to_owned();
+                .to_owned();
         let mut tracks = BTreeMap::new();
         for (index, frame) in held.iter().enumerate() {
-            let Ok((pinhole, size)) = parts(frame) else { continue };
+            let Ok((pinhole, size)) = parts(frame) else {
+                continue;
+            };
             let points = points_line(frame, index + 1, context.field, &mut tracks);
             let (id, c, t) = (index + 1, pinhole.principal_point, pinhole.translation());
             let (f, Radial { k1, k2 }) = (pinhole.focal_px, pinhole.lens);
@@ -215,8 +336,16 @@ impl CameraFormat for Colmap {
             let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
             let [w, x, y, z] = [q.w, q.i, q.j, q.k].map(|part| sign * part);
             // Writing to a string cannot fail.
-            let _ = writeln!(cameras, "{id} RADIAL {} {} {f} {} {} {k1} {k2}", size.width, size.height, c.x, c.y);
-            let _ = writeln!(images, "{id} {w} {x} {y} {z} {} {} {} {id} {}\n{points}", t.x, t.y, t.z, frame.name);
+            let _ = writeln!(
+                cameras,
+                "{id} RADIAL {} {} {f} {} {} {k1} {k2}",
+                size.width, size.height, c.x, c.y
+            );
+            let _ = writeln!(
+                images,
+                "{id} {w} {x} {y} {z} {} {} {} {id} {}\n{points}",
+                t.x, t.y, t.z, frame.name
+            );
         }
         let mut files = Files::default();
         files.add(CAMERAS, cameras);
@@ -233,8 +362,16 @@ impl CameraFormat for Colmap {
         name == CAMERAS || name == IMAGES
     }
 
-    fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let file = |name: &str| files.get(name).ok_or_else(|| Problem::Missing("the file".to_owned()).within(name));
+    fn read(
+        &self,
+        files: &Files,
+        _options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+        let file = |name: &str| {
+            files
+                .get(name)
+                .ok_or_else(|| Problem::Missing("the file".to_owned()).within(name))
+        };
         let cameras = read_cameras(file(CAMERAS)?).map_err(|problem| problem.within(CAMERAS))?;
         read_images(file(IMAGES)?, &cameras).map_err(|problem| problem.within(IMAGES))
     }
@@ -251,7 +388,10 @@ mod tests {
         let files = exported(&reference(), Format::Colmap).files;
         assert!(text_of(&files, CAMERAS).ends_with("\n1 RADIAL 1920 1080 2410 960 540 0.0661 0\n"));
         let images = text_of(&files, IMAGES);
-        assert!(images.ends_with(" 1 images/0001.jpg\n\n"), "the second line is there: {images:?}");
+        assert!(
+            images.ends_with(" 1 images/0001.jpg\n\n"),
+            "the second line is there: {images:?}"
+        );
         let line = images.lines().find(|line| !line.starts_with('#')).unwrap();
         let found = numbers("the pose", line.rsplit_once(' ').unwrap().0).unwrap();
         let wanted = [
@@ -276,20 +416,33 @@ mod tests {
         let twice = document.frames[0].clicks[0].clone();
         document.frames[0].clicks.push(twice);
         let files = exported(&document, Format::Colmap).files;
-        let points: Vec<String> = text_of(&files, POINTS).lines().skip(1).map(ToOwned::to_owned).collect();
+        let points: Vec<String> = text_of(&files, POINTS)
+            .lines()
+            .skip(1)
+            .map(ToOwned::to_owned)
+            .collect();
         assert_eq!(points.len(), 2, "{points:?}");
         let first: Vec<f64> = numbers("a point", &points[0]).unwrap();
         assert_eq!(first[1..7], [0.0, 0.0, 0.0, 255.0, 255.0, 255.0]);
-        assert!(first[7] < 1e-3 && first[8..] == [1.0, 0.0], "its error and its track: {first:?}");
+        assert!(
+            first[7] < 1e-3 && first[8..] == [1.0, 0.0],
+            "its error and its track: {first:?}"
+        );
         let images = text_of(&files, IMAGES);
         let line = images.lines().last().unwrap();
-        assert!(line.starts_with("444.681 789.175 ") && line.split(' ').count() == 6, "{line}");
+        assert!(
+            line.starts_with("444.681 789.175 ") && line.split(' ').count() == 6,
+            "{line}"
+        );
     }
 
     #[test]
     fn awkward_cameras_come_back() {
         let exported = exported(&awkward(), Format::Colmap);
-        assert!(exported.loss.is_none() && exported.worst_px < 1e-6, "{exported:?}");
+        assert!(
+            exported.loss.is_none() && exported.worst_px < 1e-6,
+            "{exported:?}"
+        );
     }
 
     #[test]
@@ -298,7 +451,11 @@ mod tests {
         let (cameras, images) = (text_of(&files, CAMERAS), text_of(&files, IMAGES));
         let swap = |text: &str, from: &str, to: &str| text.replacen(from, to, 1);
         let cases = [
-            (String::new(), images.clone(), "cameras.txt: the file is empty"),
+            (
+                String::new(),
+                images.clone(),
+                "cameras.txt: the file is empty",
+            ),
             (
                 swap(&cameras, "RADIAL", "FISHEYE"),
                 images.clone(),
@@ -324,7 +481,11 @@ mod tests {
                 images.clone(),
                 "cameras.txt: line 3: the camera \"1\" occurs twice",
             ),
-            (cameras.clone(), String::new(), "images.txt: the file is empty"),
+            (
+                cameras.clone(),
+                String::new(),
+                "images.txt: the file is empty",
+            ),
             (
                 cameras.clone(),
                 images.trim_end().to_owned(),
@@ -359,10 +520,18 @@ mod tests {
         for (cameras, images, wanted) in cases {
             let mut files = Files::one(CAMERAS, cameras.into_bytes());
             files.add(IMAGES, images);
-            let error = Colmap.read(&files, &ImportOptions::default()).unwrap_err().to_string();
+            let error = Colmap
+                .read(&files, &ImportOptions::default())
+                .unwrap_err()
+                .to_string();
             assert!(error.starts_with(wanted), "{error}\nwanted {wanted}");
         }
-        let error = Colmap.read(&Files::one(CAMERAS, cameras.into_bytes()), &ImportOptions::default()).unwrap_err();
+        let error = Colmap
+            .read(
+                &Files::one(CAMERAS, cameras.into_bytes()),
+                &ImportOptions::default(),
+            )
+            .unwrap_err();
         assert_eq!(error.to_string(), "images.txt: the file is missing");
     }
 }

@@ -1,8 +1,10 @@
-//! A flat table: a row a frame, the camera as R, t and lens, and the homography from the picture to the pitch.
+//! A flat table: a row a frame, the camera as R, t and lens, and the homography from the picture to
+//! the pitch.
 //!
-//! World, pixels and angles are the document's own. `r11` … `r33` are `cam_from_world`, `t_*_m` is −R C, and
-//! `h_pitch_from_image_*` takes a pixel *without distortion* (corner convention) to metres on the pitch. Empty fields are not
-//! known. Numbers have all their digits (before pandas 3: `read_csv(f, float_precision="round_trip")`).
+//! World, pixels and angles are the document's own. `r11` … `r33` are `cam_from_world`, `t_*_m` is
+//! −R C, and `h_pitch_from_image_*` takes a pixel *without distortion* (corner convention) to
+//! metres on the pitch. Empty fields are not known. Numbers have all their digits (before pandas 3:
+//! `read_csv(f, float_precision="round_trip")`).
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
@@ -45,8 +47,14 @@ const COLUMNS: [&str; 20] = [
     "camera_y_m",
     "camera_z_m",
 ];
-const LAST_COLUMNS: [&str; 6] =
-    ["sigma_pan_deg", "sigma_tilt_deg", "sigma_focal_px", "worst_corner_sigma_px", "rms_px", "confidence"];
+const LAST_COLUMNS: [&str; 6] = [
+    "sigma_pan_deg",
+    "sigma_tilt_deg",
+    "sigma_focal_px",
+    "worst_corner_sigma_px",
+    "rms_px",
+    "confidence",
+];
 
 /// The nine names of a matrix's entries, by rows.
 fn entries(prefix: &str) -> impl Iterator<Item = String> + '_ {
@@ -55,23 +63,41 @@ fn entries(prefix: &str) -> impl Iterator<Item = String> + '_ {
 
 fn header() -> Vec<String> {
     let first = COLUMNS.into_iter().map(ToOwned::to_owned);
-    let translation = ["t_x_m", "t_y_m", "t_z_m"].into_iter().map(ToOwned::to_owned);
+    let translation = ["t_x_m", "t_y_m", "t_z_m"]
+        .into_iter()
+        .map(ToOwned::to_owned);
     let last = LAST_COLUMNS.into_iter().map(ToOwned::to_owned);
-    first.chain(entries("r")).chain(translation).chain(entries("h_pitch_from_image_")).chain(last).collect()
+    first
+        .chain(entries("r"))
+        .chain(translation)
+        .chain(entries("h_pitch_from_image_"))
+        .chain(last)
+        .collect()
 }
 
 /// A number that may be absent, with all its digits.
 fn field(value: Option<f64>) -> String {
-    value.filter(|value| value.is_finite()).map(|value| value.to_string()).unwrap_or_default()
+    value
+        .filter(|value| value.is_finite())
+        .map(|value| value.to_string())
+        .unwrap_or_default()
 }
 
-/// The homography from an undistorted pixel to the pitch (m), scaled so that its last entry is one. Of crowned ground it is the nearest one.
+/// The homography from an undistorted pixel to the pitch (m), scaled so that its last entry is one.
+/// Of crowned ground it is the nearest one.
 #[must_use]
 fn ground_from_image(pinhole: &Pinhole, size: ImageSize, field: &FieldModel) -> Option<Mat3> {
     let image_from_ground = if field.crown_m == 0.0 {
         pinhole.image_from_ground()
     } else {
-        fit_image_from_ground(&Pinhole { lens: Radial::default(), ..*pinhole }, size, field)?
+        fit_image_from_ground(
+            &Pinhole {
+                lens: Radial::default(),
+                ..*pinhole
+            },
+            size,
+            field,
+        )?
     };
     let inverse = image_from_ground.try_inverse()?;
     Some(inverse / inverse[(2, 2)]).filter(|h| h.iter().all(|entry| entry.is_finite()))
@@ -79,18 +105,33 @@ fn ground_from_image(pinhole: &Pinhole, size: ImageSize, field: &FieldModel) -> 
 
 /// What the name of a source is in documents.
 fn source_name(source: SolutionSource) -> String {
-    serde_json::to_value(source).ok().and_then(|name| Some(name.as_str()?.to_owned())).unwrap_or_default()
+    serde_json::to_value(source)
+        .ok()
+        .and_then(|name| Some(name.as_str()?.to_owned()))
+        .unwrap_or_default()
 }
 
-fn row_of(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize, context: &WriteContext<'_>) -> Vec<String> {
+fn row_of(
+    frame: &FrameCamera,
+    pinhole: &Pinhole,
+    size: ImageSize,
+    context: &WriteContext<'_>,
+) -> Vec<String> {
     let record = &frame.record;
     let timecode = context.timecode(frame).map(|timecode| timecode.to_string());
     let (translation, c) = (pinhole.translation(), pinhole.position_m);
     let mut row = vec![
-        frame.frame_index.map(|index| index.to_string()).unwrap_or_default(),
+        frame
+            .frame_index
+            .map(|index| index.to_string())
+            .unwrap_or_default(),
         field(frame.pts_s),
         timecode.unwrap_or_default(),
-        if frame.image.is_some() { text_cell(&frame.name) } else { String::new() },
+        if frame.image.is_some() {
+            text_cell(&frame.name)
+        } else {
+            String::new()
+        },
         frame.camera.as_deref().map(text_cell).unwrap_or_default(),
         record.status.as_str().to_owned(),
         record.source.map(source_name).unwrap_or_default(),
@@ -100,17 +141,41 @@ fn row_of(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize, context: &Wri
         field(record.ptz.map(|ptz| ptz.pan.degrees())),
         field(record.ptz.map(|ptz| ptz.tilt.degrees())),
     ];
-    let Pinhole { focal_px, principal_point, lens, .. } = *pinhole;
-    let numbers = [focal_px, principal_point.x, principal_point.y, lens.k1, lens.k2, c.x, c.y, c.z];
+    let Pinhole {
+        focal_px,
+        principal_point,
+        lens,
+        ..
+    } = *pinhole;
+    let numbers = [
+        focal_px,
+        principal_point.x,
+        principal_point.y,
+        lens.k1,
+        lens.k2,
+        c.x,
+        c.y,
+        c.z,
+    ];
     row.extend(numbers.map(|number| field(Some(number))));
-    row.extend(pinhole.cam_from_world.transpose().iter().map(|entry| field(Some(*entry))));
+    row.extend(
+        pinhole
+            .cam_from_world
+            .transpose()
+            .iter()
+            .map(|entry| field(Some(*entry))),
+    );
     row.extend(translation.iter().map(|entry| field(Some(*entry))));
     match ground_from_image(pinhole, size, context.field) {
         Some(h) => row.extend(h.transpose().iter().map(|entry| field(Some(*entry)))),
         None => row.extend(vec![String::new(); 9]),
     }
     let sigma = record.sigma.map_or([None; 3], |sigma| sigma.map(Some));
-    let last = [record.worst_corner_sigma_px, record.rms_px, record.confidence];
+    let last = [
+        record.worst_corner_sigma_px,
+        record.rms_px,
+        record.confidence,
+    ];
     row.extend(sigma.into_iter().chain(last).map(field));
     row
 }
@@ -121,21 +186,36 @@ fn name_by_number(index: u64, camera: &str) -> String {
 }
 
 fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
-    let rotation: Vec<f64> = entries("r").map(|column| row.number(&column)).collect::<Result<_, _>>()?;
-    let position = Vec3::new(row.number("camera_x_m")?, row.number("camera_y_m")?, row.number("camera_z_m")?);
+    let rotation: Vec<f64> = entries("r")
+        .map(|column| row.number(&column))
+        .collect::<Result<_, _>>()?;
+    let position = Vec3::new(
+        row.number("camera_x_m")?,
+        row.number("camera_y_m")?,
+        row.number("camera_z_m")?,
+    );
     let pinhole = Pinhole {
         cam_from_world: Mat3::from_row_slice(&rotation),
         position_m: position,
         focal_px: row.number("focal_px")?,
         principal_point: ImagePoint::new(row.number("cx_px")?, row.number("cy_px")?),
-        lens: Radial { k1: row.find("k1")?.unwrap_or(0.0), k2: row.find("k2")?.unwrap_or(0.0) },
+        lens: Radial {
+            k1: row.find("k1")?.unwrap_or(0.0),
+            k2: row.find("k2")?.unwrap_or(0.0),
+        },
     };
-    let pinhole = pinhole.checked("the camera").map_err(|problem| problem.at_line(row.line()))?;
+    let pinhole = pinhole
+        .checked("the camera")
+        .map_err(|problem| problem.at_line(row.line()))?;
     let side = |column: &str| -> Result<u32, Problem> {
         side_px(column, row.number(column)?).map_err(|problem| problem.at_line(row.line()))
     };
     let index = row.frame_index()?;
-    let image = row.text("image").map(safe_path).transpose().map_err(|problem| problem.at_line(row.line()))?;
+    let image = row
+        .text("image")
+        .map(safe_path)
+        .transpose()
+        .map_err(|problem| problem.at_line(row.line()))?;
     let camera = row.text("camera").map(ToOwned::to_owned);
     let missing = || Problem::Missing("both image and frame_index".to_owned()).at_line(row.line());
     let by_number = index.map(|index| name_by_number(index, camera.as_deref().unwrap_or_default()));
@@ -152,7 +232,10 @@ fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
         pts_s: row.find("pts_s")?,
         rate: None,
         record: Record {
-            status: row.text("status").and_then(|status| known(status).ok()).unwrap_or(FrameStatus::Suggested),
+            status: row
+                .text("status")
+                .and_then(|status| known(status).ok())
+                .unwrap_or(FrameStatus::Suggested),
             worst_corner_sigma_px: row.find("worst_corner_sigma_px")?,
             rms_px: row.find("rms_px")?,
             confidence: row.find("confidence")?,
@@ -162,17 +245,34 @@ fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
 }
 
 impl CameraFormat for Csv {
-    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        _index: usize,
+        _context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
         let camera = frame.camera.as_deref().unwrap_or_default();
         let name = match (&frame.image, frame.frame_index) {
             (Some(_), _) => relative_name(frame),
             (None, Some(index)) => name_by_number(index, camera),
-            (None, None) => return Err(format!("{} has neither an image nor a number", stem_of(frame))),
+            (None, None) => {
+                return Err(format!(
+                    "{} has neither an image nor a number",
+                    stem_of(frame)
+                ));
+            }
         };
-        Ok(FrameCamera { name, ..frame.clone() })
+        Ok(FrameCamera {
+            name,
+            ..frame.clone()
+        })
     }
 
-    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         let mut text = String::new();
         push_row(&header(), &mut text);
         for frame in held {
@@ -191,10 +291,21 @@ impl CameraFormat for Csv {
         has_ending(name, "csv")
     }
 
-    fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(
+        &self,
+        files: &Files,
+        _options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
         files.read_all(|_, bytes| {
             let table = Table::read(bytes)?;
-            table.needs(&["focal_px", "cx_px", "cy_px", "camera_x_m", "r11", "width_px"])?;
+            table.needs(&[
+                "focal_px",
+                "cx_px",
+                "cy_px",
+                "camera_x_m",
+                "r11",
+                "width_px",
+            ])?;
             table.rows().map(read_row).collect::<Result<Vec<_>, _>>()
         })
     }
@@ -210,14 +321,28 @@ mod tests {
     fn timecodes_of_two_videos_are_by_their_own_rates() {
         let mut document = awkward();
         for (index, frame) in document.frames.iter_mut().enumerate() {
-            let (video, rate, number) = if index < 6 { ("a.mp4", 25.0, 100) } else { ("b.mp4", 50.0, 200) };
+            let (video, rate, number) = if index < 6 {
+                ("a.mp4", 25.0, 100)
+            } else {
+                ("b.mp4", 50.0, 200)
+            };
             let number = number + index as u64;
-            frame.video = Some(crate::document::VideoFrame::new(video, number, Some(number as f64 / rate)));
+            frame.video = Some(crate::document::VideoFrame::new(
+                video,
+                number,
+                Some(number as f64 / rate),
+            ));
         }
         let text = text_of(&exported(&document, Format::Csv).files, "cameras.csv");
         let table = Table::read(text.as_bytes()).unwrap();
-        let codes: Vec<String> = table.rows().filter_map(|row| row.text("timecode").map(ToOwned::to_owned)).collect();
-        assert_eq!((codes[0].as_str(), codes[6].as_str()), ("00:00:04:00", "00:00:04:06"));
+        let codes: Vec<String> = table
+            .rows()
+            .filter_map(|row| row.text("timecode").map(ToOwned::to_owned))
+            .collect();
+        assert_eq!(
+            (codes[0].as_str(), codes[6].as_str()),
+            ("00:00:04:00", "00:00:04:06")
+        );
     }
 
     #[test]
@@ -227,8 +352,13 @@ mod tests {
         let text = text_of(&exported(&document, Format::Csv).files, "cameras.csv");
         let table = Table::read(text.as_bytes()).unwrap();
         let row = table.rows().next().unwrap();
-        assert_eq!((row.text("timecode"), row.text("image")), (Some("00:00:16:12"), Some("images/0001.jpg")));
-        let h: Vec<f64> = entries("h_pitch_from_image_").map(|column| row.number(&column).unwrap()).collect();
+        assert_eq!(
+            (row.text("timecode"), row.text("image")),
+            (Some("00:00:16:12"), Some("images/0001.jpg"))
+        );
+        let h: Vec<f64> = entries("h_pitch_from_image_")
+            .map(|column| row.number(&column).unwrap())
+            .collect();
         for (entry, wanted) in h.iter().zip([
             -0.28523037860,
             0.01228222517,
@@ -247,7 +377,10 @@ mod tests {
     #[test]
     fn every_number_comes_back() {
         let exported = exported(&awkward(), Format::Csv);
-        assert!(exported.loss.is_none() && exported.worst_px < 1e-6, "{exported:?}");
+        assert!(
+            exported.loss.is_none() && exported.worst_px < 1e-6,
+            "{exported:?}"
+        );
         let mut document = awkward();
         for frame in &mut document.frames {
             frame.image = None;
@@ -273,18 +406,45 @@ mod tests {
                 swap("images/0001.jpg", "../../etc/passwd"),
                 "line 2: the path \"../../etc/passwd\" points outside the folder",
             ),
-            (swap(",1920,", ",0,"), "line 2: width_px is 0, which must be a whole number from 1 to 65535"),
-            (swap(",1920,", ",wide,"), "line 2: width_px: a number is expected, found \"wide\""),
-            (swap(",2410,", ",-2410,"), "line 2: the focal length of the camera is -2410, which must be above 0"),
-            (swap(",2410,", ",NaN,"), "line 2: focal_px is not a finite number"),
-            (swap(",2410,", ",,"), "line 2: a value for focal_px is missing"),
-            (swap(",960,", ",inf,"), "line 2: cx_px is not a finite number"),
+            (
+                swap(",1920,", ",0,"),
+                "line 2: width_px is 0, which must be a whole number from 1 to 65535",
+            ),
+            (
+                swap(",1920,", ",wide,"),
+                "line 2: width_px: a number is expected, found \"wide\"",
+            ),
+            (
+                swap(",2410,", ",-2410,"),
+                "line 2: the focal length of the camera is -2410, which must be above 0",
+            ),
+            (
+                swap(",2410,", ",NaN,"),
+                "line 2: focal_px is not a finite number",
+            ),
+            (
+                swap(",2410,", ",,"),
+                "line 2: a value for focal_px is missing",
+            ),
+            (
+                swap(",960,", ",inf,"),
+                "line 2: cx_px is not a finite number",
+            ),
             (swap("r11", "r12"), "the column \"r12\" occurs twice"),
-            (good.trim_end().rsplit_once(',').unwrap().0.to_owned(), "line 2: fields: 47 are expected, found 46"),
-            (swap("412,", "\"412,"), "not a table: a quote is never closed"),
+            (
+                good.trim_end().rsplit_once(',').unwrap().0.to_owned(),
+                "line 2: fields: 47 are expected, found 46",
+            ),
+            (
+                swap("412,", "\"412,"),
+                "not a table: a quote is never closed",
+            ),
         ] {
             let files = Files::one("a.csv", text.into_bytes());
-            let error = Csv.read(&files, &ImportOptions::default()).unwrap_err().to_string();
+            let error = Csv
+                .read(&files, &ImportOptions::default())
+                .unwrap_err()
+                .to_string();
             assert_eq!(error, format!("a.csv: {wanted}"));
         }
     }

@@ -1,7 +1,9 @@
-//! CVAT's XML 1.1: images with points, polylines and skeletons, and tracks of video tasks. Import only.
+//! CVAT's XML 1.1: images with points, polylines and skeletons, and tracks of video tasks. Import
+//! only.
 //!
-//! `points="x,y;x,y"` in px from the picture's corner. In skeletons `outside="1"` is absent. Of tracks the key frames are taken, all
-//! others are interpolated. Document types and entities are refused.
+//! `points="x,y;x,y"` in px from the picture's corner. In skeletons `outside="1"` is absent. Of
+//! tracks the key frames are taken, all others are interpolated. Document types and entities are
+//! refused.
 
 use super::camera_format::has_ending;
 use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes};
@@ -22,12 +24,15 @@ pub struct Cvat;
 
 fn not_xml(error: roxmltree::Error) -> Problem {
     Problem::NotXml(match error {
-        roxmltree::Error::DtdDetected => "it has a document type (<!DOCTYPE …>), which is not read".to_owned(),
+        roxmltree::Error::DtdDetected => {
+            "it has a document type (<!DOCTYPE …>), which is not read".to_owned()
+        }
         error => error.to_string(),
     })
 }
 
-/// More attributes than any element of CVAT has. The parser compares every two of an element to find one that is there twice.
+/// More attributes than any element of CVAT has. The parser compares every two of an element to
+/// find one that is there twice.
 const MAX_ATTRIBUTES: usize = 100;
 
 /// Refuses an element with so many attributes that the parser would take hours.
@@ -37,14 +42,21 @@ fn refuse_many_attributes(text: &str) -> Result<(), Problem> {
     let mut rest = text;
     while let Some(start) = rest.find('<') {
         rest = &rest[start..];
-        if let Some((begin, end)) = OTHERS.into_iter().find(|(begin, _)| rest.starts_with(begin)) {
-            let Some(length) = rest[begin.len()..].find(end) else { return Ok(()) };
+        if let Some((begin, end)) = OTHERS
+            .into_iter()
+            .find(|(begin, _)| rest.starts_with(begin))
+        {
+            let Some(length) = rest[begin.len()..].find(end) else {
+                return Ok(());
+            };
             rest = &rest[begin.len() + length + end.len()..];
             continue;
         }
         let tag = measure_tag(rest);
         if tag.attributes > MAX_ATTRIBUTES {
-            return Err(Problem::NotXml(format!("an element has more than {MAX_ATTRIBUTES} attributes")));
+            return Err(Problem::NotXml(format!(
+                "an element has more than {MAX_ATTRIBUTES} attributes"
+            )));
         }
         rest = &rest[tag.bytes..];
     }
@@ -64,11 +76,19 @@ fn measure_tag(tag: &str) -> TagLength {
             (b'"' | b'\'', None) => quote = Some(byte),
             (byte, Some(open)) if byte == open => quote = None,
             (b'=', None) => attributes += 1,
-            (b'>', None) => return TagLength { bytes: at + 1, attributes },
+            (b'>', None) => {
+                return TagLength {
+                    bytes: at + 1,
+                    attributes,
+                };
+            }
             _ => {}
         }
     }
-    TagLength { bytes: tag.len(), attributes }
+    TagLength {
+        bytes: tag.len(),
+        attributes,
+    }
 }
 
 type Element<'a> = roxmltree::Node<'a, 'a>;
@@ -96,18 +116,30 @@ fn points(shape: Element<'_>, label: &str, shift: f64) -> Result<Vec<Mark>, Prob
     let pairs = attribute(shape, "points")?.split(';');
     pairs
         .map(|pair| {
-            let coordinates = pair.split(',').map(|part| number("points", part)).collect::<Result<Vec<_>, _>>()?;
+            let coordinates = pair
+                .split(',')
+                .map(|part| number("points", part))
+                .collect::<Result<Vec<_>, _>>()?;
             let found = coordinates.len();
-            let wrong = |_| Problem::Count { what: "coordinates of a point".to_owned(), wanted: 2, found };
+            let wrong = |_| Problem::Count {
+                what: "coordinates of a point".to_owned(),
+                wanted: 2,
+                found,
+            };
             let [x, y]: [f64; 2] = coordinates.try_into().map_err(wrong)?;
-            Ok(Mark { label: label.to_owned(), image: ImagePoint::new(x + shift, y + shift) })
+            Ok(Mark {
+                label: label.to_owned(),
+                image: ImagePoint::new(x + shift, y + shift),
+            })
         })
         .collect()
 }
 
 /// The marks of the shapes that an element holds.
 fn marks_within(parent: Element<'_>, shift: f64) -> Result<Vec<Mark>, Problem> {
-    let shapes = parent.children().filter(|shape| matches!(shape.tag_name().name(), "points" | "polyline"));
+    let shapes = parent
+        .children()
+        .filter(|shape| matches!(shape.tag_name().name(), "points" | "polyline"));
     let mut found = Vec::new();
     for shape in shapes {
         found.extend(marks(shape, shift)?);
@@ -118,7 +150,10 @@ fn marks_within(parent: Element<'_>, shift: f64) -> Result<Vec<Mark>, Problem> {
 /// The marks of an image: its shapes' and its skeletons'. A skeleton holds no other.
 fn marks_of_image(image: Element<'_>, shift: f64) -> Result<Vec<Mark>, Problem> {
     let mut found = marks_within(image, shift)?;
-    for skeleton in image.children().filter(|child| child.has_tag_name("skeleton")) {
+    for skeleton in image
+        .children()
+        .filter(|child| child.has_tag_name("skeleton"))
+    {
         found.extend(marks_within(skeleton, shift)?);
     }
     Ok(found)
@@ -130,9 +165,9 @@ fn tracks(root: Element<'_>, shift: f64) -> Result<BTreeMap<u64, Vec<Mark>>, Pro
     for track in root.children().filter(|child| child.has_tag_name("track")) {
         let label = track.attribute("label").unwrap_or_default();
         let shapes = track.children().filter(Element::is_element);
-        for shape in
-            shapes.filter(|shape| shape.attribute("keyframe") == Some("1") && shape.attribute("outside") != Some("1"))
-        {
+        for shape in shapes.filter(|shape| {
+            shape.attribute("keyframe") == Some("1") && shape.attribute("outside") != Some("1")
+        }) {
             let frame = frame_number("frame", number("frame", attribute(shape, "frame")?)?)?;
             let of_shape = match shape.tag_name().name() {
                 "points" | "polyline" => points(shape, label, shift)?,
@@ -147,7 +182,12 @@ fn tracks(root: Element<'_>, shift: f64) -> Result<BTreeMap<u64, Vec<Mark>>, Pro
 
 /// The size of a video task's pictures.
 fn task_size(root: Element<'_>) -> Result<Option<ImageSize>, Problem> {
-    let Some(size) = root.descendants().find(|element| element.has_tag_name("original_size")) else { return Ok(None) };
+    let Some(size) = root
+        .descendants()
+        .find(|element| element.has_tag_name("original_size"))
+    else {
+        return Ok(None);
+    };
     let of = |name: &str| -> Result<u32, Problem> {
         let child = size.children().find(|child| child.has_tag_name(name));
         let missing = || Problem::Missing(format!("{name} of <original_size>"));
@@ -164,20 +204,35 @@ fn read_file(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>
     let root = xml.root_element();
     if root.tag_name().name() != "annotations" {
         let found = format!("it begins with <{}>", clipped(root.tag_name().name()));
-        return Err(Problem::NotFormat { wanted: "CVAT's XML", found });
+        return Err(Problem::NotFormat {
+            wanted: "CVAT's XML",
+            found,
+        });
     }
     let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
     let mut frames: Vec<LabelledFrame> = Vec::new();
     for image in root.children().filter(|child| child.has_tag_name("image")) {
         let name = safe_path(attribute(image, "name")?)?;
         let size = ImageSize::new(side(image, "width")?, side(image, "height")?);
-        frames.push(LabelledFrame { image: Some(name.clone()), name, size, marks: marks_of_image(image, shift)? });
+        frames.push(LabelledFrame {
+            image: Some(name.clone()),
+            name,
+            size,
+            marks: marks_of_image(image, shift)?,
+        });
     }
     let tracks = tracks(root, shift)?;
     if !tracks.is_empty() {
-        let size = task_size(root)?.or(options.size).ok_or_else(|| Problem::Missing("<original_size>".to_owned()))?;
+        let size = task_size(root)?
+            .or(options.size)
+            .ok_or_else(|| Problem::Missing("<original_size>".to_owned()))?;
         for (number, marks) in tracks {
-            frames.push(LabelledFrame { name: format!("frame_{number:06}"), image: None, size, marks });
+            frames.push(LabelledFrame {
+                name: format!("frame_{number:06}"),
+                image: None,
+                size,
+                marks,
+            });
         }
     }
     Ok(frames)
@@ -192,8 +247,16 @@ impl ClickFormat for Cvat {
         frame.image.clone()
     }
 
-    fn write(&self, _frames: &[ClickedFrame], _context: &ClickContext<'_>) -> Result<Files, ExchangeError> {
-        Err(ExchangeError::OneWay { format: Format::Cvat, what: "exported", instead: "imported" })
+    fn write(
+        &self,
+        _frames: &[ClickedFrame],
+        _context: &ClickContext<'_>,
+    ) -> Result<Files, ExchangeError> {
+        Err(ExchangeError::OneWay {
+            format: Format::Cvat,
+            what: "exported",
+            instead: "imported",
+        })
     }
 
     fn wanted(&self) -> &'static str {
@@ -227,16 +290,28 @@ mod tests {
 
     fn read(text: &str) -> Result<Vec<LabelledFrame>, String> {
         let files = Files::one("a.xml", text.as_bytes().to_vec());
-        Cvat.read(&files, &ImportOptions::default(), &|_| None).map_err(|error| error.to_string())
+        Cvat.read(&files, &ImportOptions::default(), &|_| None)
+            .map_err(|error| error.to_string())
     }
 
     #[test]
     fn points_polylines_and_skeletons_are_marks() {
         let frames = read(GOOD).unwrap();
-        let marks: Vec<(&str, f64)> = frames[0].marks.iter().map(|mark| (mark.label.as_str(), mark.image.x)).collect();
-        let wanted =
-            [("centre_mark", 444.68), ("halfway_line", 434.1), ("halfway_line", 440.6), ("corner_near_left", 1.0)];
-        assert_eq!((frames[0].name.as_str(), marks.as_slice()), ("clip/0001.jpg", wanted.as_slice()));
+        let marks: Vec<(&str, f64)> = frames[0]
+            .marks
+            .iter()
+            .map(|mark| (mark.label.as_str(), mark.image.x))
+            .collect();
+        let wanted = [
+            ("centre_mark", 444.68),
+            ("halfway_line", 434.1),
+            ("halfway_line", 440.6),
+            ("corner_near_left", 1.0),
+        ];
+        assert_eq!(
+            (frames[0].name.as_str(), marks.as_slice()),
+            ("clip/0001.jpg", wanted.as_slice())
+        );
     }
 
     #[test]
@@ -246,17 +321,40 @@ mod tests {
 <points frame="4" keyframe="0" outside="0" points="3,4"/><points frame="5" keyframe="1" outside="1" points="5,6"/></track></annotations>"#;
         let frames = read(track).unwrap();
         assert_eq!(frames.len(), 1);
-        assert_eq!((frames[0].name.as_str(), frames[0].size), ("frame_000003", ImageSize::new(640, 360)));
-        assert_eq!(frames[0].marks, [Mark { label: "centre_mark".to_owned(), image: ImagePoint::new(1.0, 2.0) }]);
+        assert_eq!(
+            (frames[0].name.as_str(), frames[0].size),
+            ("frame_000003", ImageSize::new(640, 360))
+        );
+        assert_eq!(
+            frames[0].marks,
+            [Mark {
+                label: "centre_mark".to_owned(),
+                image: ImagePoint::new(1.0, 2.0)
+            }]
+        );
     }
 
     #[test]
     fn an_element_of_a_hundred_thousand_attributes_is_refused_at_once() {
-        let many = |count: usize| (0..count).map(|index| format!(" a{index}='>='")).collect::<Vec<_>>().concat();
-        let with = |attributes: String| GOOD.replacen("<image ", &format!("<!-- don't = --><image{attributes} "), 1);
+        let many = |count: usize| {
+            (0..count)
+                .map(|index| format!(" a{index}='>='"))
+                .collect::<Vec<_>>()
+                .concat()
+        };
+        let with = |attributes: String| {
+            GOOD.replacen(
+                "<image ",
+                &format!("<!-- don't = --><image{attributes} "),
+                1,
+            )
+        };
         assert!(read(&with(many(90))).is_ok());
         let error = read(&with(many(100_000))).unwrap_err();
-        assert_eq!(error, "a.xml: not valid XML: an element has more than 100 attributes");
+        assert_eq!(
+            error,
+            "a.xml: not valid XML: an element has more than 100 attributes"
+        );
     }
 
     #[test]
@@ -266,20 +364,50 @@ mod tests {
         for (text, wanted) in [
             (String::new(), "the file is empty"),
             ("not xml".to_owned(), "not valid XML: "),
-            ("<a\u{14}/>".to_owned(), "not valid XML: expected a whitespace not '\\u{14}'"),
+            (
+                "<a\u{14}/>".to_owned(),
+                "not valid XML: expected a whitespace not '\\u{14}'",
+            ),
             (GOOD[..200].to_owned(), "not valid XML: "),
-            (entities.to_owned(), "not valid XML: it has a document type (<!DOCTYPE …>), which is not read"),
-            ("<html></html>".to_owned(), "not CVAT's XML: it begins with <html>"),
+            (
+                entities.to_owned(),
+                "not valid XML: it has a document type (<!DOCTYPE …>), which is not read",
+            ),
+            (
+                "<html></html>".to_owned(),
+                "not CVAT's XML: it begins with <html>",
+            ),
             (swap("width=\"1920\"", ""), "width of <image> is missing"),
-            (swap("width=\"1920\"", "width=\"0\""), "width is 0, which must be a whole number from 1 to 65535"),
-            (swap("clip/0001.jpg", "../0001.jpg"), "the path \"../0001.jpg\" points outside the folder"),
-            (swap("444.68,789.18", "444.68"), "coordinates of a point: 2 are expected, found 1"),
-            (swap("444.68,789.18", "nan,789.18"), "points is not a finite number"),
-            (swap("444.68,789.18", ""), "points: a number is expected, found \"\""),
-            (swap(" label=\"centre_mark\"", ""), "label of <points> is missing"),
+            (
+                swap("width=\"1920\"", "width=\"0\""),
+                "width is 0, which must be a whole number from 1 to 65535",
+            ),
+            (
+                swap("clip/0001.jpg", "../0001.jpg"),
+                "the path \"../0001.jpg\" points outside the folder",
+            ),
+            (
+                swap("444.68,789.18", "444.68"),
+                "coordinates of a point: 2 are expected, found 1",
+            ),
+            (
+                swap("444.68,789.18", "nan,789.18"),
+                "points is not a finite number",
+            ),
+            (
+                swap("444.68,789.18", ""),
+                "points: a number is expected, found \"\"",
+            ),
+            (
+                swap(" label=\"centre_mark\"", ""),
+                "label of <points> is missing",
+            ),
         ] {
             let error = read(&text).unwrap_err();
-            assert!(error.starts_with(&format!("a.xml: {wanted}")), "{error}\nwanted {wanted}");
+            assert!(
+                error.starts_with(&format!("a.xml: {wanted}")),
+                "{error}\nwanted {wanted}"
+            );
             assert!(!error.contains('\n'));
         }
     }

@@ -1,8 +1,8 @@
 //! `DeepSport`'s basketball cameras: a JSON file for each picture. Import only.
 //!
-//! World in *centimetres* from the far left corner of the court, x right, y towards the camera, z **down**; `KK`, `R`, `T` by
-//! rows, world→camera; `kc` = k1 k2 p1 p2 k3; pixels from the first one's centre.
-//! Source: `deepsport-utilities`, `calib3d`.
+//! World in *centimetres* from the far left corner of the court, x right, y towards the camera, z
+//! **down**; `KK`, `R`, `T` by rows, world→camera; `kc` = k1 k2 p1 p2 k3; pixels from the first
+//! one's centre. Source: `deepsport-utilities`, `calib3d`.
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
@@ -25,38 +25,74 @@ const CM: f64 = 100.0;
 fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Problem> {
     let value = parse(bytes)?;
     let node = Node::root(&value).key("calibration")?;
-    let size = ImageSize::new(node.key("img_width")?.side_px()?, node.key("img_height")?.side_px()?);
-    let matrix = |key: &str| -> Result<Mat3, Problem> { Ok(Mat3::from_row_slice(&node.key(key)?.numbers::<9>()?)) };
+    let size = ImageSize::new(
+        node.key("img_width")?.side_px()?,
+        node.key("img_height")?.side_px()?,
+    );
+    let matrix = |key: &str| -> Result<Mat3, Problem> {
+        Ok(Mat3::from_row_slice(&node.key(key)?.numbers::<9>()?))
+    };
     let (k, rotation) = (matrix("KK")?, matrix("R")?);
     let translation = Vec3::from(node.key("T")?.numbers::<3>()?);
     let lens: [f64; 5] = node.key("kc")?.numbers()?;
     if (k[(0, 0)] / k[(1, 1)] - 1.0).abs() > 1e-9 || k[(0, 1)] != 0.0 {
-        let what = format!("focal lengths {} and {} px, skew {}", k[(0, 0)], k[(1, 1)], k[(0, 1)]);
-        return Err(Problem::Unsupported { what, why: "pixels must be square" });
+        let what = format!(
+            "focal lengths {} and {} px, skew {}",
+            k[(0, 0)],
+            k[(1, 1)],
+            k[(0, 1)]
+        );
+        return Err(Problem::Unsupported {
+            what,
+            why: "pixels must be square",
+        });
     }
     if let Some(other) = lens[2..].iter().find(|value| **value != 0.0) {
         let what = format!("a distortion coefficient of {other} beyond k1 and k2");
-        return Err(Problem::Unsupported { what, why: "the document's lens has k1 and k2 only" });
+        return Err(Problem::Unsupported {
+            what,
+            why: "the document's lens has k1 and k2 only",
+        });
     }
     let centre = -(rotation.transpose() * translation) / CM;
     let shift = Pixels::Centre.to_corner_px();
     let pinhole = Pinhole {
         cam_from_world: flipped_world(&rotation),
-        position_m: Vec3::new(centre.x - court.length_m / 2.0, court.width_m / 2.0 - centre.y, -centre.z),
+        position_m: Vec3::new(
+            centre.x - court.length_m / 2.0,
+            court.width_m / 2.0 - centre.y,
+            -centre.z,
+        ),
         focal_px: k[(0, 0)],
         principal_point: ImagePoint::new(k[(0, 2)] + shift, k[(1, 2)] + shift),
-        lens: Radial { k1: lens[0], k2: lens[1] },
+        lens: Radial {
+            k1: lens[0],
+            k2: lens[1],
+        },
     };
     Ok((pinhole.checked("the camera")?, size))
 }
 
 impl CameraFormat for DeepSport {
-    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        _index: usize,
+        _context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
         Ok(frame.clone())
     }
 
-    fn write(&self, _held: &[FrameCamera], _context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
-        Err(ExchangeError::OneWay { format: super::format::Format::DeepSport, what: "exported", instead: "imported" })
+    fn write(
+        &self,
+        _held: &[FrameCamera],
+        _context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
+        Err(ExchangeError::OneWay {
+            format: super::format::Format::DeepSport,
+            what: "exported",
+            instead: "imported",
+        })
     }
 
     fn wanted(&self) -> &'static str {
@@ -67,13 +103,20 @@ impl CameraFormat for DeepSport {
         has_ending(name, "json")
     }
 
-    fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(
+        &self,
+        files: &Files,
+        options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
         let court = options.field.model(Path::new("."))?;
         files.read_all(|name, bytes| {
             let (pinhole, size) = camera(bytes, &court)?;
             let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
             let frame = FrameCamera::new(stem, Some(size), Shown::Camera(pinhole));
-            Ok(Some(FrameCamera { image: Some(format!("{stem}_0.png")), ..frame }))
+            Ok(Some(FrameCamera {
+                image: Some(format!("{stem}_0.png")),
+                ..frame
+            }))
         })
     }
 }
@@ -96,8 +139,14 @@ mod tests {
 
     fn read(value: &Value) -> Result<FrameCamera, String> {
         let files = Files::one("camcourt1_7.json", value.to_string().into_bytes());
-        let options = ImportOptions { field: FieldSpec::new("basketball_fiba"), ..ImportOptions::default() };
-        DeepSport.read(&files, &options).map(|mut frames| frames.remove(0)).map_err(|error| error.to_string())
+        let options = ImportOptions {
+            field: FieldSpec::new("basketball_fiba"),
+            ..ImportOptions::default()
+        };
+        DeepSport
+            .read(&files, &options)
+            .map(|mut frames| frames.remove(0))
+            .map_err(|error| error.to_string())
     }
 
     #[test]
@@ -105,17 +154,31 @@ mod tests {
         let frame = read(&published()).unwrap();
         let pinhole = frame.pinhole().unwrap();
         // The rotation is published with 12 digits.
-        assert!((pinhole.position_m - Vec3::new(0.0, -60.0, 18.0)).norm() < 1e-6, "{pinhole:?}");
+        assert!(
+            (pinhole.position_m - Vec3::new(0.0, -60.0, 18.0)).norm() < 1e-6,
+            "{pinhole:?}"
+        );
         assert_eq!(pinhole.principal_point, ImagePoint::new(960.0, 540.0));
         let mark = frame.image_from_world(Vec3::zeros()).unwrap();
-        assert!(mark.distance_px(ImagePoint::new(444.680987, 789.175247)) < 1e-4, "{mark:?}");
+        assert!(
+            mark.distance_px(ImagePoint::new(444.680987, 789.175247)) < 1e-4,
+            "{mark:?}"
+        );
     }
 
     #[test]
     fn damaged_files_are_named_in_one_line() {
         for (key, value, wanted) in [
-            ("KK", json!([1, 2, 3]), "calibration.KK (numbers): 9 are expected, found 3"),
-            ("R", json!([[1, 0, 0], [0, 1, 0], [0, 0, 1]]), "calibration.R (numbers): 9 are expected, found 3"),
+            (
+                "KK",
+                json!([1, 2, 3]),
+                "calibration.KK (numbers): 9 are expected, found 3",
+            ),
+            (
+                "R",
+                json!([[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
+                "calibration.R (numbers): 9 are expected, found 3",
+            ),
             (
                 "R",
                 json!([2, 0, 0, 0, 2, 0, 0, 0, 2]),
@@ -131,14 +194,28 @@ mod tests {
                 json!([0.1, 0, 0.01, 0, 0]),
                 "a distortion coefficient of 0.01 beyond k1 and k2 cannot be read: the document's lens has k1 and k2 only",
             ),
-            ("T", json!([1e9, 0, 0]), "a coordinate of the position of the camera is"),
-            ("img_width", json!("wide"), "calibration.img_width: a number is expected, found the text \"wide\""),
+            (
+                "T",
+                json!([1e9, 0, 0]),
+                "a coordinate of the position of the camera is",
+            ),
+            (
+                "img_width",
+                json!("wide"),
+                "calibration.img_width: a number is expected, found the text \"wide\"",
+            ),
         ] {
             let mut damaged = published();
             damaged["calibration"][key] = value;
             let error = read(&damaged).unwrap_err();
-            assert!(error.starts_with(&format!("camcourt1_7.json: {wanted}")), "{error}");
+            assert!(
+                error.starts_with(&format!("camcourt1_7.json: {wanted}")),
+                "{error}"
+            );
         }
-        assert_eq!(read(&json!({})).unwrap_err(), "camcourt1_7.json: calibration is missing");
+        assert_eq!(
+            read(&json!({})).unwrap_err(),
+            "camcourt1_7.json: calibration is missing"
+        );
     }
 }

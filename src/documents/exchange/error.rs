@@ -192,7 +192,9 @@ pub enum ExchangeError {
     #[error("stopped; nothing was written")]
     Stopped,
     /// Two frames would be written to one place.
-    #[error("{first} and {second} would both be written as {name}; export them one camera or folder at a time")]
+    #[error(
+        "{first} and {second} would both be written as {name}; export them one camera or folder at a time"
+    )]
     SameName {
         /// The place.
         name: String,
@@ -229,7 +231,9 @@ pub enum ExchangeError {
         allowed_px: f64,
     },
     /// What was to be written reads back as other frames or clicks.
-    #[error("internal error (please report it): {frame} as {format} does not read back as it was; nothing was written")]
+    #[error(
+        "internal error (please report it): {frame} as {format} does not read back as it was; nothing was written"
+    )]
     ReadsBackOtherwise {
         /// The frame.
         frame: String,
@@ -432,38 +436,57 @@ impl Problem {
     /// The problem in a file.
     #[must_use]
     pub(crate) fn within(self, file: &str) -> ExchangeError {
-        ExchangeError::File { file: file.to_owned(), problem: self }
+        ExchangeError::File {
+            file: file.to_owned(),
+            problem: self,
+        }
     }
 
     /// The problem at a packet, counted from 1.
     #[must_use]
     pub(crate) fn at_packet(self, packet: usize) -> Self {
-        Self::Packet { packet, problem: Box::new(self) }
+        Self::Packet {
+            packet,
+            problem: Box::new(self),
+        }
     }
 
     /// The problem in an array of an archive.
     #[must_use]
     pub(crate) fn at_array(self, array: &str) -> Self {
-        Self::Array { array: array.to_owned(), problem: Box::new(self) }
+        Self::Array {
+            array: array.to_owned(),
+            problem: Box::new(self),
+        }
     }
 
     /// The problem at a frame, counted from 0.
     #[must_use]
     pub(crate) fn at_frame(self, frame: usize) -> Self {
-        Self::Frame { frame, problem: Box::new(self) }
+        Self::Frame {
+            frame,
+            problem: Box::new(self),
+        }
     }
 
     /// The problem at a line, counted from 1.
     #[must_use]
     pub(crate) fn at_line(self, line: usize) -> Self {
-        Self::Line { line, problem: Box::new(self) }
+        Self::Line {
+            line,
+            problem: Box::new(self),
+        }
     }
 }
 
 /// A number in a message: not three hundred digits.
 fn number_text(value: f64) -> String {
     let is_plain = value == 0.0 || (1e-6..1e15).contains(&value.abs());
-    if is_plain { value.to_string() } else { format!("{value:e}") }
+    if is_plain {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
 }
 
 #[cfg(test)]
@@ -473,13 +496,26 @@ mod tests {
     #[test]
     fn what_a_damaged_file_says_is_obeyed_by_no_terminal() {
         let what = "dist\u{1b}[2J".to_owned();
-        let problem = Problem::Kind { what, wanted: "a number", found: "a list".to_owned() };
-        let error = ExchangeError::File { file: "a.yml".to_owned(), problem };
-        assert_eq!(error.to_string(), r"a.yml: dist\u{1b}[2J: a number is expected, found a list");
+        let problem = Problem::Kind {
+            what,
+            wanted: "a number",
+            found: "a list".to_owned(),
+        };
+        let error = ExchangeError::File {
+            file: "a.yml".to_owned(),
+            problem,
+        };
+        assert_eq!(
+            error.to_string(),
+            r"a.yml: dist\u{1b}[2J: a number is expected, found a list"
+        );
     }
 
     #[test]
     fn numbers_in_messages_are_short() {
-        assert_eq!([1e9, 0.5, 1e300, -1e-320].map(super::number_text), ["1000000000", "0.5", "1e300", "-1e-320"]);
+        assert_eq!(
+            [1e9, 0.5, 1e300, -1e-320].map(super::number_text),
+            ["1000000000", "0.5", "1e300", "-1e-320"]
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! A document in a foreign format. Everything is made in memory and read again before anything is written.
+//! A document in a foreign format. Everything is made in memory and read again before anything is
+//! written.
 
 use super::choose::{is_chosen, off_paint_note};
 use super::error::ExchangeError;
@@ -15,28 +16,50 @@ use crate::document::{DocumentAt, document_to_string, resolved};
 /// The document in a foreign format, read again and compared. Nothing is written to the disk.
 ///
 /// # Errors
-/// There is nothing to export, two frames would have one name, an option is needed, or the files do not read back as they
-/// were meant.
-pub fn export(at: DocumentAt<'_>, format: Format, options: &ExportOptions) -> Result<Exported, ExchangeError> {
+/// There is nothing to export, two frames would have one name, an option is needed, or the files do
+/// not read back as they were meant.
+pub fn export(
+    at: DocumentAt<'_>,
+    format: Format,
+    options: &ExportOptions,
+) -> Result<Exported, ExchangeError> {
     if !format.exports() {
-        return Err(ExchangeError::OneWay { format, what: "exported", instead: "imported" });
+        return Err(ExchangeError::OneWay {
+            format,
+            what: "exported",
+            instead: "imported",
+        });
     }
     let mut exported = written(at, format, options)?;
-    let chosen = at.document.frames.iter().map(|frame| &**frame).filter(|frame| is_chosen(frame, &options.frames));
+    let chosen = at
+        .document
+        .frames
+        .iter()
+        .map(|frame| &**frame)
+        .filter(|frame| is_chosen(frame, &options.frames));
     exported.notes.extend(off_paint_note(chosen));
     Ok(exported)
 }
 
 /// The document in a format that writes.
-fn written(at: DocumentAt<'_>, format: Format, options: &ExportOptions) -> Result<Exported, ExchangeError> {
+fn written(
+    at: DocumentAt<'_>,
+    format: Format,
+    options: &ExportOptions,
+) -> Result<Exported, ExchangeError> {
     if let Some(camera_format) = camera_format(format) {
-        let export = |at: DocumentAt<'_>, options: &ExportOptions| export_cameras(at, format, camera_format, options);
+        let export = |at: DocumentAt<'_>, options: &ExportOptions| {
+            export_cameras(at, format, camera_format, options)
+        };
         return match options.gaps {
             Gaps::Keep => export(at, options),
             Gaps::Interpolate(most) => {
                 let (filled, note) = interpolated(at.document, &options.frames, most);
                 // Everything in it was chosen, or lies between what was.
-                let options = ExportOptions { frames: FrameChoice::everything(), ..options.clone() };
+                let options = ExportOptions {
+                    frames: FrameChoice::everything(),
+                    ..options.clone()
+                };
                 let mut exported = export(filled.at(at.folder), &options)?;
                 exported.notes.extend(note);
                 Ok(exported)
@@ -56,7 +79,12 @@ fn dataset(at: DocumentAt<'_>, options: &ExportOptions) -> Result<Exported, Exch
     // Without a choice it is whole, rejected frames included.
     let is_whole = options.frames == FrameChoice::default();
     let is_left = |frame: &crate::document::Frame| is_whole || is_chosen(frame, &options.frames);
-    let frames: Vec<_> = dataset.frames.iter().filter(|frame| is_left(frame)).cloned().collect();
+    let frames: Vec<_> = dataset
+        .frames
+        .iter()
+        .filter(|frame| is_left(frame))
+        .cloned()
+        .collect();
     let count = frames.len();
     dataset.frames = frames.into_iter().collect();
     Ok(Exported {

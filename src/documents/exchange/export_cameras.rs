@@ -1,4 +1,5 @@
-//! Cameras in a foreign format: frames chosen, losses measured, files made in memory and read again.
+//! Cameras in a foreign format: frames chosen, losses measured, files made in memory and read
+//! again.
 
 use super::camera_format::{CameraFormat, WriteContext};
 use super::choose::{is_chosen, nothing};
@@ -19,19 +20,33 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 
 /// A solved frame as formats exchange it; none where it is not solved.
-fn frame_camera(document: &Document, frame: &Frame, size: Option<ImageSize>) -> Option<FrameCamera> {
+fn frame_camera(
+    document: &Document,
+    frame: &Frame,
+    size: Option<ImageSize>,
+) -> Option<FrameCamera> {
     let camera = document.pointed(frame)?;
-    let scale = size.map_or(1.0, |size| f64::from(size.width) / f64::from(frame.image_size.width));
+    let scale = size.map_or(1.0, |size| {
+        f64::from(size.width) / f64::from(frame.image_size.width)
+    });
     let mut pinhole = Pinhole::of(&camera);
     if size.is_some() {
         pinhole = pinhole.scaled(scale);
     }
     let on_landmark = |click: &Click| {
-        let target = click.target.as_ref().filter(|target| target.line().is_none() && !click.check)?;
-        Some((target.as_str().to_owned(), ImagePoint::new(click.image.x * scale, click.image.y * scale)))
+        let target = click
+            .target
+            .as_ref()
+            .filter(|target| target.line().is_none() && !click.check)?;
+        Some((
+            target.as_str().to_owned(),
+            ImagePoint::new(click.image.x * scale, click.image.y * scale),
+        ))
     };
     let solution = frame.solution.as_ref();
-    let variances = solution.and_then(|solution| solution.covariance).map(|covariance| covariance.diagonal());
+    let variances = solution
+        .and_then(|solution| solution.covariance)
+        .map(|covariance| covariance.diagonal());
     Some(FrameCamera {
         name: frame.name(),
         image: frame.image.clone(),
@@ -46,7 +61,13 @@ fn frame_camera(document: &Document, frame: &Frame, size: Option<ImageSize>) -> 
             status: frame.status,
             source: solution.and_then(|solution| solution.source),
             ptz: Some(camera.ptz()),
-            sigma: variances.map(|v| [v.x.max(0.0).sqrt(), v.y.max(0.0).sqrt(), v.z.max(0.0).sqrt()]),
+            sigma: variances.map(|v| {
+                [
+                    v.x.max(0.0).sqrt(),
+                    v.y.max(0.0).sqrt(),
+                    v.z.max(0.0).sqrt(),
+                ]
+            }),
             worst_corner_sigma_px: solution.and_then(|solution| solution.worst_corner_sigma_px),
             rms_px: solution.and_then(|solution| solution.rms_px),
             confidence: solution.and_then(|solution| solution.confidence),
@@ -60,9 +81,17 @@ fn note_rates(frames: &mut [FrameCamera], videos: &[Option<&str>]) {
     let names: BTreeSet<&str> = videos.iter().flatten().copied().collect();
     for name in names {
         let is_of_video = |index: usize| videos.get(index).copied().flatten() == Some(name);
-        let of_video = frames.iter().enumerate().filter(|(index, _)| is_of_video(*index)).map(|(_, frame)| frame);
+        let of_video = frames
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| is_of_video(*index))
+            .map(|(_, frame)| frame);
         let rate = rate_of(&of_video.collect::<Vec<_>>());
-        for (_, frame) in frames.iter_mut().enumerate().filter(|(index, _)| is_of_video(*index)) {
+        for (_, frame) in frames
+            .iter_mut()
+            .enumerate()
+            .filter(|(index, _)| is_of_video(*index))
+        {
             frame.rate = rate;
         }
     }
@@ -71,12 +100,19 @@ fn note_rates(frames: &mut [FrameCamera], videos: &[Option<&str>]) {
 /// The rate of all frames; none where it is not known or they differ.
 fn common_rate(frames: &[FrameCamera]) -> Option<Rate> {
     let first = frames.first()?.rate?;
-    frames.iter().all(|frame| frame.rate == Some(first)).then_some(first)
+    frames
+        .iter()
+        .all(|frame| frame.rate == Some(first))
+        .then_some(first)
 }
 
 /// The rate of a video's frames with numbers and times, where it is a usual one.
 fn rate_of(frames: &[&FrameCamera]) -> Option<Rate> {
-    let timed = || frames.iter().filter_map(|frame| Some((frame.frame_index?, frame.pts_s?)));
+    let timed = || {
+        frames
+            .iter()
+            .filter_map(|frame| Some((frame.frame_index?, frame.pts_s?)))
+    };
     let seconds_at = |(index, pts_s): (u64, f64)| (index as f64, pts_s);
     let first = seconds_at(timed().min_by_key(|at| at.0)?);
     let last = seconds_at(timed().max_by_key(|at| at.0)?);
@@ -88,7 +124,8 @@ fn rate_of(frames: &[&FrameCamera]) -> Option<Rate> {
 /// The cameras of a document in a format, proved.
 ///
 /// # Errors
-/// There is nothing to export, two frames would have one name, or the files do not read back as they were meant.
+/// There is nothing to export, two frames would have one name, or the files do not read back as
+/// they were meant.
 pub fn export_cameras(
     at: DocumentAt<'_>,
     format: Format,
@@ -101,7 +138,11 @@ pub fn export_cameras(
     let mut chosen: Vec<FrameCamera> = Vec::new();
     let mut videos: Vec<Option<&str>> = Vec::new();
     let mut of_field: Option<Arc<FieldModel>> = None;
-    for frame in document.frames.iter().filter(|frame| is_chosen(frame, &options.frames)) {
+    for frame in document
+        .frames
+        .iter()
+        .filter(|frame| is_chosen(frame, &options.frames))
+    {
         let Some(camera) = frame_camera(document, frame, options.size) else {
             left_out.push((frame.name(), "it is not solved".to_owned()));
             continue;
@@ -111,8 +152,13 @@ pub fn export_cameras(
                 != u64::from(size.height) * u64::from(frame.image_size.width)
         {
             let of = frame.image_size;
-            left_out
-                .push((frame.name(), format!("its picture of {} × {} px has other proportions", of.width, of.height)));
+            left_out.push((
+                frame.name(),
+                format!(
+                    "its picture of {} × {} px has other proportions",
+                    of.width, of.height
+                ),
+            ));
             continue;
         }
         let field = fields.of_frame(document, frame);
@@ -127,36 +173,62 @@ pub fn export_cameras(
         chosen.push(camera);
         videos.push(frame.video.as_ref().map(|video| video.path.as_str()));
     }
-    let Some(field) = of_field else { return Err(nothing(format, &left_out)) };
+    let Some(field) = of_field else {
+        return Err(nothing(format, &left_out));
+    };
     note_rates(&mut chosen, &videos);
     let options = &ExportOptions {
-        sensor_width_mm: options.sensor_width_mm.or_else(|| shared(document, &chosen, |camera| camera.sensor_width_mm)),
+        sensor_width_mm: options
+            .sensor_width_mm
+            .or_else(|| shared(document, &chosen, |camera| camera.sensor_width_mm)),
         ..options.clone()
     };
-    let context = WriteContext { options, field: &field, rate: options.rate.or_else(|| common_rate(&chosen)) };
+    let context = WriteContext {
+        options,
+        field: &field,
+        rate: options.rate.or_else(|| common_rate(&chosen)),
+    };
     let mut held = Vec::with_capacity(chosen.len());
     for (index, frame) in chosen.iter().enumerate() {
         let kept = camera_format.hold(frame, index, &context);
-        held.push(kept.map_err(|why| ExchangeError::CannotHold { frame: frame.name.clone(), format, why })?);
+        held.push(kept.map_err(|why| ExchangeError::CannotHold {
+            frame: frame.name.clone(),
+            format,
+            why,
+        })?);
     }
     refuse_same_names(&chosen, &held)?;
-    let asked = options.stage.clone().or_else(|| shared(document, &chosen, |camera| camera.stage.clone()));
+    let asked = options
+        .stage
+        .clone()
+        .or_else(|| shared(document, &chosen, |camera| camera.stage.clone()));
     let stage = asked.as_ref().filter(|_| takes_stage(format));
     let files = match stage {
         Some(stage) => {
-            let staged: Vec<FrameCamera> = held.iter().map(|frame| in_stage(frame, stage)).collect();
+            let staged: Vec<FrameCamera> =
+                held.iter().map(|frame| in_stage(frame, stage)).collect();
             camera_format.write(&staged, &context)?
         }
         None => camera_format.write(&held, &context)?,
     };
-    let proof = Proof { format, of: camera_format, stage };
-    let worst_px = if camera_format.is_proved() { proof.worst_px(&files, &held, &context)? } else { 0.0 };
+    let proof = Proof {
+        format,
+        of: camera_format,
+        stage,
+    };
+    let worst_px = if camera_format.is_proved() {
+        proof.worst_px(&files, &held, &context)?
+    } else {
+        0.0
+    };
     let mut notes = camera_format.notes(&held, &context);
     notes.extend(stage_note(format, options.stage.as_ref(), stage));
     notes.extend(interpolated_note(&held));
     notes.extend(crown_note(&chosen, &field));
     if let Some(size) = document.field.assumed_size() {
-        notes.push(format!("the field's size of {size} is assumed, not confirmed"));
+        notes.push(format!(
+            "the field's size of {size} is assumed, not confirmed"
+        ));
     }
     Ok(Exported {
         format,
@@ -172,11 +244,17 @@ pub fn export_cameras(
 }
 
 /// What the document states alike for the cameras of all these frames.
-fn shared<T: PartialEq>(document: &Document, frames: &[FrameCamera], of: impl Fn(&Camera) -> Option<T>) -> Option<T> {
+fn shared<T: PartialEq>(
+    document: &Document,
+    frames: &[FrameCamera],
+    of: impl Fn(&Camera) -> Option<T>,
+) -> Option<T> {
     let stated = |frame: &FrameCamera| of(document.camera(&frame.camera.as_deref()?.into())?);
     let mut stated = frames.iter().map(stated);
     let first = stated.next()??;
-    stated.all(|other| other.as_ref() == Some(&first)).then_some(first)
+    stated
+        .all(|other| other.as_ref() == Some(&first))
+        .then_some(first)
 }
 
 /// What readers that take the ground as flat are off.
@@ -193,11 +271,20 @@ fn crown_note(frames: &[FrameCamera], field: &FieldModel) -> Option<String> {
 /// In which axes a track is.
 fn stage_note(format: Format, asked: Option<&Stage>, stage: Option<&Stage>) -> Option<String> {
     match (asked, stage) {
-        (_, Some(Stage { origin_m, heading_deg, .. })) => Some(format!(
+        (
+            _,
+            Some(Stage {
+                origin_m,
+                heading_deg,
+                ..
+            }),
+        ) => Some(format!(
             "it is in the axes of the stage: origin at ({}, {}, {}) m of the field, heading {heading_deg}°",
             origin_m.x, origin_m.y, origin_m.z
         )),
-        (Some(_), None) => Some(format!("{format} is written in the field's axes; the stage is for tracks")),
+        (Some(_), None) => Some(format!(
+            "{format} is written in the field's axes; the stage is for tracks"
+        )),
         (None, None) => None,
     }
 }
@@ -210,7 +297,10 @@ fn interpolated_note(frames: &[FrameCamera]) -> Option<String> {
         .filter_map(|frame| frame.frame_index)
         .collect();
     let (first, last) = (numbers.first()?, numbers.last()?);
-    Some(format!("{} frames are interpolated, the first {first}, the last {last}", numbers.len()))
+    Some(format!(
+        "{} frames are interpolated, the first {first}, the last {last}",
+        numbers.len()
+    ))
 }
 
 fn refuse_same_names(frames: &[FrameCamera], held: &[FrameCamera]) -> Result<(), ExchangeError> {
@@ -218,7 +308,11 @@ fn refuse_same_names(frames: &[FrameCamera], held: &[FrameCamera]) -> Result<(),
     for (frame, kept) in frames.iter().zip(held) {
         if let Some(first) = seen.insert(&kept.name, &frame.name) {
             let (first, second) = (first.to_owned(), frame.name.clone());
-            return Err(ExchangeError::SameName { name: kept.name.clone(), first, second });
+            return Err(ExchangeError::SameName {
+                name: kept.name.clone(),
+                first,
+                second,
+            });
         }
     }
     Ok(())
@@ -233,8 +327,14 @@ struct Proof<'a> {
 }
 
 impl Proof<'_> {
-    /// Reads the files again, as frames and as a document, and compares every landmark; the farthest, px.
-    fn worst_px(&self, files: &Files, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<f64, ExchangeError> {
+    /// Reads the files again, as frames and as a document, and compares every landmark; the
+    /// farthest, px.
+    fn worst_px(
+        &self,
+        files: &Files,
+        held: &[FrameCamera],
+        context: &WriteContext<'_>,
+    ) -> Result<f64, ExchangeError> {
         let Proof { format, of, stage } = *self;
         let reading = of.reading(held, context.options);
         let mut read = of.read(files, &reading)?;
@@ -243,9 +343,14 @@ impl Proof<'_> {
         }
         // Each frame is held once: a long video has many.
         let is_complete = read.len() == held.len();
-        let mut by_name: BTreeMap<String, FrameCamera> =
-            read.into_iter().map(|frame| (frame.name.clone(), frame)).collect();
-        let otherwise = |kept: &FrameCamera| ExchangeError::ReadsBackOtherwise { frame: kept.name.clone(), format };
+        let mut by_name: BTreeMap<String, FrameCamera> = read
+            .into_iter()
+            .map(|frame| (frame.name.clone(), frame))
+            .collect();
+        let otherwise = |kept: &FrameCamera| ExchangeError::ReadsBackOtherwise {
+            frame: kept.name.clone(),
+            format,
+        };
         let mut worst_px = 0.0_f64;
         let mut compare = |kept: &FrameCamera, again: &FrameCamera| {
             if let (Shown::Lens(before), lens) = (&kept.shown, again.shown)
@@ -257,14 +362,23 @@ impl Proof<'_> {
             let allowed_px = of.resolution_px(kept);
             if !(off_px <= allowed_px) {
                 let frame = kept.name.clone();
-                return Err(ExchangeError::ReadsBackElsewhere { frame, format, what, off_px, allowed_px });
+                return Err(ExchangeError::ReadsBackElsewhere {
+                    frame,
+                    format,
+                    what,
+                    off_px,
+                    allowed_px,
+                });
             }
             worst_px = worst_px.max(off_px);
             Ok(())
         };
         let mut views = Vec::with_capacity(held.len());
         for kept in held {
-            let again = by_name.remove(&kept.name).filter(|_| is_complete).ok_or_else(|| otherwise(kept))?;
+            let again = by_name
+                .remove(&kept.name)
+                .filter(|_| is_complete)
+                .ok_or_else(|| otherwise(kept))?;
             compare(kept, &again)?;
             if let (Some(size), Shown::Camera(_) | Shown::Lens(_)) = (kept.size, &again.shown)
                 && let Ok(view) = camera_of(&again, size)
@@ -279,9 +393,17 @@ impl Proof<'_> {
             if matches!(kept.shown, Shown::Lens(_)) {
                 continue;
             }
-            let camera = document.pointed(frame).map(|camera| Shown::Camera(Pinhole::of(&camera)));
+            let camera = document
+                .pointed(frame)
+                .map(|camera| Shown::Camera(Pinhole::of(&camera)));
             let shown = camera.ok_or_else(|| otherwise(kept))?;
-            compare(kept, &FrameCamera { shown, ..kept.clone() })?;
+            compare(
+                kept,
+                &FrameCamera {
+                    shown,
+                    ..kept.clone()
+                },
+            )?;
         }
         Ok(worst_px)
     }

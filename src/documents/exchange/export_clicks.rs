@@ -17,13 +17,15 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_core::markings::{MarkingOptions, project_landmarks, project_lines};
 
-/// Points of a curve that is written as a line: `SoccerNet`'s annotators set about so many on a circle.
+/// Points of a curve that is written as a line: `SoccerNet`'s annotators set about so many on a
+/// circle.
 const CURVE_POINTS: usize = 9;
 
 /// The clicks of a document in a format, proved.
 ///
 /// # Errors
-/// There is nothing to export, two frames would have one name, or the files do not read back as they were meant.
+/// There is nothing to export, two frames would have one name, or the files do not read back as
+/// they were meant.
 pub fn export_clicks(
     at: DocumentAt<'_>,
     format: Format,
@@ -34,18 +36,35 @@ pub fn export_clicks(
     let mut left_out = Vec::new();
     let mut of_field: Option<Arc<FieldModel>> = None;
     let mut chosen: Vec<ClickedFrame> = Vec::new();
-    for frame in document.frames.iter().filter(|frame| is_chosen(frame, &options.frames)) {
+    for frame in document
+        .frames
+        .iter()
+        .filter(|frame| is_chosen(frame, &options.frames))
+    {
         let field = fields.of_frame(document, frame);
         let is_projected = options.points == PointSource::Projected;
         let clicks = if is_projected {
-            document.pointed(frame).map(|camera| projected(field, &camera, frame.image_size)).unwrap_or_default()
+            document
+                .pointed(frame)
+                .map(|camera| projected(field, &camera, frame.image_size))
+                .unwrap_or_default()
         } else {
-            frame.clicks.iter().filter(|click| click.target.is_some()).cloned().collect()
+            frame
+                .clicks
+                .iter()
+                .filter(|click| click.target.is_some())
+                .cloned()
+                .collect()
         };
         let why = match () {
             () if clicks.is_empty() && is_projected => "it is not solved",
             () if clicks.is_empty() => "it has no clicks",
-            () if of_field.as_ref().is_some_and(|known| known.template != field.template) => "it shows another sport",
+            () if of_field
+                .as_ref()
+                .is_some_and(|known| known.template != field.template) =>
+            {
+                "it shows another sport"
+            }
             () => {
                 of_field.get_or_insert_with(|| Arc::clone(field));
                 chosen.push(ClickedFrame {
@@ -59,19 +78,30 @@ pub fn export_clicks(
         };
         left_out.push((frame.name(), why.to_owned()));
     }
-    let Some(field) = of_field else { return Err(nothing(format, &left_out)) };
-    let context = ClickContext { options, field: &field };
+    let Some(field) = of_field else {
+        return Err(nothing(format, &left_out));
+    };
+    let context = ClickContext {
+        options,
+        field: &field,
+    };
     let mut dropped = Dropped::default();
     for frame in &mut chosen {
         frame.name = click_format.name_of(frame);
         let size = frame.size;
-        frame.clicks.retain(|click| dropped.keeps(click, size, click_format, &context));
+        frame
+            .clicks
+            .retain(|click| dropped.keeps(click, size, click_format, &context));
     }
     let mut seen: BTreeMap<&str, &str> = BTreeMap::new();
     for frame in &chosen {
         if let Some(first) = seen.insert(&frame.name, &frame.image) {
             let (first, second) = (first.to_owned(), frame.image.clone());
-            return Err(ExchangeError::SameName { name: frame.name.clone(), first, second });
+            return Err(ExchangeError::SameName {
+                name: frame.name.clone(),
+                first,
+                second,
+            });
         }
     }
     let files = click_format.write(&chosen, &context)?;
@@ -91,11 +121,20 @@ pub fn export_clicks(
 
 /// The file name of a frame's picture.
 fn file_of(frame: &Frame) -> String {
-    let named = frame.image.as_deref().and_then(|image| Path::new(image).file_name());
+    let named = frame
+        .image
+        .as_deref()
+        .and_then(|image| Path::new(image).file_name());
     let of_video = || {
         let video = frame.video.as_ref();
-        let stem = video.and_then(|video| Path::new(&video.path).file_stem()).unwrap_or_default();
-        format!("{}_{:06}.jpg", stem.to_string_lossy(), video.map_or(0, |video| video.frame_index))
+        let stem = video
+            .and_then(|video| Path::new(&video.path).file_stem())
+            .unwrap_or_default();
+        format!(
+            "{}_{:06}.jpg",
+            stem.to_string_lossy(),
+            video.map_or(0, |video| video.frame_index)
+        )
     };
     named.map_or_else(of_video, |name| name.to_string_lossy().into_owned())
 }
@@ -103,12 +142,18 @@ fn file_of(frame: &Frame) -> String {
 /// Landmarks and points of lines where a camera shows them.
 fn projected(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Click> {
     let landmarks = project_landmarks(field, camera, size, 0.0).into_iter();
-    let landmarks = landmarks.map(|shown| Click::landmark(field.landmarks[shown.landmark].id.clone(), shown.image));
-    let within = MarkingOptions { margin_px: 0.0, ..MarkingOptions::default() };
+    let landmarks = landmarks
+        .map(|shown| Click::landmark(field.landmarks[shown.landmark].id.clone(), shown.image));
+    let within = MarkingOptions {
+        margin_px: 0.0,
+        ..MarkingOptions::default()
+    };
     let lines = project_lines(field, camera, size, &within);
     let lines = lines.iter().flat_map(|polyline| {
         let id = &field.lines[polyline.line].id;
-        thinned(&polyline.points).into_iter().map(move |point| Click::line(id.clone(), point))
+        thinned(&polyline.points)
+            .into_iter()
+            .map(move |point| Click::line(id.clone(), point))
     });
     landmarks.chain(lines).collect()
 }
@@ -117,7 +162,9 @@ fn projected(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Cli
 fn thinned(points: &[ImagePoint]) -> Vec<ImagePoint> {
     let last = points.len().saturating_sub(1);
     let steps = last.min(CURVE_POINTS - 1);
-    (0..=steps).filter_map(|step| points.get(step * last / steps.max(1)).copied()).collect()
+    (0..=steps)
+        .filter_map(|step| points.get(step * last / steps.max(1)).copied())
+        .collect()
 }
 
 /// What a format does not hold of the clicks.
@@ -129,7 +176,13 @@ struct Dropped {
 }
 
 impl Dropped {
-    fn keeps(&mut self, click: &Click, size: ImageSize, format: &dyn ClickFormat, context: &ClickContext<'_>) -> bool {
+    fn keeps(
+        &mut self,
+        click: &Click,
+        size: ImageSize,
+        format: &dyn ClickFormat,
+        context: &ClickContext<'_>,
+    ) -> bool {
         if !format.holds(click, context) {
             self.kind += 1;
             return false;
@@ -144,9 +197,18 @@ impl Dropped {
 
     fn notes(&self, format: Format) -> Vec<String> {
         [
-            (self.kind, format!("clicks are on something that {format} has no name for; they are left out")),
-            (self.outside, "clicks outside of their pictures are left out (--outside keep)".to_owned()),
-            (self.checks, format!("check clicks are written like all others; {format} cannot mark them")),
+            (
+                self.kind,
+                format!("clicks are on something that {format} has no name for; they are left out"),
+            ),
+            (
+                self.outside,
+                "clicks outside of their pictures are left out (--outside keep)".to_owned(),
+            ),
+            (
+                self.checks,
+                format!("check clicks are written like all others; {format} cannot mark them"),
+            ),
         ]
         .into_iter()
         .filter(|(count, _)| *count > 0)
@@ -163,17 +225,27 @@ fn prove(
     frames: &[ClickedFrame],
     context: &ClickContext<'_>,
 ) -> Result<f64, ExchangeError> {
-    let sizes =
-        |name: &str| frames.iter().find(|frame| frame.name == name || frame.image == name).map(|frame| frame.size);
+    let sizes = |name: &str| {
+        frames
+            .iter()
+            .find(|frame| frame.name == name || frame.image == name)
+            .map(|frame| frame.size)
+    };
     let read = click_format.read(files, &ImportOptions::default(), &sizes)?;
-    let by_name: BTreeMap<&str, &LabelledFrame> = read.iter().map(|frame| (frame.name.as_str(), frame)).collect();
+    let by_name: BTreeMap<&str, &LabelledFrame> = read
+        .iter()
+        .map(|frame| (frame.name.as_str(), frame))
+        .collect();
     let labels = match (click_format.has_own_classes(), context.options.names) {
         (false, KeypointNames::Roboflow32) => LabelMap::Touchline,
         _ => click_format.own_labels(),
     };
     let mut worst_px = 0.0_f64;
     for frame in frames {
-        let otherwise = || ExchangeError::ReadsBackOtherwise { frame: frame.image.clone(), format };
+        let otherwise = || ExchangeError::ReadsBackOtherwise {
+            frame: frame.image.clone(),
+            format,
+        };
         let again = by_name.get(frame.name.as_str()).ok_or_else(otherwise)?;
         let mut left: Vec<(Target, ImagePoint)> = Vec::new();
         for mark in &again.marks {
@@ -184,14 +256,23 @@ fn prove(
         }
         for click in &frame.clicks {
             let off = |(target, point): &(Target, ImagePoint)| {
-                if Some(target) == click.target.as_ref() { point.distance_px(click.image) } else { f64::INFINITY }
+                if Some(target) == click.target.as_ref() {
+                    point.distance_px(click.image)
+                } else {
+                    f64::INFINITY
+                }
             };
-            let nearest =
-                (0..left.len()).min_by(|a, b| off(&left[*a]).total_cmp(&off(&left[*b]))).ok_or_else(otherwise)?;
+            let nearest = (0..left.len())
+                .min_by(|a, b| off(&left[*a]).total_cmp(&off(&left[*b])))
+                .ok_or_else(otherwise)?;
             let off_px = off(&left.swap_remove(nearest));
             let allowed_px = click_format.resolution_px();
             if !(off_px <= allowed_px) {
-                let what = click.target.as_ref().map(|target| target.as_str().to_owned()).unwrap_or_default();
+                let what = click
+                    .target
+                    .as_ref()
+                    .map(|target| target.as_str().to_owned())
+                    .unwrap_or_default();
                 return Err(ExchangeError::ReadsBackElsewhere {
                     frame: frame.image.clone(),
                     format,

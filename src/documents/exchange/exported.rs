@@ -41,18 +41,26 @@ impl Exported {
     /// The dataset and the folder that its relative paths start from; none for foreign formats.
     #[must_use]
     pub fn dataset(&self) -> Option<(&Document, &Path)> {
-        self.dataset.as_ref().map(|(dataset, folder)| (dataset, folder.as_path()))
+        self.dataset
+            .as_ref()
+            .map(|(dataset, folder)| (dataset, folder.as_path()))
     }
 
     /// Writes the files: one to `path`, or all into a new folder there.
     ///
     /// # Errors
-    /// Something is there already and `force` was not given, other files would be lost, or it cannot be written; nothing was
-    /// changed then.
+    /// Something is there already and `force` was not given, other files would be lost, or it
+    /// cannot be written; nothing was changed then.
     pub fn write(&self, path: &Path, force: bool) -> Result<(), ExchangeError> {
-        let Some((dataset, folder)) = &self.dataset else { return self.files.write(path, self.is_folder(), force) };
+        let Some((dataset, folder)) = &self.dataset else {
+            return self.files.write(path, self.is_folder(), force);
+        };
         // Where it lands its paths point at the same files.
-        let moved = document_to_string(&dataset.clone().relocated(folder, &resolved(folder_of(path))))?;
+        let moved = document_to_string(
+            &dataset
+                .clone()
+                .relocated(folder, &resolved(folder_of(path))),
+        )?;
         Files::one("dataset.json", moved.into_bytes()).write(path, false, force)
     }
 }

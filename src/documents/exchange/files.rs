@@ -6,8 +6,8 @@ use std::fs::{self, OpenOptions};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use touchline_core::files::{
-    NotReadable, folder_of, follow_link, read_named, refuse_part_of_project, replace_folder, temporary_file_in,
-    temporary_folder_in,
+    NotReadable, folder_of, follow_link, read_named, refuse_part_of_project, replace_folder,
+    temporary_file_in, temporary_folder_in,
 };
 
 /// The largest file that is read.
@@ -38,7 +38,11 @@ impl Files {
     /// Every file by name, in the order of numbers within the names.
     #[must_use]
     pub fn sorted(&self) -> Vec<(&str, &[u8])> {
-        let mut files: Vec<(&str, &[u8])> = self.0.iter().map(|(name, bytes)| (name.as_str(), &bytes[..])).collect();
+        let mut files: Vec<(&str, &[u8])> = self
+            .0
+            .iter()
+            .map(|(name, bytes)| (name.as_str(), &bytes[..]))
+            .collect();
         files.sort_by(|a, b| alphanumeric_sort::compare_str(a.0, b.0));
         files
     }
@@ -80,35 +84,59 @@ impl Files {
     ///
     /// # Errors
     /// Something cannot be read, is too large, or the folder holds too much.
-    pub(super) fn read(path: &Path, is_wanted: &dyn Fn(&str) -> bool) -> Result<Self, ExchangeError> {
-        let failed = |source| ExchangeError::Read { path: path.to_path_buf(), source };
+    pub(super) fn read(
+        path: &Path,
+        is_wanted: &dyn Fn(&str) -> bool,
+    ) -> Result<Self, ExchangeError> {
+        let failed = |source| ExchangeError::Read {
+            path: path.to_path_buf(),
+            source,
+        };
         let mut files = Self::default();
         if !fs::metadata(path).map_err(failed)?.is_dir() {
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let name = path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned();
             let bytes = read_limited(path, &name)?;
             files.add(name, bytes);
             return Ok(files);
         }
-        let mut reader = FolderReader { root: path, is_wanted, seen: 0, total: 0, files };
+        let mut reader = FolderReader {
+            root: path,
+            is_wanted,
+            seen: 0,
+            total: 0,
+            files,
+        };
         reader.folder(path, "", 0)?;
         Ok(reader.files)
     }
 
-    /// Writes the only file to `path`, or all of them into a new folder there. Everything is written beside it first and then
-    /// renamed. `force` replaces files of the same names; a folder that holds others is not replaced.
+    /// Writes the only file to `path`, or all of them into a new folder there. Everything is
+    /// written beside it first and then renamed. `force` replaces files of the same names; a folder
+    /// that holds others is not replaced.
     ///
     /// # Errors
-    /// Something is there already and `force` was not given, other files would be lost, or it cannot be written; nothing was
-    /// changed then.
+    /// Something is there already and `force` was not given, other files would be lost, or it
+    /// cannot be written; nothing was changed then.
     pub fn write(&self, path: &Path, is_folder: bool, force: bool) -> Result<(), ExchangeError> {
         if !force && path.exists() && !is_empty_folder(path) {
-            return Err(ExchangeError::Exists { path: path.to_path_buf() });
+            return Err(ExchangeError::Exists {
+                path: path.to_path_buf(),
+            });
         }
-        let failed = |source| ExchangeError::Write { path: path.to_path_buf(), source };
+        let failed = |source| ExchangeError::Write {
+            path: path.to_path_buf(),
+            source,
+        };
         let path = &follow_link(path);
         if is_folder {
             let new = self.write_temporary_folder(path).map_err(failed)?;
-            return Ok(replace_folder(new, path, &|name, _| self.0.contains_key(name))?);
+            return Ok(replace_folder(new, path, &|name, _| {
+                self.0.contains_key(name)
+            })?);
         }
         refuse_part_of_project(path)?;
         self.write_file(path).map_err(failed)
@@ -153,7 +181,10 @@ struct FolderReader<'a> {
 
 impl FolderReader<'_> {
     fn folder(&mut self, folder: &Path, prefix: &str, depth: usize) -> Result<(), ExchangeError> {
-        let failed = |source| ExchangeError::Read { path: folder.to_path_buf(), source };
+        let failed = |source| ExchangeError::Read {
+            path: folder.to_path_buf(),
+            source,
+        };
         let mut entries: Vec<(String, PathBuf, fs::FileType)> = Vec::new();
         for entry in fs::read_dir(folder).map_err(failed)? {
             let entry = entry.map_err(failed)?;
@@ -161,7 +192,10 @@ impl FolderReader<'_> {
             entries.push((name, entry.path(), entry.file_type().map_err(failed)?));
             self.seen += 1;
             if self.seen > MAX_FILES {
-                return Err(ExchangeError::TooMuch { path: self.root.to_path_buf(), limit: "500 000 files" });
+                return Err(ExchangeError::TooMuch {
+                    path: self.root.to_path_buf(),
+                    limit: "500 000 files",
+                });
             }
         }
         entries.sort_by(|a, b| a.0.cmp(&b.0));
@@ -172,7 +206,10 @@ impl FolderReader<'_> {
                 let bytes = read_limited(&path, &name)?;
                 self.total += bytes.len() as u64;
                 if self.total > MAX_TOTAL_BYTES {
-                    return Err(ExchangeError::TooMuch { path: self.root.to_path_buf(), limit: "1 GiB" });
+                    return Err(ExchangeError::TooMuch {
+                        path: self.root.to_path_buf(),
+                        limit: "1 GiB",
+                    });
                 }
                 self.files.add(name, bytes);
             }
@@ -184,11 +221,19 @@ impl FolderReader<'_> {
 /// Reads a file up to the limit.
 fn read_limited(path: &Path, name: &str) -> Result<Vec<u8>, ExchangeError> {
     read_named(path, MAX_FILE_BYTES).map_err(|source| {
-        match source.get_ref().and_then(|inner| inner.downcast_ref::<NotReadable>()) {
-            Some(NotReadable::TooLarge { bytes, limit }) => {
-                Problem::TooLarge { bytes: *bytes, limit: *limit }.within(name)
+        match source
+            .get_ref()
+            .and_then(|inner| inner.downcast_ref::<NotReadable>())
+        {
+            Some(NotReadable::TooLarge { bytes, limit }) => Problem::TooLarge {
+                bytes: *bytes,
+                limit: *limit,
             }
-            _ => ExchangeError::Read { path: path.to_path_buf(), source },
+            .within(name),
+            _ => ExchangeError::Read {
+                path: path.to_path_buf(),
+                source,
+            },
         }
     })
 }
@@ -198,8 +243,14 @@ fn read_limited(path: &Path, name: &str) -> Result<Vec<u8>, ExchangeError> {
 /// # Errors
 /// It is one.
 pub(super) fn refuse_archive(bytes: &[u8]) -> Result<(), Problem> {
-    const ARCHIVES: [(&[u8], &str); 3] = [(b"PK\x03\x04", "zip"), (b"\x1f\x8b", "gzip"), (b"7z\xbc\xaf", "7z")];
-    let found = ARCHIVES.into_iter().find(|(magic, _)| bytes.starts_with(magic));
+    const ARCHIVES: [(&[u8], &str); 3] = [
+        (b"PK\x03\x04", "zip"),
+        (b"\x1f\x8b", "gzip"),
+        (b"7z\xbc\xaf", "7z"),
+    ];
+    let found = ARCHIVES
+        .into_iter()
+        .find(|(magic, _)| bytes.starts_with(magic));
     found.map_or(Ok(()), |(_, kind)| Err(Problem::Archive(kind)))
 }
 
@@ -209,9 +260,15 @@ pub(super) fn refuse_archive(bytes: &[u8]) -> Result<(), Problem> {
 /// It is empty, an archive or not UTF-8.
 pub(super) fn text(bytes: &[u8]) -> Result<&str, Problem> {
     refuse_archive(bytes)?;
-    let text = std::str::from_utf8(bytes).map_err(|error| Problem::NotUtf8 { offset: error.valid_up_to() })?;
+    let text = std::str::from_utf8(bytes).map_err(|error| Problem::NotUtf8 {
+        offset: error.valid_up_to(),
+    })?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    if text.trim().is_empty() { Err(Problem::Empty) } else { Ok(text) }
+    if text.trim().is_empty() {
+        Err(Problem::Empty)
+    } else {
+        Ok(text)
+    }
 }
 
 #[cfg(test)]
@@ -220,7 +277,11 @@ mod tests {
 
     fn names(folder: &Path) -> Vec<String> {
         let files = Files::read(folder, &|_| true).unwrap();
-        files.sorted().into_iter().map(|(name, _)| name.to_owned()).collect()
+        files
+            .sorted()
+            .into_iter()
+            .map(|(name, _)| name.to_owned())
+            .collect()
     }
 
     #[test]
@@ -234,22 +295,38 @@ mod tests {
         assert_eq!(names(&path), ["labels/9.txt", "labels/10.txt"]);
         let other = Files::one("labels/9.txt", b"other".to_vec());
         let refusal = other.write(&path, true, false).unwrap_err().to_string();
-        assert!(refusal.ends_with("out already exists; give --force to replace it, or another -o"), "{refusal}");
+        assert!(
+            refusal.ends_with("out already exists; give --force to replace it, or another -o"),
+            "{refusal}"
+        );
         let refusal = other.write(&path, true, true).unwrap_err().to_string();
-        assert!(refusal.contains("out holds labels/10.txt, which would be lost"), "{refusal}");
+        assert!(
+            refusal.contains("out holds labels/10.txt, which would be lost"),
+            "{refusal}"
+        );
         files.add("labels/9.txt", "other");
         files.write(&path, true, true).unwrap();
         assert_eq!(fs::read(path.join("labels/9.txt")).unwrap(), b"other");
-        assert_eq!(fs::read_dir(place.path()).unwrap().count(), 1, "nothing temporary is left");
+        assert_eq!(
+            fs::read_dir(place.path()).unwrap().count(),
+            1,
+            "nothing temporary is left"
+        );
     }
 
     #[test]
     fn a_file_too_large_is_refused_before_it_is_read() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("large.json");
-        fs::File::create(&path).unwrap().set_len(MAX_FILE_BYTES + 1).unwrap();
+        fs::File::create(&path)
+            .unwrap()
+            .set_len(MAX_FILE_BYTES + 1)
+            .unwrap();
         let error = Files::read(&path, &|_| true).unwrap_err();
-        assert_eq!(error.to_string(), "large.json: it is 65 MiB, at most 64 MiB are read");
+        assert_eq!(
+            error.to_string(),
+            "large.json: it is 65 MiB, at most 64 MiB are read"
+        );
     }
 
     #[cfg(unix)]
@@ -262,10 +339,18 @@ mod tests {
         for (target, is_folder) in [(&file, false), (&folder, true)] {
             let link = target.with_extension("link");
             std::os::unix::fs::symlink(target, &link).unwrap();
-            Files::one("a.txt", b"new".to_vec()).write(&link, is_folder, true).unwrap();
+            Files::one("a.txt", b"new".to_vec())
+                .write(&link, is_folder, true)
+                .unwrap();
             assert!(link.is_symlink(), "{} was replaced", link.display());
         }
-        assert_eq!((fs::read(file).unwrap(), fs::read(folder.join("a.txt")).unwrap()), (b"new".into(), b"new".into()));
+        assert_eq!(
+            (
+                fs::read(file).unwrap(),
+                fs::read(folder.join("a.txt")).unwrap()
+            ),
+            (b"new".into(), b"new".into())
+        );
     }
 
     #[cfg(unix)]

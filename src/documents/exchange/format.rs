@@ -68,8 +68,20 @@ struct Facts {
 }
 
 /// A row of the table of formats.
-const fn facts(name: &'static str, title: &'static str, is_folder: bool, imports: bool, exports: bool) -> Facts {
-    Facts { name, title, is_folder, imports, exports }
+const fn facts(
+    name: &'static str,
+    title: &'static str,
+    is_folder: bool,
+    imports: bool,
+    exports: bool,
+) -> Facts {
+    Facts {
+        name,
+        title,
+        is_folder,
+        imports,
+        exports,
+    }
 }
 
 impl Format {
@@ -104,33 +116,145 @@ impl Format {
 
     const fn facts(self) -> Facts {
         match self {
-            Self::Json => facts("json", "a dataset: one file of the document's own schema", false, true, true),
-            Self::SoccerNet => facts("soccernet", "SoccerNet camera files, one per frame", true, true, true),
-            Self::SoccerNetLines => {
-                facts("soccernet-lines", "SoccerNet line annotations, one file per frame", true, true, true)
-            }
-            Self::Csv => facts("csv", "a table, one row per frame, with R, t and H", false, true, true),
-            Self::YoloPose => facts("yolo-pose", "keypoints for Ultralytics' pose models", true, true, true),
+            Self::Json => facts(
+                "json",
+                "a dataset: one file of the document's own schema",
+                false,
+                true,
+                true,
+            ),
+            Self::SoccerNet => facts(
+                "soccernet",
+                "SoccerNet camera files, one per frame",
+                true,
+                true,
+                true,
+            ),
+            Self::SoccerNetLines => facts(
+                "soccernet-lines",
+                "SoccerNet line annotations, one file per frame",
+                true,
+                true,
+                true,
+            ),
+            Self::Csv => facts(
+                "csv",
+                "a table, one row per frame, with R, t and H",
+                false,
+                true,
+                true,
+            ),
+            Self::YoloPose => facts(
+                "yolo-pose",
+                "keypoints for Ultralytics' pose models",
+                true,
+                true,
+                true,
+            ),
             Self::Coco => facts("coco", "COCO keypoints", false, true, true),
             Self::Cvat => facts("cvat", "CVAT for images, XML 1.1", false, true, false),
             Self::LabelStudio => facts("label-studio", "Label Studio keypoints", false, true, true),
             Self::Labelme => facts("labelme", "labelme, one file per image", true, true, true),
-            Self::Wc14 => facts("wc14", "World Cup 2014 homographies, one file per frame", true, true, true),
-            Self::TsWorldCup => facts("tsworldcup", "TS-WorldCup homographies, one .npy per frame", true, true, true),
-            Self::Homography => facts("homography", "homographies that state their direction", false, true, true),
-            Self::BroadTrack => facts("broadtrack", "BroadTrack cameras, one JSON file", false, true, true),
-            Self::Colmap => facts("colmap", "COLMAP text: cameras, images, points3D", true, true, true),
-            Self::OpenCv => facts("opencv", "OpenCV FileStorage YAML, one file per frame", true, true, true),
-            Self::Usda => facts("usda", "a USD stage with an animated camera", false, false, true),
-            Self::OpenTrackIo => facts("opentrackio", "OpenTrackIO 1.0.1, one sample per line", false, true, true),
+            Self::Wc14 => facts(
+                "wc14",
+                "World Cup 2014 homographies, one file per frame",
+                true,
+                true,
+                true,
+            ),
+            Self::TsWorldCup => facts(
+                "tsworldcup",
+                "TS-WorldCup homographies, one .npy per frame",
+                true,
+                true,
+                true,
+            ),
+            Self::Homography => facts(
+                "homography",
+                "homographies that state their direction",
+                false,
+                true,
+                true,
+            ),
+            Self::BroadTrack => facts(
+                "broadtrack",
+                "BroadTrack cameras, one JSON file",
+                false,
+                true,
+                true,
+            ),
+            Self::Colmap => facts(
+                "colmap",
+                "COLMAP text: cameras, images, points3D",
+                true,
+                true,
+                true,
+            ),
+            Self::OpenCv => facts(
+                "opencv",
+                "OpenCV FileStorage YAML, one file per frame",
+                true,
+                true,
+                true,
+            ),
+            Self::Usda => facts(
+                "usda",
+                "a USD stage with an animated camera",
+                false,
+                false,
+                true,
+            ),
+            Self::OpenTrackIo => facts(
+                "opentrackio",
+                "OpenTrackIO 1.0.1, one sample per line",
+                false,
+                true,
+                true,
+            ),
             Self::FreeD => facts("freed", "FreeD D1 packets, back to back", false, true, true),
-            Self::FreeDCsv => facts("freed-csv", "FreeD data as a table, with times", false, true, true),
-            Self::DeepSport => facts("deepsport", "DeepSport basketball cameras", true, true, false),
+            Self::FreeDCsv => facts(
+                "freed-csv",
+                "FreeD data as a table, with times",
+                false,
+                true,
+                true,
+            ),
+            Self::DeepSport => facts(
+                "deepsport",
+                "DeepSport basketball cameras",
+                true,
+                true,
+                false,
+            ),
             Self::Chan => facts("chan", "a Nuke camera track", false, true, true),
-            Self::Fifa => facts("fifa", "FIFA Skeletal Tracking cameras, one .npz per video", false, true, true),
-            Self::Cdf => facts("cdf", "Common Data Format: the sheet of a video", false, false, true),
-            Self::PnlCalib => facts("pnlcalib", "cameras of PnLCalib, NBJW or TVCalib", true, true, false),
-            Self::AuthorsMat => facts("authors-mat", "the two-point method's MATLAB files", true, true, false),
+            Self::Fifa => facts(
+                "fifa",
+                "FIFA Skeletal Tracking cameras, one .npz per video",
+                false,
+                true,
+                true,
+            ),
+            Self::Cdf => facts(
+                "cdf",
+                "Common Data Format: the sheet of a video",
+                false,
+                false,
+                true,
+            ),
+            Self::PnlCalib => facts(
+                "pnlcalib",
+                "cameras of PnLCalib, NBJW or TVCalib",
+                true,
+                true,
+                false,
+            ),
+            Self::AuthorsMat => facts(
+                "authors-mat",
+                "the two-point method's MATLAB files",
+                true,
+                true,
+                false,
+            ),
         }
     }
 
@@ -157,16 +281,22 @@ impl Format {
             Self::YoloPose => "points on lines, points outside of the picture, cameras",
             Self::Coco => "points on lines, cameras",
             Self::LabelStudio | Self::Labelme => "check points, cameras",
-            Self::Wc14 | Self::TsWorldCup | Self::Homography => "lens, points off the ground, time, uncertainty",
+            Self::Wc14 | Self::TsWorldCup | Self::Homography => {
+                "lens, points off the ground, time, uncertainty"
+            }
             Self::BroadTrack => "an off-centre principal point, time, uncertainty",
             Self::Colmap | Self::OpenCv => "time, uncertainty",
             Self::Usda => "lens, size of the picture, uncertainty",
             Self::OpenTrackIo => "uncertainty",
-            Self::FreeD => "lens, principal point, size, time; steps of 1/32768° and 1/64 mm, whole zoom values",
+            Self::FreeD => {
+                "lens, principal point, size, time; steps of 1/32768° and 1/64 mm, whole zoom values"
+            }
             Self::FreeDCsv => "lens, principal point, size; whole zoom values",
             Self::Chan => "lens, principal point, size, rate, uncertainty",
             Self::Fifa => "size of the picture, numbers and times of frames, uncertainty",
-            Self::Cdf => "everything but the camera's position, the picture size and the frame rate",
+            Self::Cdf => {
+                "everything but the camera's position, the picture size and the frame rate"
+            }
             Self::Cvat | Self::DeepSport | Self::PnlCalib | Self::AuthorsMat => "it is read only",
         }
     }
@@ -182,7 +312,12 @@ impl Format {
     pub const fn is_of_points(self) -> bool {
         matches!(
             self,
-            Self::SoccerNetLines | Self::YoloPose | Self::Coco | Self::Cvat | Self::LabelStudio | Self::Labelme
+            Self::SoccerNetLines
+                | Self::YoloPose
+                | Self::Coco
+                | Self::Cvat
+                | Self::LabelStudio
+                | Self::Labelme
         )
     }
 
@@ -198,8 +333,8 @@ impl Format {
         self.facts().imports
     }
 
-    /// Whether an export is read again, and every landmark or click compared, before it is written. A sheet without cameras is not;
-    /// a document is compared as a text.
+    /// Whether an export is read again, and every landmark or click compared, before it is written.
+    /// A sheet without cameras is not; a document is compared as a text.
     #[must_use]
     pub const fn is_proved(self) -> bool {
         self.exports() && !matches!(self, Self::Cdf | Self::Json)
@@ -227,7 +362,10 @@ mod tests {
         for format in Format::ALL {
             assert_eq!(Format::from_name(format.name()), Some(format));
             assert!(format.imports() || format.exports(), "{format}");
-            assert!(!format.exports() || format.loses() != "it is read only", "{format}");
+            assert!(
+                !format.exports() || format.loses() != "it is read only",
+                "{format}"
+            );
         }
     }
 
@@ -235,7 +373,9 @@ mod tests {
     fn every_format_has_its_page() {
         let pages = touchline_assets::FORMATS;
         for format in Format::ALL {
-            let page = pages.split("\n## ").find(|page| page.lines().next() == Some(format.name()));
+            let page = pages
+                .split("\n## ")
+                .find(|page| page.lines().next() == Some(format.name()));
             let page = page.unwrap_or_else(|| panic!("assets/formats.md has no section {format}"));
             for part in ["**Conventions**", "**Used", "**Lost**"] {
                 assert!(page.contains(part), "{format}: {part}");

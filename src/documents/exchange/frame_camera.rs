@@ -1,8 +1,11 @@
-//! A frame's camera as formats exchange it: one rotation, one centre, one lens, without base and pan.
+//! A frame's camera as formats exchange it: one rotation, one centre, one lens, without base and
+//! pan.
 
 use crate::document::{FrameStatus, SolutionSource};
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera, Radial};
-use touchline_core::geometry::rotation::{ROTATION_TOLERANCE, distance_from_rotation, nearest_rotation};
+use touchline_core::geometry::rotation::{
+    ROTATION_TOLERANCE, distance_from_rotation, nearest_rotation,
+};
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 
 use super::error::Problem;
@@ -87,7 +90,8 @@ pub struct Record {
     pub rms_px: Option<f64>,
     /// 0 to 1.
     pub confidence: Option<f64>,
-    /// Where people clicked on landmarks, by name, in px of the picture as it is written; points that were held out are not here.
+    /// Where people clicked on landmarks, by name, in px of the picture as it is written; points
+    /// that were held out are not here.
     pub clicks: Vec<(String, ImagePoint)>,
 }
 
@@ -118,7 +122,8 @@ impl FrameCamera {
         }
     }
 
-    /// Where it shows a point of the world; none behind the camera, and off the ground for a homography.
+    /// Where it shows a point of the world; none behind the camera, and off the ground for a
+    /// homography.
     #[must_use]
     pub fn image_from_world(&self, point_in_world: Vec3) -> Option<ImagePoint> {
         match &self.shown {
@@ -128,7 +133,8 @@ impl FrameCamera {
                     return None;
                 }
                 let image = image_from_ground * Vec3::new(point_in_world.x, point_in_world.y, 1.0);
-                Some(ImagePoint::new(image.x / image.z, image.y / image.z)).filter(|point| point.is_finite())
+                Some(ImagePoint::new(image.x / image.z, image.y / image.z))
+                    .filter(|point| point.is_finite())
             }
             Shown::Lens(_) => None,
         }
@@ -153,7 +159,11 @@ impl Pinhole {
     /// Its lens alone.
     #[must_use]
     pub const fn known_lens(&self) -> KnownLens {
-        KnownLens { focal_px: self.focal_px, principal_point: self.principal_point, radial: self.lens }
+        KnownLens {
+            focal_px: self.focal_px,
+            principal_point: self.principal_point,
+            radial: self.lens,
+        }
     }
 
     /// The camera of a frame as it is pointed.
@@ -173,13 +183,27 @@ impl Pinhole {
     /// # Errors
     /// One of them is not; `what` names the frame.
     pub fn checked(self, what: &str) -> Result<Self, Problem> {
-        let numbers = [self.focal_px, self.principal_point.x, self.principal_point.y, self.lens.k1, self.lens.k2];
-        if !numbers.iter().chain(self.position_m.iter()).all(|number| number.is_finite()) {
+        let numbers = [
+            self.focal_px,
+            self.principal_point.x,
+            self.principal_point.y,
+            self.lens.k1,
+            self.lens.k2,
+        ];
+        if !numbers
+            .iter()
+            .chain(self.position_m.iter())
+            .all(|number| number.is_finite())
+        {
             return Err(Problem::NotFinite(format!("a number of {what}")));
         }
         if !(self.focal_px > 0.0) {
             let what = format!("the focal length of {what}");
-            return Err(Problem::OutOfRange { what, value: self.focal_px, wanted: "above 0" });
+            return Err(Problem::OutOfRange {
+                what,
+                value: self.focal_px,
+                wanted: "above 0",
+            });
         }
         if self.position_m.amax() > FARTHEST_M {
             let what = format!("a coordinate of the position of {what}");
@@ -191,19 +215,38 @@ impl Pinhole {
         }
         if self.lens.k1 == 0.0 && self.lens.k2 != 0.0 {
             let what = format!("k2 = {} without k1 of {what}", self.lens.k2);
-            return Err(Problem::Unsupported { what, why: "the lens model ties k2 to k1" });
+            return Err(Problem::Unsupported {
+                what,
+                why: "the lens model ties k2 to k1",
+            });
         }
         if self.curve().is_none_or(|curve| !curve.is_finite()) {
-            let what = format!("k1 = {:e} with k2 = {:e} of {what}", self.lens.k1, self.lens.k2);
-            return Err(Problem::Unsupported { what, why: "no real lens distorts like that" });
+            let what = format!(
+                "k1 = {:e} with k2 = {:e} of {what}",
+                self.lens.k1, self.lens.k2
+            );
+            return Err(Problem::Unsupported {
+                what,
+                why: "no real lens distorts like that",
+            });
         }
         let distance = distance_from_rotation(&self.cam_from_world);
         if !(distance <= ROTATION_TOLERANCE) {
-            return Err(Problem::NotRotation { what: format!("the rotation of {what}"), distance });
+            return Err(Problem::NotRotation {
+                what: format!("the rotation of {what}"),
+                distance,
+            });
         }
         let exact = distance <= EXACT_ROTATION;
-        let cam_from_world = if exact { self.cam_from_world } else { nearest_rotation(&self.cam_from_world) };
-        Ok(Self { cam_from_world, ..self })
+        let cam_from_world = if exact {
+            self.cam_from_world
+        } else {
+            nearest_rotation(&self.cam_from_world)
+        };
+        Ok(Self {
+            cam_from_world,
+            ..self
+        })
     }
 
     /// The same as a camera of the mathematics. None where k₂ comes without k₁.
@@ -213,7 +256,10 @@ impl Pinhole {
             distortion: self.curve()?,
             ..CameraBase::new(self.position_m, self.cam_from_world, self.principal_point)
         };
-        Some(PtzCamera::new(base, Ptz::from_degrees(0.0, 0.0, self.focal_px)))
+        Some(PtzCamera::new(
+            base,
+            Ptz::from_degrees(0.0, 0.0, self.focal_px),
+        ))
     }
 
     /// Its lens at every focal length.
@@ -228,7 +274,8 @@ impl Pinhole {
         -(self.cam_from_world * self.position_m)
     }
 
-    /// The homography from the ground (z = 0; x, y in m, 1) to the picture of a lens without distortion.
+    /// The homography from the ground (z = 0; x, y in m, 1) to the picture of a lens without
+    /// distortion.
     #[must_use]
     pub fn image_from_ground(&self) -> Mat3 {
         let calibration = Mat3::new(
@@ -255,7 +302,10 @@ impl Pinhole {
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
             focal_px: self.focal_px * factor,
-            principal_point: ImagePoint::new(self.principal_point.x * factor, self.principal_point.y * factor),
+            principal_point: ImagePoint::new(
+                self.principal_point.x * factor,
+                self.principal_point.y * factor,
+            ),
             ..*self
         }
     }

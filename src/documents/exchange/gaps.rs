@@ -1,4 +1,5 @@
-//! Frames that are missing between solved frames of a video: interpolated and marked, or the end of a take.
+//! Frames that are missing between solved frames of a video: interpolated and marked, or the end of
+//! a take.
 
 use super::choose::is_chosen;
 use super::error::ExchangeError;
@@ -6,18 +7,23 @@ use super::exported::Exported;
 use super::files::Files;
 use super::options::FrameChoice;
 use crate::document::{
-    Camera, Document, DocumentAt, Frame, FrameId, FramePtz, FrameStatus, Shared, Solution, SolutionSource, VideoFrame,
+    Camera, Document, DocumentAt, Frame, FrameId, FramePtz, FrameStatus, Shared, Solution,
+    SolutionSource, VideoFrame,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::Angle;
 
-/// The chosen frames, and cameras for up to `most` frames in a row that are missing between two solved ones of the same video,
-/// camera and clip. Pan and tilt are linear in time between them, and so is the logarithm of the focal length. A gap in which
-/// somebody rejected a frame, or in which a frame has a camera that was not asked for, stays.
-/// What stays is told as a note.
+/// The chosen frames, and cameras for up to `most` frames in a row that are missing between two
+/// solved ones of the same video, camera and clip. Pan and tilt are linear in time between them,
+/// and so is the logarithm of the focal length. A gap in which somebody rejected a frame, or in
+/// which a frame has a camera that was not asked for, stays. What stays is told as a note.
 #[must_use]
-pub fn interpolated(document: &Document, choice: &FrameChoice, most: u64) -> (Document, Option<String>) {
+pub fn interpolated(
+    document: &Document,
+    choice: &FrameChoice,
+    most: u64,
+) -> (Document, Option<String>) {
     let mut filled: BTreeMap<FrameId, Vec<Frame>> = BTreeMap::new();
     let (mut long, mut held) = (0_usize, 0_usize);
     for run in runs(document, choice) {
@@ -40,13 +46,27 @@ pub fn interpolated(document: &Document, choice: &FrameChoice, most: u64) -> (Do
     let mut frames: Vec<Shared<Frame>> = Vec::new();
     let new: BTreeSet<&FrameId> = filled.values().flatten().map(|frame| &frame.id).collect();
     let is_filled = |frame: &Frame| new.contains(&frame.id);
-    for frame in document.frames.iter().filter(|frame| is_chosen(frame, choice) && !is_filled(frame)) {
+    for frame in document
+        .frames
+        .iter()
+        .filter(|frame| is_chosen(frame, choice) && !is_filled(frame))
+    {
         frames.push(frame.clone());
-        frames.extend(filled.get(&frame.id).into_iter().flatten().cloned().map(Shared::from));
+        frames.extend(
+            filled
+                .get(&frame.id)
+                .into_iter()
+                .flatten()
+                .cloned()
+                .map(Shared::from),
+        );
     }
     let reasons = [
         (long, format!("longer than {most} frames")),
-        (held, "with a rejected frame, or a camera that was not asked for, in it".to_owned()),
+        (
+            held,
+            "with a rejected frame, or a camera that was not asked for, in it".to_owned(),
+        ),
     ];
     let reasons: Vec<String> = reasons
         .into_iter()
@@ -54,21 +74,35 @@ pub fn interpolated(document: &Document, choice: &FrameChoice, most: u64) -> (Do
         .map(|(count, why)| format!("{count} {} {why}", if count == 1 { "gap" } else { "gaps" }))
         .collect();
     let note = (!reasons.is_empty()).then(|| format!("not filled: {}", reasons.join(", ")));
-    (Document { frames: frames.into_iter().collect(), ..document.clone() }, note)
+    (
+        Document {
+            frames: frames.into_iter().collect(),
+            ..document.clone()
+        },
+        note,
+    )
 }
 
 /// How many numbers of a video are missing between two frames.
 fn missing_between(before: &Frame, after: &Frame) -> u64 {
     let number = |frame: &Frame| frame.video.as_ref().map_or(0, |video| video.frame_index);
-    number(after).saturating_sub(number(before)).saturating_sub(1)
+    number(after)
+        .saturating_sub(number(before))
+        .saturating_sub(1)
 }
 
 /// The chosen, solved frames of each video, camera and clip, by their numbers.
 fn runs<'a>(document: &'a Document, choice: &FrameChoice) -> Vec<Vec<&'a Frame>> {
     let mut runs: BTreeMap<_, Vec<(u64, &Frame)>> = BTreeMap::new();
-    for frame in document.frames.iter().filter(|frame| is_chosen(frame, choice) && frame.ptz.is_some()) {
+    for frame in document
+        .frames
+        .iter()
+        .filter(|frame| is_chosen(frame, choice) && frame.ptz.is_some())
+    {
         if let Some(video) = &frame.video {
-            let run = runs.entry((&video.path, &frame.camera, &frame.clip)).or_default();
+            let run = runs
+                .entry((&video.path, &frame.camera, &frame.clip))
+                .or_default();
             run.push((video.frame_index, frame));
         }
     }
@@ -85,7 +119,8 @@ fn between(document: &Document, before: &Frame, after: &Frame) -> Option<Vec<Fra
     let is_within = |frame: &Frame| {
         let video = frame.video.as_ref();
         video.is_some_and(|video| {
-            video.path == first.path && (first.frame_index + 1..last.frame_index).contains(&video.frame_index)
+            video.path == first.path
+                && (first.frame_index + 1..last.frame_index).contains(&video.frame_index)
         })
     };
     let there: BTreeMap<u64, &Frame> = document
@@ -94,16 +129,27 @@ fn between(document: &Document, before: &Frame, after: &Frame) -> Option<Vec<Fra
         .filter(|frame| is_within(frame))
         .filter_map(|frame| Some((frame.video.as_ref()?.frame_index, &**frame)))
         .collect();
-    if there.values().any(|frame| frame.status == FrameStatus::Rejected || frame.ptz.is_some()) {
+    if there
+        .values()
+        .any(|frame| frame.status == FrameStatus::Rejected || frame.ptz.is_some())
+    {
         return None;
     }
     let camera = document.camera_of(before)?;
     let numbers = first.frame_index + 1..last.frame_index;
-    numbers.map(|number| frame_at(number, there.get(&number).copied(), before, after, camera)).collect()
+    numbers
+        .map(|number| frame_at(number, there.get(&number).copied(), before, after, camera))
+        .collect()
 }
 
 /// A frame whose camera lies between those of two others.
-fn frame_at(number: u64, there: Option<&Frame>, before: &Frame, after: &Frame, camera: &Camera) -> Option<Frame> {
+fn frame_at(
+    number: u64,
+    there: Option<&Frame>,
+    before: &Frame,
+    after: &Frame,
+    camera: &Camera,
+) -> Option<Frame> {
     let (first, last) = (before.video.as_ref()?, after.video.as_ref()?);
     let share = (number - first.frame_index) as f64 / (last.frame_index - first.frame_index) as f64;
     let (from, to) = (before.ptz.as_ref()?, after.ptz.as_ref()?);
@@ -114,26 +160,37 @@ fn frame_at(number: u64, there: Option<&Frame>, before: &Frame, after: &Frame, c
         tilt: Angle::from_degrees(mix(from.tilt_deg, to.tilt_deg)),
         focal_px: mix(from.focal_px.ln(), to.focal_px.ln()).exp(),
     };
-    let mut solved = FramePtz::new(ptz, camera.curve().map(|curve| curve.radial_at(ptz.focal_px)));
+    let mut solved = FramePtz::new(
+        ptz,
+        camera.curve().map(|curve| curve.radial_at(ptz.focal_px)),
+    );
     if camera.curve().is_none() {
         solved.k1 = from.k1.zip(to.k1).map(|(from, to)| mix(from, to));
     }
     let pts_s = first.pts_s.zip(last.pts_s).map(|(from, to)| mix(from, to));
     let new = || Frame {
         clip: before.clip.clone(),
-        ..Frame::from_video(VideoFrame::new(&first.path, number, pts_s), before.camera.clone(), before.image_size)
+        ..Frame::from_video(
+            VideoFrame::new(&first.path, number, pts_s),
+            before.camera.clone(),
+            before.image_size,
+        )
     };
     let frame = there.cloned().unwrap_or_else(new);
     let source = Some(SolutionSource::Interpolated);
     Some(Frame {
         status: FrameStatus::Suggested,
         ptz: Some(solved),
-        solution: Some(Solution { source, ..Solution::default() }),
+        solution: Some(Solution {
+            source,
+            ..Solution::default()
+        }),
         ..frame
     })
 }
 
-/// The export of each take on its own: chosen, solved frames whose numbers follow each other. Frames without a number are one take.
+/// The export of each take on its own: chosen, solved frames whose numbers follow each other.
+/// Frames without a number are one take.
 ///
 /// # Errors
 /// As those of `export`.
@@ -148,14 +205,25 @@ pub fn in_takes(
             let number = |frame: &Frame| frame.video.as_ref().map(|video| video.frame_index);
             number(a).zip(number(b)).is_some_and(|(a, b)| a + 1 == b)
         };
-        takes.extend(run.chunk_by(follows).map(|take| take.iter().map(|frame| frame.id.clone()).collect()));
+        takes.extend(
+            run.chunk_by(follows)
+                .map(|take| take.iter().map(|frame| frame.id.clone()).collect()),
+        );
     }
     let known: BTreeSet<&FrameId> = takes.iter().flatten().collect();
-    let rest: BTreeSet<FrameId> =
-        at.document.frames.iter().map(|frame| frame.id.clone()).filter(|id| !known.contains(id)).collect();
-    let numberless = rest
+    let rest: BTreeSet<FrameId> = at
+        .document
+        .frames
         .iter()
-        .any(|id| at.document.frames.by_id(id).is_some_and(|frame| frame.ptz.is_some() && is_chosen(frame, choice)));
+        .map(|frame| frame.id.clone())
+        .filter(|id| !known.contains(id))
+        .collect();
+    let numberless = rest.iter().any(|id| {
+        at.document
+            .frames
+            .by_id(id)
+            .is_some_and(|frame| frame.ptz.is_some() && is_chosen(frame, choice))
+    });
     if numberless || takes.is_empty() {
         takes.push(rest);
     }
@@ -170,7 +238,11 @@ pub fn in_takes(
             files.add(format!("take{number:03}/{name}"), bytes);
         }
         whole = Some(match whole {
-            None => Exported { files, in_takes: true, ..exported },
+            None => Exported {
+                files,
+                in_takes: true,
+                ..exported
+            },
             Some(whole) => joined(whole, exported, &files),
         });
     }
@@ -185,7 +257,12 @@ fn joined(mut whole: Exported, take: Exported, files: &Files) -> Exported {
     whole.frames += take.frames;
     whole.left_out.extend(take.left_out);
     whole.worst_px = whole.worst_px.max(take.worst_px);
-    let is_worse = |loss: &super::loss::Loss| whole.loss.as_ref().is_none_or(|known| loss.worst_px > known.worst_px);
+    let is_worse = |loss: &super::loss::Loss| {
+        whole
+            .loss
+            .as_ref()
+            .is_none_or(|known| loss.worst_px > known.worst_px)
+    };
     if take.loss.as_ref().is_some_and(is_worse) {
         whole.loss = take.loss;
     }
@@ -215,11 +292,20 @@ mod tests {
         );
         let mut document = document(
             &base,
-            &[(-2.0, -11.0, 2000.0), (-1.0, -11.0, 2000.0), (2.0, -10.0, 4000.0), (9.0, -10.0, 3000.0)],
+            &[
+                (-2.0, -11.0, 2000.0),
+                (-1.0, -11.0, 2000.0),
+                (2.0, -10.0, 4000.0),
+                (9.0, -10.0, 3000.0),
+            ],
         );
         for (frame, number) in document.frames.iter_mut().zip([412, 413, 416, 440]) {
             frame.image = None;
-            frame.video = Some(VideoFrame::new("match.mp4", number, Some(number as f64 / 25.0)));
+            frame.video = Some(VideoFrame::new(
+                "match.mp4",
+                number,
+                Some(number as f64 / 25.0),
+            ));
         }
         document
     }
@@ -227,31 +313,69 @@ mod tests {
     #[test]
     fn short_gaps_are_filled_on_request_and_every_filled_frame_says_so() {
         let (filled, note) = interpolated(&gappy(), &FrameChoice::default(), 5);
-        assert_eq!(note.as_deref(), Some("not filled: 1 gap longer than 5 frames"));
-        let numbers: Vec<u64> = filled.frames.iter().map(|frame| frame.video.as_ref().unwrap().frame_index).collect();
-        assert_eq!(numbers, [412, 413, 414, 415, 416, 440], "the long gap stays");
+        assert_eq!(
+            note.as_deref(),
+            Some("not filled: 1 gap longer than 5 frames")
+        );
+        let numbers: Vec<u64> = filled
+            .frames
+            .iter()
+            .map(|frame| frame.video.as_ref().unwrap().frame_index)
+            .collect();
+        assert_eq!(
+            numbers,
+            [412, 413, 414, 415, 416, 440],
+            "the long gap stays"
+        );
         let ptz = filled.frames[2].ptz.as_ref().unwrap();
-        assert!((ptz.pan_deg - 0.0).abs() < 1e-12 && (ptz.tilt_deg + 32.0 / 3.0).abs() < 1e-12, "{ptz:?}");
-        assert!((ptz.focal_px - 2000.0 * 2.0_f64.powf(1.0 / 3.0)).abs() < 1e-9, "{ptz:?}");
-        assert!((filled.frames[2].video.as_ref().unwrap().pts_s.unwrap() - 414.0 / 25.0).abs() < 1e-12);
-        for (frame, is_filled) in filled.frames.iter().zip([false, false, true, true, false, false]) {
+        assert!(
+            (ptz.pan_deg - 0.0).abs() < 1e-12 && (ptz.tilt_deg + 32.0 / 3.0).abs() < 1e-12,
+            "{ptz:?}"
+        );
+        assert!(
+            (ptz.focal_px - 2000.0 * 2.0_f64.powf(1.0 / 3.0)).abs() < 1e-9,
+            "{ptz:?}"
+        );
+        assert!(
+            (filled.frames[2].video.as_ref().unwrap().pts_s.unwrap() - 414.0 / 25.0).abs() < 1e-12
+        );
+        for (frame, is_filled) in filled
+            .frames
+            .iter()
+            .zip([false, false, true, true, false, false])
+        {
             let source = frame.source();
             assert_eq!(source == Some(SolutionSource::Interpolated), is_filled);
         }
-        assert_eq!(interpolated(&gappy(), &FrameChoice::default(), 1).0.frames, gappy().frames);
+        assert_eq!(
+            interpolated(&gappy(), &FrameChoice::default(), 1).0.frames,
+            gappy().frames
+        );
         assert_eq!(interpolated(&gappy(), &FrameChoice::default(), 50).1, None);
     }
 
     #[test]
     fn a_gap_with_a_rejected_frame_stays() {
         let mut document = gappy();
-        let mut rejected =
-            Frame::from_video(VideoFrame::new("match.mp4", 414, None), "main".into(), ImageSize::new(1920, 1080));
+        let mut rejected = Frame::from_video(
+            VideoFrame::new("match.mp4", 414, None),
+            "main".into(),
+            ImageSize::new(1920, 1080),
+        );
         rejected.status = FrameStatus::Rejected;
         document.frames.push(rejected.into());
         let (filled, note) = interpolated(&document, &FrameChoice::default(), 50);
-        assert_eq!(filled.frames.iter().filter(|frame| frame.ptz.is_some()).count(), 27, "the other gap is filled");
-        let why = "not filled: 1 gap with a rejected frame, or a camera that was not asked for, in it";
+        assert_eq!(
+            filled
+                .frames
+                .iter()
+                .filter(|frame| frame.ptz.is_some())
+                .count(),
+            27,
+            "the other gap is filled"
+        );
+        let why =
+            "not filled: 1 gap with a rejected frame, or a camera that was not asked for, in it";
         assert_eq!(note.as_deref(), Some(why));
     }
 
@@ -259,7 +383,10 @@ mod tests {
     fn pan_takes_the_short_way_round() {
         let mut document = gappy();
         document.frames[1].ptz = Some(FramePtz::new(Ptz::from_degrees(179.0, -10.0, 2000.0), None));
-        document.frames[2].ptz = Some(FramePtz::new(Ptz::from_degrees(-178.0, -10.0, 2000.0), None));
+        document.frames[2].ptz = Some(FramePtz::new(
+            Ptz::from_degrees(-178.0, -10.0, 2000.0),
+            None,
+        ));
         let (filled, _) = interpolated(&document, &FrameChoice::default(), 5);
         // 180 and −180 degrees are one direction.
         assert!((filled.frames[2].ptz.as_ref().unwrap().pan_deg.abs() - 180.0).abs() < 1e-9);
@@ -269,14 +396,23 @@ mod tests {
     #[test]
     fn tracks_are_written_with_their_gaps_filled_or_take_by_take() {
         let document = gappy();
-        let with = |gaps| ExportOptions { gaps, ..ExportOptions::default() };
+        let with = |gaps| ExportOptions {
+            gaps,
+            ..ExportOptions::default()
+        };
         let export = |gaps| export(document.at(Path::new("/")), Format::Csv, &with(gaps)).unwrap();
         let filled = export(Gaps::Interpolate(2));
         let text = text_of(&filled.files, "cameras.csv");
-        let flags: Vec<&str> = text.lines().skip(1).map(|line| line.split(',').nth(7).unwrap()).collect();
+        let flags: Vec<&str> = text
+            .lines()
+            .skip(1)
+            .map(|line| line.split(',').nth(7).unwrap())
+            .collect();
         assert_eq!(flags, ["0", "0", "1", "1", "0", "0"]);
         assert!(
-            filled.notes.contains(&"2 frames are interpolated, the first 414, the last 415".to_owned()),
+            filled
+                .notes
+                .contains(&"2 frames are interpolated, the first 414, the last 415".to_owned()),
             "{:?}",
             filled.notes
         );
@@ -285,9 +421,21 @@ mod tests {
             .files
             .sorted()
             .into_iter()
-            .map(|(name, bytes)| (name, std::str::from_utf8(bytes).unwrap().lines().count() - 1))
+            .map(|(name, bytes)| {
+                (
+                    name,
+                    std::str::from_utf8(bytes).unwrap().lines().count() - 1,
+                )
+            })
             .collect();
-        assert_eq!(names, [("take001/cameras.csv", 2), ("take002/cameras.csv", 1), ("take003/cameras.csv", 1)]);
+        assert_eq!(
+            names,
+            [
+                ("take001/cameras.csv", 2),
+                ("take002/cameras.csv", 1),
+                ("take003/cameras.csv", 1)
+            ]
+        );
         assert!(takes.is_folder() && takes.frames == 4);
         assert_eq!(export(Gaps::Keep).frames, 4);
     }

@@ -1,7 +1,9 @@
-//! The homography of a picture of a field that no homography shows exactly: through a lens that distorts, or of crowned ground.
+//! The homography of a picture of a field that no homography shows exactly: through a lens that
+//! distorts, or of crowned ground.
 //!
-//! A homography takes a flat ground to a flat picture. The one that comes nearest over the visible field is fitted to pairs of a pixel and the
-//! *nominal* place that it shows: a reader of the homography knows the field's plan and not its heights.
+//! A homography takes a flat ground to a flat picture. The one that comes nearest over the visible
+//! field is fitted to pairs of a pixel and the *nominal* place that it shows: a reader of the
+//! homography knows the field's plan and not its heights.
 
 use super::frame_camera::Pinhole;
 use touchline_core::camera::PtzCamera;
@@ -10,20 +12,30 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, homograp
 
 /// The homography is fitted on a grid of pixels with this many steps each way.
 const GRID: u32 = 24;
-/// The height of the ground is looked up again where the ray meets it: each round is nearer by the slope of the crown, some percent.
+/// The height of the ground is looked up again where the ray meets it: each round is nearer by the
+/// slope of the crown, some percent.
 const HEIGHT_ROUNDS: usize = 4;
 
-/// The homography from the plan of the field (m) to the picture that comes nearest over the visible field. The plan is the picture's own
-/// exactly where the ground is flat and the lens straight.
+/// The homography from the plan of the field (m) to the picture that comes nearest over the visible
+/// field. The plan is the picture's own exactly where the ground is flat and the lens straight.
 #[must_use]
-pub fn fit_image_from_ground(pinhole: &Pinhole, size: ImageSize, field: &FieldModel) -> Option<Mat3> {
+pub fn fit_image_from_ground(
+    pinhole: &Pinhole,
+    size: ImageSize,
+    field: &FieldModel,
+) -> Option<Mat3> {
     let camera = pinhole.pointed()?;
     let share = |step: u32, side: u32| (f64::from(step) + 0.5) / f64::from(GRID) * f64::from(side);
     let pixels = (0..GRID).flat_map(|column| (0..GRID).map(move |row| (column, row)));
     let half_m = [0.5 * field.length_m, 0.5 * field.width_m];
     let pairs: Vec<(Vec2, Vec2)> = pixels
         .map(|(column, row)| ImagePoint::new(share(column, size.width), share(row, size.height)))
-        .filter_map(|pixel| Some((place_from_image(&camera, pixel, field)?, Vec2::new(pixel.x, pixel.y))))
+        .filter_map(|pixel| {
+            Some((
+                place_from_image(&camera, pixel, field)?,
+                Vec2::new(pixel.x, pixel.y),
+            ))
+        })
         .filter(|(place, _)| place.x.abs() <= half_m[0] && place.y.abs() <= half_m[1])
         .collect();
     let fitted = homography(&pairs).ok()?;
@@ -53,9 +65,15 @@ mod tests {
     /// How far the homography shows points of the ground from where the camera does at most, px.
     fn worst_px(field: &FieldModel, fitted: &Mat3, pinhole: &Pinhole) -> f64 {
         let camera = pinhole.pointed().unwrap();
-        let ground = field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0);
+        let ground = field
+            .landmarks
+            .iter()
+            .filter(|landmark| landmark.nominal_m.z == 0.0);
         let off_px = ground.filter_map(|landmark| {
-            let at = camera.image_from_world(field.landmark_in_world(landmark)).ok().filter(|at| SIZE.contains(*at))?;
+            let at = camera
+                .image_from_world(field.landmark_in_world(landmark))
+                .ok()
+                .filter(|at| SIZE.contains(*at))?;
             let shown = fitted * Vec3::new(landmark.nominal_m.x, landmark.nominal_m.y, 1.0);
             Some(at.distance_px(ImagePoint::new(shown.x / shown.z, shown.y / shown.z)))
         });
@@ -65,15 +83,20 @@ mod tests {
     #[test]
     fn crowned_ground_is_shown_nearer_than_by_the_camera_of_flat_ground() {
         let pinhole = Pinhole::of(&reference().pointed(&reference().frames[0]).unwrap());
-        let straight = Pinhole { lens: touchline_core::camera::Radial::default(), ..pinhole };
+        let straight = Pinhole {
+            lens: touchline_core::camera::Radial::default(),
+            ..pinhole
+        };
         let template = builtin("soccer").unwrap();
         let flat = template.model(&BTreeMap::new(), 0.0).unwrap();
         let fitted = fit_image_from_ground(&straight, SIZE, &flat).unwrap();
         assert!(worst_px(&flat, &fitted, &straight) < 1e-6);
         let crowned = template.model(&BTreeMap::new(), 0.35).unwrap();
         let fitted = fit_image_from_ground(&straight, SIZE, &crowned).unwrap();
-        let (off_px, flat_off_px) =
-            (worst_px(&crowned, &fitted, &straight), worst_px(&crowned, &straight.image_from_ground(), &straight));
+        let (off_px, flat_off_px) = (
+            worst_px(&crowned, &fitted, &straight),
+            worst_px(&crowned, &straight.image_from_ground(), &straight),
+        );
         assert!(off_px < 0.6 * flat_off_px, "{off_px} {flat_off_px}");
     }
 }

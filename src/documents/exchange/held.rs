@@ -13,26 +13,45 @@ use touchline_core::geometry::ImageSize;
 /// One of them is missing, in words.
 pub fn parts(frame: &FrameCamera) -> Result<(Pinhole, ImageSize), String> {
     let pinhole = frame.pinhole().ok_or("it has a homography and no camera")?;
-    Ok((*pinhole, frame.size.ok_or("the size of its picture is not known")?))
+    Ok((
+        *pinhole,
+        frame.size.ok_or("the size of its picture is not known")?,
+    ))
 }
 
 /// The frame with another camera.
 #[must_use]
 pub fn with(frame: &FrameCamera, name: String, pinhole: Pinhole) -> FrameCamera {
-    FrameCamera { name, shown: Shown::Camera(pinhole), ..frame.clone() }
+    FrameCamera {
+        name,
+        shown: Shown::Camera(pinhole),
+        ..frame.clone()
+    }
 }
 
 /// The camera without distortion and with the principal point in the middle.
 #[must_use]
 pub fn plain(pinhole: &Pinhole, size: ImageSize) -> Pinhole {
-    Pinhole { lens: Radial::default(), principal_point: size.centre(), ..*pinhole }
+    Pinhole {
+        lens: Radial::default(),
+        principal_point: size.centre(),
+        ..*pinhole
+    }
 }
 
-/// What a frame's image is called in a file beside the document: its path where that stays in the folder, else its file's name;
-/// frames of a video by the video and their number.
+/// What a frame's image is called in a file beside the document: its path where that stays in the
+/// folder, else its file's name; frames of a video by the video and their number.
 #[must_use]
 pub fn relative_name(frame: &FrameCamera) -> String {
-    let Some(image) = &frame.image else { return format!("{}.jpg", stem_of(frame)) };
-    let file_name = || Path::new(image).file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let Some(image) = &frame.image else {
+        return format!("{}.jpg", stem_of(frame));
+    };
+    let file_name = || {
+        Path::new(image)
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned()
+    };
     safe_path(image).unwrap_or_else(|_| file_name())
 }

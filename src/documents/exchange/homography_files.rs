@@ -1,10 +1,12 @@
-//! Homographies: of the World Cup 2014 set, of the TS-WorldCup set, and as JSON lines that state what they are.
+//! Homographies: of the World Cup 2014 set, of the TS-WorldCup set, and as JSON lines that state
+//! what they are.
 //!
-//! Both sets take a pixel (from the first one's centre) to a template of 114.83 × 74.37 *yards* whose origin is the far left
-//! corner, y towards the camera. The same letters are stored the other way round elsewhere, so the JSON lines name their
-//! direction, unit and pixels. A homography knows neither distortion nor points off the ground: unless `undistorted` is asked
-//! for, the one that comes nearest over the visible pitch is written, and how far it is off is said.
-//! Source: ericsujw/KpSFR (loaders).
+//! Both sets take a pixel (from the first one's centre) to a template of 114.83 × 74.37 *yards*
+//! whose origin is the far left corner, y towards the camera. The same letters are stored the other
+//! way round elsewhere, so the JSON lines name their direction, unit and pixels. A homography knows
+//! neither distortion nor points off the ground: unless `undistorted` is asked for, the one that
+//! comes nearest over the visible pitch is written, and how far it is off is said. Source:
+//! ericsujw/KpSFR (loaders).
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
@@ -46,7 +48,17 @@ pub struct HomographyLines;
 /// The template (yards) from the ground (m).
 fn template_from_ground() -> Mat3 {
     let [length, width] = TEMPLATE_YD;
-    Mat3::new(1.0 / YARD_M, 0.0, 0.5 * length, 0.0, -1.0 / YARD_M, 0.5 * width, 0.0, 0.0, 1.0)
+    Mat3::new(
+        1.0 / YARD_M,
+        0.0,
+        0.5 * length,
+        0.0,
+        -1.0 / YARD_M,
+        0.5 * width,
+        0.0,
+        0.0,
+        1.0,
+    )
 }
 
 /// Corner pixels from pixels that are counted from somewhere.
@@ -63,14 +75,22 @@ fn scaled(h: Mat3) -> Mat3 {
 fn inverse(h: &Mat3, what: &str) -> Result<Mat3, Problem> {
     let singular = || Problem::Singular(what.to_owned());
     let inverse = h.try_inverse().ok_or_else(singular)?;
-    if inverse.iter().all(|entry| entry.is_finite()) { Ok(inverse) } else { Err(singular()) }
+    if inverse.iter().all(|entry| entry.is_finite()) {
+        Ok(inverse)
+    } else {
+        Err(singular())
+    }
 }
 
 /// The homography from picture to template that a frame is written with.
 fn template_from_image(frame: &FrameCamera) -> Option<Mat3> {
-    let Shown::Ground(image_from_ground) = &frame.shown else { return None };
+    let Shown::Ground(image_from_ground) = &frame.shown else {
+        return None;
+    };
     let ground_from_image = image_from_ground.try_inverse()?;
-    Some(scaled(template_from_ground() * ground_from_image * corner_from(Pixels::Centre)))
+    Some(scaled(
+        template_from_ground() * ground_from_image * corner_from(Pixels::Centre),
+    ))
 }
 
 /// The ground's picture of a homography from picture to template, as both sets store it.
@@ -79,11 +99,23 @@ fn image_from_ground(template_from_image: &Mat3) -> Result<Mat3, Problem> {
     Ok(corner_from(Pixels::Centre) * image_from_template * template_from_ground())
 }
 
-/// The homography of the camera's picture without distortion, or the one nearest to its picture as it is. Crowned ground has no exact one.
-fn hold(frame: &FrameCamera, name: String, context: &WriteContext<'_>) -> Result<FrameCamera, String> {
+/// The homography of the camera's picture without distortion, or the one nearest to its picture as
+/// it is. Crowned ground has no exact one.
+fn hold(
+    frame: &FrameCamera,
+    name: String,
+    context: &WriteContext<'_>,
+) -> Result<FrameCamera, String> {
     let (pinhole, size) = parts(frame)?;
-    let ideal = Pinhole { lens: Radial::default(), ..pinhole };
-    let shown_by = if context.options.undistorted { ideal } else { pinhole };
+    let ideal = Pinhole {
+        lens: Radial::default(),
+        ..pinhole
+    };
+    let shown_by = if context.options.undistorted {
+        ideal
+    } else {
+        pinhole
+    };
     let shown = if shown_by.lens.is_none() && context.field.crown_m == 0.0 {
         ideal.image_from_ground()
     } else {
@@ -93,7 +125,11 @@ fn hold(frame: &FrameCamera, name: String, context: &WriteContext<'_>) -> Result
     if shown.try_inverse().is_none() {
         return Err("the ground is seen edge-on".to_owned());
     }
-    Ok(FrameCamera { name, shown: Shown::Ground(shown), ..frame.clone() })
+    Ok(FrameCamera {
+        name,
+        shown: Shown::Ground(shown),
+        ..frame.clone()
+    })
 }
 
 /// What a user should know of both sets.
@@ -108,7 +144,11 @@ fn notes(frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
             TEMPLATE_YD[0], TEMPLATE_YD[1]
         ));
     }
-    if let Some(size) = frames.iter().find_map(|frame| frame.size).filter(|size| *size != SET_SIZE) {
+    if let Some(size) = frames
+        .iter()
+        .find_map(|frame| frame.size)
+        .filter(|size| *size != SET_SIZE)
+    {
         notes.push(format!(
             "homographies are in px of {} × {}; readers of the set assume 1280 × 720 (--size 1280x720)",
             size.width, size.height
@@ -127,7 +167,11 @@ fn matrix(values: &[f64]) -> Result<Mat3, Problem> {
     if values.len() == 9 {
         return Ok(Mat3::from_row_slice(values));
     }
-    Err(Problem::Count { what: "the homography (numbers)".to_owned(), wanted: 9, found: values.len() })
+    Err(Problem::Count {
+        what: "the homography (numbers)".to_owned(),
+        wanted: 9,
+        found: values.len(),
+    })
 }
 
 /// The name of a file without its folders.
@@ -140,7 +184,12 @@ impl CameraFormat for Wc14 {
         SizeSource::Assumed
     }
 
-    fn hold(&self, frame: &FrameCamera, _index: usize, context: &WriteContext<'_>) -> Result<FrameCamera, String> {
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        _index: usize,
+        context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
         hold(frame, stem_of(frame), context)
     }
 
@@ -148,10 +197,16 @@ impl CameraFormat for Wc14 {
         notes(frames, context)
     }
 
-    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        _context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         let mut files = Files::default();
         for frame in held {
-            let Some(h) = template_from_image(frame) else { continue };
+            let Some(h) = template_from_image(frame) else {
+                continue;
+            };
             let mut text = String::new();
             for row in h.row_iter() {
                 // Writing to a string cannot fail.
@@ -170,11 +225,21 @@ impl CameraFormat for Wc14 {
         has_ending(name, WC14_ENDING)
     }
 
-    fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(
+        &self,
+        files: &Files,
+        _options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
         files.read_all(|name, bytes| {
             let shown = image_from_ground(&matrix(&numbers("the homography", text(bytes)?)?)?)?;
-            let stem = base_name(name).rsplit_once('.').map_or(name, |(stem, _)| stem);
-            Ok(Some(FrameCamera::new(stem, Some(SET_SIZE), Shown::Ground(shown))))
+            let stem = base_name(name)
+                .rsplit_once('.')
+                .map_or(name, |(stem, _)| stem);
+            Ok(Some(FrameCamera::new(
+                stem,
+                Some(SET_SIZE),
+                Shown::Ground(shown),
+            )))
         })
     }
 }
@@ -184,22 +249,43 @@ impl CameraFormat for TsWorldCup {
         SizeSource::Assumed
     }
 
-    fn hold(&self, frame: &FrameCamera, _index: usize, context: &WriteContext<'_>) -> Result<FrameCamera, String> {
-        let camera = frame.camera.as_deref().unwrap_or("main").replace(['/', '\\', '.'], "_");
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        _index: usize,
+        context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
+        let camera = frame
+            .camera
+            .as_deref()
+            .unwrap_or("main")
+            .replace(['/', '\\', '.'], "_");
         hold(frame, format!("{camera}/{}", stem_of(frame)), context)
     }
 
     fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
         let order = "pictures and homographies are paired by their order: keep the same names in both folders";
-        notes(frames, context).into_iter().chain([order.to_owned()]).collect()
+        notes(frames, context)
+            .into_iter()
+            .chain([order.to_owned()])
+            .collect()
     }
 
-    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        _context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         let mut files = Files::default();
         let mut videos: Vec<&str> = Vec::new();
         for frame in held {
-            let Some(h) = template_from_image(frame) else { continue };
-            files.add(format!("{TS_FOLDER}/{}{TS_ENDING}", frame.name), npy::written(&h));
+            let Some(h) = template_from_image(frame) else {
+                continue;
+            };
+            files.add(
+                format!("{TS_FOLDER}/{}{TS_ENDING}", frame.name),
+                npy::written(&h),
+            );
             let video = frame.name.split('/').next().unwrap_or_default();
             if !videos.contains(&video) {
                 videos.push(video);
@@ -217,16 +303,29 @@ impl CameraFormat for TsWorldCup {
         has_ending(name, "npy")
     }
 
-    fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(
+        &self,
+        files: &Files,
+        _options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
         files.read_all(|name, bytes| {
             if !self.is_wanted(name) {
                 // The list of videos that is written with them.
                 return Ok(None);
             }
             let shown = image_from_ground(&npy::matrix(bytes)?)?;
-            let stem = name.strip_suffix(TS_ENDING).or_else(|| name.strip_suffix(".npy")).unwrap_or(name);
-            let stem = stem.strip_prefix(TS_FOLDER).map_or(stem, |rest| rest.trim_start_matches('/'));
-            Ok(Some(FrameCamera::new(stem, Some(SET_SIZE), Shown::Ground(shown))))
+            let stem = name
+                .strip_suffix(TS_ENDING)
+                .or_else(|| name.strip_suffix(".npy"))
+                .unwrap_or(name);
+            let stem = stem
+                .strip_prefix(TS_FOLDER)
+                .map_or(stem, |rest| rest.trim_start_matches('/'));
+            Ok(Some(FrameCamera::new(
+                stem,
+                Some(SET_SIZE),
+                Shown::Ground(shown),
+            )))
         })
     }
 }
@@ -250,9 +349,16 @@ fn read_line(line: &str) -> Result<FrameCamera, Problem> {
     let node = Node::root(&value);
     let rows = node.key("h")?;
     if rows.count()? != 3 {
-        return Err(Problem::Count { what: "h (rows)".to_owned(), wanted: 3, found: rows.count()? });
+        return Err(Problem::Count {
+            what: "h (rows)".to_owned(),
+            wanted: 3,
+            found: rows.count()?,
+        });
     }
-    let rows: Vec<[f64; 3]> = rows.items()?.map(|row| row.numbers()).collect::<Result<_, _>>()?;
+    let rows: Vec<[f64; 3]> = rows
+        .items()?
+        .map(|row| row.numbers())
+        .collect::<Result<_, _>>()?;
     let h = matrix(&rows.concat())?;
     let unit = unit_m(&node.key("unit")?)?;
     let pixels = match node.key("pixels")?.text()? {
@@ -260,7 +366,11 @@ fn read_line(line: &str) -> Result<FrameCamera, Problem> {
         "centre" => Pixels::Centre,
         other => {
             let found = format!("{:?}", clipped(other));
-            return Err(Problem::Kind { what: "pixels".to_owned(), wanted: "corner or centre", found });
+            return Err(Problem::Kind {
+                what: "pixels".to_owned(),
+                wanted: "corner or centre",
+                found,
+            });
         }
     };
     let image_from_pitch = match node.key("direction")?.text()? {
@@ -268,7 +378,11 @@ fn read_line(line: &str) -> Result<FrameCamera, Problem> {
         "image_from_pitch" => h,
         other => {
             let wanted = "pitch_from_image or image_from_pitch";
-            return Err(Problem::Kind { what: "direction".to_owned(), wanted, found: format!("{:?}", clipped(other)) });
+            return Err(Problem::Kind {
+                what: "direction".to_owned(),
+                wanted,
+                found: format!("{:?}", clipped(other)),
+            });
         }
     };
     let in_metres = Mat3::from_diagonal(&Vec3::new(1.0 / unit, 1.0 / unit, 1.0));
@@ -278,24 +392,50 @@ fn read_line(line: &str) -> Result<FrameCamera, Problem> {
     let size = match node.find("size_px") {
         Some(size) => {
             let [width, height] = size.numbers()?;
-            Some(ImageSize::new(side_px("size_px[0]", width)?, side_px("size_px[1]", height)?))
+            Some(ImageSize::new(
+                side_px("size_px[0]", width)?,
+                side_px("size_px[1]", height)?,
+            ))
         }
         None => None,
     };
-    Ok(FrameCamera { image: Some(image.clone()), ..FrameCamera::new(&image, size, Shown::Ground(shown)) })
+    Ok(FrameCamera {
+        image: Some(image.clone()),
+        ..FrameCamera::new(&image, size, Shown::Ground(shown))
+    })
 }
 
 impl CameraFormat for HomographyLines {
-    fn hold(&self, frame: &FrameCamera, _index: usize, context: &WriteContext<'_>) -> Result<FrameCamera, String> {
-        hold(frame, safe_path(&relative_name(frame)).map_err(|problem| problem.to_string())?, context)
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        _index: usize,
+        context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
+        hold(
+            frame,
+            safe_path(&relative_name(frame)).map_err(|problem| problem.to_string())?,
+            context,
+        )
     }
 
-    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         let mut text = String::new();
         for frame in held {
-            let Shown::Ground(image_from_ground) = &frame.shown else { continue };
-            let Some(h) = image_from_ground.try_inverse().map(scaled) else { continue };
-            let rows: Vec<Value> = h.row_iter().map(|row| json!([row[0], row[1], row[2]])).collect();
+            let Shown::Ground(image_from_ground) = &frame.shown else {
+                continue;
+            };
+            let Some(h) = image_from_ground.try_inverse().map(scaled) else {
+                continue;
+            };
+            let rows: Vec<Value> = h
+                .row_iter()
+                .map(|row| json!([row[0], row[1], row[2]]))
+                .collect();
             let line = json!({
                 "image": frame.name,
                 "direction": "pitch_from_image",
@@ -319,10 +459,18 @@ impl CameraFormat for HomographyLines {
         has_ending(name, "jsonl")
     }
 
-    fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(
+        &self,
+        files: &Files,
+        _options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
         files.read_all(|_, bytes| {
-            let lines = text(bytes)?.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-            let frames = lines.map(|(index, line)| read_line(line).map_err(|problem| problem.at_line(index + 1)));
+            let lines = text(bytes)?
+                .lines()
+                .enumerate()
+                .filter(|(_, line)| !line.trim().is_empty());
+            let frames = lines
+                .map(|(index, line)| read_line(line).map_err(|problem| problem.at_line(index + 1)));
             frames.collect::<Result<Vec<_>, _>>()
         })
     }
@@ -344,12 +492,18 @@ mod tests {
 
     #[test]
     fn the_centre_mark_is_in_the_middle_of_the_template() {
-        let text = text_of(&exported(&pinhole_reference(), Format::Wc14).files, "0001.homographyMatrix");
+        let text = text_of(
+            &exported(&pinhole_reference(), Format::Wc14).files,
+            "0001.homographyMatrix",
+        );
         let h = matrix(&numbers("h", &text).unwrap()).unwrap();
         // The pixel counts from the first one's centre.
         let template = h * Vec3::new(446.0813, 787.7564, 1.0);
         let template = template.xy() / template.z;
-        assert!((template - Vec2::new(57.415, 37.185)).norm() < 1e-4, "{template}");
+        assert!(
+            (template - Vec2::new(57.415, 37.185)).norm() < 1e-4,
+            "{template}"
+        );
         assert_eq!(h[(2, 2)], 1.0);
     }
 
@@ -358,12 +512,27 @@ mod tests {
         let bent = exported(&reference(), Format::Wc14);
         let loss = bent.loss.unwrap();
         assert_eq!(loss.what, ["lens distortion", "points off the ground"]);
-        assert!(loss.rms_px > 0.1 && loss.rms_px < 5.0 && loss.off_ground > 0, "{loss}");
-        let options = ExportOptions { undistorted: true, ..ExportOptions::default() };
+        assert!(
+            loss.rms_px > 0.1 && loss.rms_px < 5.0 && loss.off_ground > 0,
+            "{loss}"
+        );
+        let options = ExportOptions {
+            undistorted: true,
+            ..ExportOptions::default()
+        };
         let flat = export(reference().at(Path::new("/")), Format::Wc14, &options).unwrap();
         let straight = exported(&pinhole_reference(), Format::Wc14);
-        assert_eq!(flat.files, straight.files, "of the picture without distortion");
-        assert!(flat.notes.iter().any(|note| note.contains("undistort the pictures")), "{:?}", flat.notes);
+        assert_eq!(
+            flat.files, straight.files,
+            "of the picture without distortion"
+        );
+        assert!(
+            flat.notes
+                .iter()
+                .any(|note| note.contains("undistort the pictures")),
+            "{:?}",
+            flat.notes
+        );
     }
 
     #[test]
@@ -376,16 +545,27 @@ mod tests {
 
     #[test]
     fn the_other_direction_and_unit_mean_the_same() {
-        let text = text_of(&exported(&pinhole_reference(), Format::Homography).files, "homographies.jsonl");
+        let text = text_of(
+            &exported(&pinhole_reference(), Format::Homography).files,
+            "homographies.jsonl",
+        );
         let one = read_line(text.trim()).unwrap();
-        let Shown::Ground(shown) = one.shown else { panic!("a homography") };
+        let Shown::Ground(shown) = one.shown else {
+            panic!("a homography")
+        };
         let in_yards = corner_from(Pixels::Centre).try_inverse().unwrap() * shown;
         let in_yards = in_yards * Mat3::from_diagonal(&Vec3::new(YARD_M, YARD_M, 1.0));
-        let rows: Vec<Vec<f64>> = in_yards.row_iter().map(|row| row.iter().copied().collect()).collect();
+        let rows: Vec<Vec<f64>> = in_yards
+            .row_iter()
+            .map(|row| row.iter().copied().collect())
+            .collect();
         let other = json!({ "image": "images/0001.jpg", "direction": "image_from_pitch", "unit": "yd", "pixels": "centre", "h": rows });
         let other = read_line(&other.to_string()).unwrap();
         let point = Vec3::new(20.0, 10.0, 0.0);
-        let (a, b) = (one.image_from_world(point).unwrap(), other.image_from_world(point).unwrap());
+        let (a, b) = (
+            one.image_from_world(point).unwrap(),
+            other.image_from_world(point).unwrap(),
+        );
         assert!(a.distance_px(b) < 1e-9, "{a:?} {b:?}");
     }
 
@@ -393,14 +573,26 @@ mod tests {
     fn damaged_files_are_named_in_one_line() {
         for (text, wanted) in [
             ("", "the file is empty"),
-            ("1 2 3\n4 5 6\n", "the homography (numbers): 9 are expected, found 6"),
-            ("1 2 3\n4 5 6\n7 8 nine\n", "the homography: a number is expected, found \"nine\""),
-            ("1 2 3\n4 5 6\n7 8 nan\n", "the homography is not a finite number"),
+            (
+                "1 2 3\n4 5 6\n",
+                "the homography (numbers): 9 are expected, found 6",
+            ),
+            (
+                "1 2 3\n4 5 6\n7 8 nine\n",
+                "the homography: a number is expected, found \"nine\"",
+            ),
+            (
+                "1 2 3\n4 5 6\n7 8 nan\n",
+                "the homography is not a finite number",
+            ),
             ("0 0 0\n0 0 0\n0 0 0\n", "the homography is singular"),
             ("1 2 3\n2 4 6\n0 0 1\n", "the homography is singular"),
         ] {
             let files = Files::one("1.homographyMatrix", text.as_bytes().to_vec());
-            let error = Wc14.read(&files, &ImportOptions::default()).unwrap_err().to_string();
+            let error = Wc14
+                .read(&files, &ImportOptions::default())
+                .unwrap_err()
+                .to_string();
             assert_eq!(error, format!("1.homographyMatrix: {wanted}"));
         }
         let good = json!({ "image": "a.jpg", "direction": "pitch_from_image", "unit": "m", "pixels": "corner", "h": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] });
@@ -417,15 +609,39 @@ mod tests {
                 with("direction", json!("both")),
                 "direction: pitch_from_image or image_from_pitch is expected, found \"both\"",
             ),
-            (with("unit", json!("ft")), "unit: one of m, yd, cm is expected, found \"ft\""),
-            (with("pixels", json!("middle")), "pixels: corner or centre is expected, found \"middle\""),
-            (with("h", json!([[1.0, 0.0], [0.0, 1.0]])), "h (rows): 3 are expected, found 2"),
-            (with("h", json!([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])), "h is singular"),
-            (with("image", json!("../a.jpg")), "the path \"../a.jpg\" points outside the folder"),
-            (with("image", json!("/a.jpg")), "the path \"/a.jpg\" points outside the folder"),
+            (
+                with("unit", json!("ft")),
+                "unit: one of m, yd, cm is expected, found \"ft\"",
+            ),
+            (
+                with("pixels", json!("middle")),
+                "pixels: corner or centre is expected, found \"middle\"",
+            ),
+            (
+                with("h", json!([[1.0, 0.0], [0.0, 1.0]])),
+                "h (rows): 3 are expected, found 2",
+            ),
+            (
+                with(
+                    "h",
+                    json!([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]),
+                ),
+                "h is singular",
+            ),
+            (
+                with("image", json!("../a.jpg")),
+                "the path \"../a.jpg\" points outside the folder",
+            ),
+            (
+                with("image", json!("/a.jpg")),
+                "the path \"/a.jpg\" points outside the folder",
+            ),
         ] {
             let files = Files::one("a.jsonl", line.into_bytes());
-            let error = HomographyLines.read(&files, &ImportOptions::default()).unwrap_err().to_string();
+            let error = HomographyLines
+                .read(&files, &ImportOptions::default())
+                .unwrap_err()
+                .to_string();
             assert_eq!(error, format!("a.jsonl: line 1: {wanted}"));
         }
     }

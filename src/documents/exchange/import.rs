@@ -19,11 +19,23 @@ const AUTHORS_FIELD_YD: [f64; 2] = [118.0, 70.0];
 ///
 /// # Errors
 /// It cannot be read, is damaged, or an option is needed.
-pub fn import(path: &Path, format: Format, options: &ImportOptions) -> Result<Imported, ExchangeError> {
+pub fn import(
+    path: &Path,
+    format: Format,
+    options: &ImportOptions,
+) -> Result<Imported, ExchangeError> {
     if !format.imports() {
-        return Err(ExchangeError::OneWay { format, what: "imported", instead: "exported" });
+        return Err(ExchangeError::OneWay {
+            format,
+            what: "imported",
+            instead: "exported",
+        });
     }
-    let folder = if path.is_dir() { path } else { path.parent().unwrap_or(path) };
+    let folder = if path.is_dir() {
+        path
+    } else {
+        path.parent().unwrap_or(path)
+    };
     let folder = resolved(folder);
     if let Some(camera_format) = camera_format(format) {
         return import_cameras(path, &folder, format, camera_format, options);
@@ -33,13 +45,27 @@ pub fn import(path: &Path, format: Format, options: &ImportOptions) -> Result<Im
     }
     if format == Format::AuthorsMat {
         let read = read_authors_folder(path, AUTHORS_FIELD_YD)?;
-        return Ok(Imported { document: read.document, folder, notes: Vec::new() });
+        return Ok(Imported {
+            document: read.document,
+            folder,
+            notes: Vec::new(),
+        });
     }
     let files = Files::read(path, &|_| false)?;
     let Some((name, bytes)) = files.sorted().into_iter().next() else {
-        return Err(ExchangeError::NoFiles { path: path.to_path_buf(), wanted: "document; name the file itself" });
+        return Err(ExchangeError::NoFiles {
+            path: path.to_path_buf(),
+            wanted: "document; name the file itself",
+        });
     };
     let read = document_from_bytes(bytes);
-    let document = read.map_err(|source| ExchangeError::NoDocument { file: name.to_owned(), source })?;
-    Ok(Imported { document, folder, notes: Vec::new() })
+    let document = read.map_err(|source| ExchangeError::NoDocument {
+        file: name.to_owned(),
+        source,
+    })?;
+    Ok(Imported {
+        document,
+        folder,
+        notes: Vec::new(),
+    })
 }

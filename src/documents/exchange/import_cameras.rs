@@ -29,13 +29,22 @@ pub fn import_cameras(
 ) -> Result<Imported, ExchangeError> {
     let files = Files::read(path, &|name| camera_format.is_wanted(name))?;
     if files.is_empty() {
-        return Err(ExchangeError::NoFiles { path: path.to_path_buf(), wanted: camera_format.wanted() });
+        return Err(ExchangeError::NoFiles {
+            path: path.to_path_buf(),
+            wanted: camera_format.wanted(),
+        });
     }
     let mut frames = camera_format.read(&files, options)?;
     if frames.is_empty() {
-        return Err(ExchangeError::NoFiles { path: path.to_path_buf(), wanted: "frame" });
+        return Err(ExchangeError::NoFiles {
+            path: path.to_path_buf(),
+            wanted: "frame",
+        });
     }
-    let images = options.images.as_ref().map_or_else(|| folder.to_path_buf(), |images| resolved(images));
+    let images = options
+        .images
+        .as_ref()
+        .map_or_else(|| folder.to_path_buf(), |images| resolved(images));
     let mut names = BTreeSet::new();
     let mut sizes_by = SizesBy::default();
     let mut views = Vec::with_capacity(frames.len());
@@ -43,7 +52,10 @@ pub fn import_cameras(
     let mut fitted_sizes = FittedSizes::default();
     for frame in &mut frames {
         if !names.insert(frame.name.clone()) {
-            return Err(ExchangeError::SameFrame { path: path.to_path_buf(), name: clipped(&frame.name) });
+            return Err(ExchangeError::SameFrame {
+                path: path.to_path_buf(),
+                name: clipped(&frame.name),
+            });
         }
         let (file, known) = image_of(frame.image.as_deref().unwrap_or(&frame.name), &images);
         let size = sizes_by.choose(known, options.size, frame.size, camera_format.size_source());
@@ -52,10 +64,15 @@ pub fn import_cameras(
             what: "the size of its pictures",
             option: "--size WIDTHxHEIGHT or --images FOLDER",
         })?;
-        let (fit, factor) = fit_to_picture(frame, size, camera_format.size_source()).ok_or_else(|| {
-            let stated = frame.size.unwrap_or(size);
-            ExchangeError::OtherProportions { frame: clipped(&frame.name), stated, picture: size }
-        })?;
+        let (fit, factor) =
+            fit_to_picture(frame, size, camera_format.size_source()).ok_or_else(|| {
+                let stated = frame.size.unwrap_or(size);
+                ExchangeError::OtherProportions {
+                    frame: clipped(&frame.name),
+                    stated,
+                    picture: size,
+                }
+            })?;
         if let Some(stated) = frame.size.filter(|_| factor != 1.0) {
             fitted_sizes.count(stated, size);
         }
@@ -63,14 +80,19 @@ pub fn import_cameras(
         if frame.image.is_some() || frame.frame_index.is_none() {
             frame.image = Some(path_between(folder, &images.join(file)));
         }
-        frame.video = frame.video.as_ref().map(|video| path_between(folder, &images.join(video)));
+        frame.video = frame
+            .video
+            .as_ref()
+            .map(|video| path_between(folder, &images.join(video)));
         fitted += usize::from(matches!(frame.shown, Shown::Ground(_)));
         let view = camera_of(frame, size).map_err(|source| ExchangeError::NoCamera {
             path: path.to_path_buf(),
             frame: clipped(&frame.name),
             source,
         })?;
-        let view = view.checked("the camera").map_err(|problem| problem.within(&clipped(&frame.name)))?;
+        let view = view
+            .checked("the camera")
+            .map_err(|problem| problem.within(&clipped(&frame.name)))?;
         views.push((frame.clone(), size, view));
     }
     let mut notes = sizes_by.notes();
@@ -82,7 +104,11 @@ pub fn import_cameras(
         ));
     }
     let document = camera_format.document(options.field.clone(), &views);
-    Ok(Imported { document, folder: folder.to_path_buf(), notes })
+    Ok(Imported {
+        document,
+        folder: folder.to_path_buf(),
+        notes,
+    })
 }
 
 /// Counts where the sizes of the pictures come from.
@@ -111,7 +137,11 @@ impl SizesBy {
             self.option += 1;
             return given;
         }
-        let count = if source == SizeSource::Assumed { &mut self.assumed } else { &mut self.format };
+        let count = if source == SizeSource::Assumed {
+            &mut self.assumed
+        } else {
+            &mut self.format
+        };
         *count += usize::from(format.is_some());
         self.assumed_size = self.assumed_size.or(format);
         format
@@ -119,13 +149,16 @@ impl SizesBy {
 
     fn notes(&self) -> Vec<String> {
         let ImageSize { width, height } = self.assumed_size.unwrap_or(ImageSize::new(0, 0));
-        let assumed = format!("assumed, as that of the set ({width} × {height}); --size WIDTHxHEIGHT gives another");
+        let assumed = format!(
+            "assumed, as that of the set ({width} × {height}); --size WIDTHxHEIGHT gives another"
+        );
         let said = [
             (self.option, "given by --size"),
             (self.format, "what the files say (their images are missing)"),
             (self.assumed, &assumed),
         ];
         let said = said.into_iter().filter(|(count, _)| *count > 0);
-        said.map(|(count, by)| format!("the picture size of {count} frames is {by}")).collect()
+        said.map(|(count, by)| format!("the picture size of {count} frames is {by}"))
+            .collect()
     }
 }

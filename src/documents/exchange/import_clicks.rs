@@ -9,7 +9,8 @@ use super::options::ImportOptions;
 use super::pictures::image_of;
 use super::values::clipped;
 use crate::document::{
-    Camera, CameraId, Click, Document, Frame, FrameStatus, MAX_CLICKS, Target, path_between, resolved,
+    Camera, CameraId, Click, Document, Frame, FrameStatus, MAX_CLICKS, Target, path_between,
+    resolved,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -31,17 +32,30 @@ pub fn import_clicks(
 ) -> Result<Imported, ExchangeError> {
     let files = Files::read(path, &|name| click_format.is_wanted(name))?;
     if files.is_empty() {
-        return Err(ExchangeError::NoFiles { path: path.to_path_buf(), wanted: click_format.wanted() });
+        return Err(ExchangeError::NoFiles {
+            path: path.to_path_buf(),
+            wanted: click_format.wanted(),
+        });
     }
-    let images = options.images.as_ref().map_or_else(|| folder.to_path_buf(), |images| resolved(images));
+    let images = options
+        .images
+        .as_ref()
+        .map_or_else(|| folder.to_path_buf(), |images| resolved(images));
     let sizes = |name: &str| image_of(name, &images).1.or(options.size);
     let frames = click_format.read(&files, options, &sizes)?;
     if frames.is_empty() {
-        return Err(ExchangeError::NoFiles { path: path.to_path_buf(), wanted: "frame" });
+        return Err(ExchangeError::NoFiles {
+            path: path.to_path_buf(),
+            wanted: "frame",
+        });
     }
     refuse_damaged(&frames, path)?;
     let field = options.field.model(folder)?;
-    let labels = if click_format.has_own_classes() { click_format.own_labels() } else { options.map.clone() };
+    let labels = if click_format.has_own_classes() {
+        click_format.own_labels()
+    } else {
+        options.map.clone()
+    };
     let mut document = Document::new(options.field.clone());
     let mut unmapped: BTreeMap<String, usize> = BTreeMap::new();
     let mut twice: BTreeMap<String, usize> = BTreeMap::new();
@@ -55,20 +69,38 @@ pub fn import_clicks(
             }
         }
         drop_repeated_landmarks(&mut clicks, &mut twice);
-        document.frames.push(frame_of(&frame, clicks, &mut Cameras(&mut document.cameras), folder, &images).into());
+        document.frames.push(
+            frame_of(
+                &frame,
+                clicks,
+                &mut Cameras(&mut document.cameras),
+                folder,
+                &images,
+            )
+            .into(),
+        );
     }
     let mut notes = Vec::new();
     if !unmapped.is_empty() {
         if !options.skip_unmapped {
-            return Err(ExchangeError::Unmapped { labels: counted(&unmapped) });
+            return Err(ExchangeError::Unmapped {
+                labels: counted(&unmapped),
+            });
         }
         notes.push(format!("left out without meaning: {}", counted(&unmapped)));
     }
     if !twice.is_empty() {
-        notes.push(format!("left out because a frame has them more than once: {}", counted(&twice)));
+        notes.push(format!(
+            "left out because a frame has them more than once: {}",
+            counted(&twice)
+        ));
     }
     notes.extend(points_off_the_field(&field));
-    Ok(Imported { document, folder: folder.to_path_buf(), notes })
+    Ok(Imported {
+        document,
+        folder: folder.to_path_buf(),
+        notes,
+    })
 }
 
 /// Refuses a picture that is there twice, and points that lie nowhere near theirs.
@@ -77,13 +109,22 @@ fn refuse_damaged(frames: &[LabelledFrame], path: &Path) -> Result<(), ExchangeE
     for frame in frames {
         let name = frame.image.as_ref().unwrap_or(&frame.name);
         if !names.insert(name) {
-            return Err(ExchangeError::SameFrame { path: path.to_path_buf(), name: clipped(name) });
+            return Err(ExchangeError::SameFrame {
+                path: path.to_path_buf(),
+                name: clipped(name),
+            });
         }
         if frame.marks.len() > MAX_CLICKS {
             let (path, frame, found) = (path.to_path_buf(), clipped(name), frame.marks.len());
-            return Err(ExchangeError::TooManyPoints { path, frame, found, limit: MAX_CLICKS });
+            return Err(ExchangeError::TooManyPoints {
+                path,
+                frame,
+                found,
+                limit: MAX_CLICKS,
+            });
         }
-        let is_near = |mark: &&Mark| mark.image.x.abs() <= FARTHEST_PX && mark.image.y.abs() <= FARTHEST_PX;
+        let is_near =
+            |mark: &&Mark| mark.image.x.abs() <= FARTHEST_PX && mark.image.y.abs() <= FARTHEST_PX;
         if let Some(mark) = frame.marks.iter().find(|mark| !is_near(mark)) {
             return Err(ExchangeError::NoPlace {
                 path: path.to_path_buf(),
@@ -117,7 +158,12 @@ fn drop_repeated_landmarks(clicks: &mut Vec<Click>, twice: &mut BTreeMap<String,
     for (target, count) in &counts {
         *twice.entry(target.as_str().to_owned()).or_default() += count;
     }
-    clicks.retain(|click| click.target.as_ref().is_none_or(|target| !counts.contains_key(target)));
+    clicks.retain(|click| {
+        click
+            .target
+            .as_ref()
+            .is_none_or(|target| !counts.contains_key(target))
+    });
 }
 
 /// The cameras of a document that is made: one for each size of picture.
@@ -128,7 +174,11 @@ impl Cameras<'_> {
         if let Some(camera) = self.0.iter().find(|camera| camera.image_size == size) {
             return camera.id.clone();
         }
-        let name = if self.0.is_empty() { "main".to_owned() } else { format!("main_{}x{}", size.width, size.height) };
+        let name = if self.0.is_empty() {
+            "main".to_owned()
+        } else {
+            format!("main_{}x{}", size.width, size.height)
+        };
         let camera = Camera::new(name.as_str().into(), size);
         let id = camera.id.clone();
         self.0.push(camera.into());
@@ -145,6 +195,14 @@ fn frame_of(
 ) -> Frame {
     let named = frame.image.as_deref().unwrap_or(&frame.name);
     let path = path_between(folder, &images.join(image_of(named, images).0));
-    let status = if clicks.is_empty() { FrameStatus::New } else { FrameStatus::Draft };
-    Frame { status, clicks, ..Frame::from_image(&path, cameras.of_size(frame.size), frame.size) }
+    let status = if clicks.is_empty() {
+        FrameStatus::New
+    } else {
+        FrameStatus::Draft
+    };
+    Frame {
+        status,
+        clicks,
+        ..Frame::from_image(&path, cameras.of_size(frame.size), frame.size)
+    }
 }

@@ -2,8 +2,8 @@
 
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use crate::document::{
-    Camera, CameraId, Distortion, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
-    VideoFrame,
+    Camera, CameraId, Distortion, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution,
+    SolutionSource, VideoFrame,
 };
 use nalgebra::SymmetricEigen;
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,7 +14,8 @@ use touchline_core::solve::{PlanePoseError, pose_from_plane};
 
 /// Frames whose centres are nearer to each other than this have one camera, m.
 const SAME_PLACE_M: f64 = 1e-6;
-/// Pans closer together than this do not say where the pan axis points: the second eigenvalue per frame.
+/// Pans closer together than this do not say where the pan axis points: the second eigenvalue per
+/// frame.
 const MIN_PAN_SPREAD: f64 = 1e-6;
 /// Ground farther from the middle of the field says nothing of its picture, m.
 const WIDEST_GROUND_M: f64 = 150.0;
@@ -32,14 +33,18 @@ pub struct Exactness {
 
 impl Default for Exactness {
     fn default() -> Self {
-        Self { angle_rad: 1e-10, place_m: SAME_PLACE_M }
+        Self {
+            angle_rad: 1e-10,
+            place_m: SAME_PLACE_M,
+        }
     }
 }
 
 /// A frame that was read, the size of its picture, and its camera.
 pub type View = (FrameCamera, ImageSize, Pinhole);
 
-/// Makes a document of frames with a known picture size each. A video's path, where given, is what frame numbers refer to.
+/// Makes a document of frames with a known picture size each. A video's path, where given, is what
+/// frame numbers refer to.
 #[must_use]
 pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Document {
     let mut document = Document::new(field);
@@ -51,15 +56,16 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
         let axis = pan_axis(&views, exact.angle_rad);
         let lens = lens_of(&views);
         // Frames without a common base or lens have a camera each.
-        let parts: Vec<(Vec<usize>, Vec3, FocalCurve)> = if let (Some(axis), Some(lens)) = (axis, lens) {
-            vec![(group, axis, lens)]
-        } else {
-            let alone = |&index: &usize| {
-                let view = &frames[index].2;
-                Some((vec![index], upright_axis(view), view.curve()?))
+        let parts: Vec<(Vec<usize>, Vec3, FocalCurve)> =
+            if let (Some(axis), Some(lens)) = (axis, lens) {
+                vec![(group, axis, lens)]
+            } else {
+                let alone = |&index: &usize| {
+                    let view = &frames[index].2;
+                    Some((vec![index], upright_axis(view), view.curve()?))
+                };
+                group.iter().filter_map(alone).collect()
             };
-            group.iter().filter_map(alone).collect()
-        };
         for (members, axis, curve) in parts {
             let (first, size, view) = &frames[members[0]];
             let base = CameraBase {
@@ -78,15 +84,22 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
                 let turned = view.cam_from_world * base.base_from_world.transpose();
                 let pan = Angle::from_radians((-turned[(0, 2)]).atan2(turned[(0, 0)]));
                 let tilt = Angle::from_radians((-turned[(2, 1)]).atan2(turned[(1, 1)]));
-                let ptz = Ptz { pan, tilt, focal_px: view.focal_px };
-                let lens = Some(base.distortion.radial_at(view.focal_px)).filter(|lens| !lens.is_none());
+                let ptz = Ptz {
+                    pan,
+                    tilt,
+                    focal_px: view.focal_px,
+                };
+                let lens =
+                    Some(base.distortion.radial_at(view.focal_px)).filter(|lens| !lens.is_none());
                 made[index] = Some((id.clone(), FramePtz::new(ptz, lens)));
             }
         }
     }
     for ((frame, size, _), made) in frames.iter().zip(made) {
         if let Some((camera, ptz)) = made {
-            document.frames.push(document_frame(frame, camera, *size, ptz).into());
+            document
+                .frames
+                .push(document_frame(frame, camera, *size, ptz).into());
         }
     }
     document
@@ -122,10 +135,12 @@ pub(super) fn unsolved_frame(frame: &FrameCamera, camera: CameraId, size: ImageS
     }
 }
 
-/// The positions of frames that may have one camera: taken from one place, with one camera's name, size and principal point.
+/// The positions of frames that may have one camera: taken from one place, with one camera's name,
+/// size and principal point.
 fn of_one_place(frames: &[(FrameCamera, ImageSize, Pinhole)], place_m: f64) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
-    // Groups by the cell of space that their first frame lies in: a set may have a place of its own for every frame.
+    // Groups by the cell of space that their first frame lies in: a set may have a place of its own
+    // for every frame.
     let mut by_cell: BTreeMap<[i64; 3], Vec<usize>> = BTreeMap::new();
     for (index, frame) in frames.iter().enumerate() {
         let fits = |group: &usize| {
@@ -136,7 +151,9 @@ fn of_one_place(frames: &[(FrameCamera, ImageSize, Pinhole)], place_m: f64) -> V
                 && first.2.principal_point.distance_px(frame.2.principal_point) < 1e-9
         };
         let cell = [0, 1, 2].map(|axis: usize| (frame.2.position_m[axis] / place_m).floor() as i64);
-        let near = cells_around(cell).filter_map(|cell| by_cell.get(&cell)?.iter().copied().find(fits)).min();
+        let near = cells_around(cell)
+            .filter_map(|cell| by_cell.get(&cell)?.iter().copied().find(fits))
+            .min();
         if let Some(group) = near {
             groups[group].push(index);
         } else {
@@ -150,11 +167,15 @@ fn of_one_place(frames: &[(FrameCamera, ImageSize, Pinhole)], place_m: f64) -> V
 /// A cell and those that touch it.
 fn cells_around(cell: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
     let steps = || -1..=1;
-    let offsets = steps().flat_map(move |x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
-    offsets.map(move |offset: [i64; 3]| [0, 1, 2].map(|axis: usize| cell[axis].saturating_add(offset[axis])))
+    let offsets =
+        steps().flat_map(move |x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
+    offsets.map(move |offset: [i64; 3]| {
+        [0, 1, 2].map(|axis: usize| cell[axis].saturating_add(offset[axis]))
+    })
 }
 
-/// Ids for cameras: the first of `main`, `main-2`, … that none has; a name that the format gives takes the place of `main`.
+/// Ids for cameras: the first of `main`, `main-2`, … that none has; a name that the format gives
+/// takes the place of `main`.
 #[derive(Default)]
 struct FreeIds {
     taken: BTreeSet<String>,
@@ -166,7 +187,11 @@ impl FreeIds {
         let name = name.filter(|name| !name.is_empty()).unwrap_or("main");
         let next = self.next.entry(name.to_owned()).or_insert(1);
         loop {
-            let id = if *next == 1 { name.to_owned() } else { format!("{name}-{next}") };
+            let id = if *next == 1 {
+                name.to_owned()
+            } else {
+                format!("{name}-{next}")
+            };
             *next += 1;
             if self.taken.insert(id.clone()) {
                 return id.as_str().into();
@@ -175,11 +200,16 @@ impl FreeIds {
     }
 }
 
-/// The axis about which all of the views are panned, upwards (`world`): upright where that explains them, else the direction
-/// perpendicular to all of their horizontal axes. None if there is none within `tolerance_rad`.
+/// The axis about which all of the views are panned, upwards (`world`): upright where that explains
+/// them, else the direction perpendicular to all of their horizontal axes. None if there is none
+/// within `tolerance_rad`.
 fn pan_axis(views: &[&Pinhole], tolerance_rad: f64) -> Option<Vec3> {
     let right = |view: &&Pinhole| view.cam_from_world.row(0).transpose();
-    let explains = |axis: &Vec3| views.iter().all(|view| right(view).dot(axis).abs() <= tolerance_rad);
+    let explains = |axis: &Vec3| {
+        views
+            .iter()
+            .all(|view| right(view).dot(axis).abs() <= tolerance_rad)
+    };
     let upright = Vec3::z();
     if explains(&upright) {
         return Some(upright);
@@ -205,22 +235,37 @@ fn upright_axis(view: &Pinhole) -> Vec3 {
     let right: Vec3 = view.cam_from_world.row(0).transpose();
     let upright = Vec3::z() - right * right.z;
     // A camera on its side: its own vertical axis.
-    let upright = if upright.norm() > 1e-6 { upright } else { -view.cam_from_world.row(1).transpose() };
+    let upright = if upright.norm() > 1e-6 {
+        upright
+    } else {
+        -view.cam_from_world.row(1).transpose()
+    };
     upright.normalize()
 }
 
 /// The base rotation with this pan axis that looks, seen from above, along world +y at pan zero.
 fn base_about(up: &Vec3) -> Mat3 {
     let right = Vec3::y().cross(up).normalize();
-    Mat3::from_rows(&[right.transpose(), -up.transpose(), up.cross(&right).transpose()])
+    Mat3::from_rows(&[
+        right.transpose(),
+        -up.transpose(),
+        up.cross(&right).transpose(),
+    ])
 }
 
-/// One lens for all views: k₁ linear in the focal length and one ratio of k₂ to k₁². None if there is none.
+/// One lens for all views: k₁ linear in the focal length and one ratio of k₂ to k₁². None if there
+/// is none.
 fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
     let by_focal = |a: &&&Pinhole, b: &&&Pinhole| a.focal_px.total_cmp(&b.focal_px);
-    let (low, high) = (views.iter().min_by(by_focal)?, views.iter().max_by(by_focal)?);
+    let (low, high) = (
+        views.iter().min_by(by_focal)?,
+        views.iter().max_by(by_focal)?,
+    );
     let mut curve = low.curve()?;
-    if views.iter().any(|view| (view.lens.k1 - low.lens.k1).abs() > SAME_LENS) {
+    if views
+        .iter()
+        .any(|view| (view.lens.k1 - low.lens.k1).abs() > SAME_LENS)
+    {
         let slope = (high.lens.k1 - low.lens.k1) / (high.focal_px - low.focal_px);
         curve.at_focal_px = low.focal_px;
         curve.per_1000_px = 1000.0 * slope;
@@ -236,8 +281,8 @@ fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
     (all && curve.is_finite()).then_some(curve)
 }
 
-/// The camera of a frame, fitted to the homography where the format has only that; the principal point in the middle. Of a frame
-/// of which only the lens is known a camera that points nowhere.
+/// The camera of a frame, fitted to the homography where the format has only that; the principal
+/// point in the middle. Of a frame of which only the lens is known a camera that points nowhere.
 ///
 /// # Errors
 /// No camera with square pixels sees the ground so.
@@ -262,7 +307,9 @@ pub fn camera_of(frame: &FrameCamera, size: ImageSize) -> Result<Pinhole, PlaneP
 /// Points of the ground that the picture shows on a grid, with their pixels.
 fn grid_on_ground(image_from_ground: &Mat3, size: ImageSize) -> Vec<(Vec2, ImagePoint)> {
     const STEPS: u32 = 8;
-    let Some(view) = PlaneView::new(image_from_ground, size) else { return Vec::new() };
+    let Some(view) = PlaneView::new(image_from_ground, size) else {
+        return Vec::new();
+    };
     let pixels = (0..=STEPS).flat_map(|column| (0..=STEPS).map(move |row| (column, row)));
     let share = |step: u32, side: u32| f64::from(step) / f64::from(STEPS) * f64::from(side);
     pixels
@@ -279,15 +326,37 @@ mod tests {
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
-    fn frame(name: &str, roll_deg: f64, ptz: (f64, f64, f64), k1: f64) -> (FrameCamera, ImageSize, Pinhole) {
-        let angles =
-            BaseAngles { roll: Angle::from_degrees(roll_deg), pitch: Angle::from_degrees(0.4), heading: Angle::ZERO };
-        let base = CameraBase {
-            distortion: FocalCurve { k2_per_k1_squared: 2.0, ..FocalCurve::constant(k1) },
-            ..CameraBase::new(Vec3::new(1.0, -60.0, 18.0), angles.base_from_world(), SIZE.centre())
+    fn frame(
+        name: &str,
+        roll_deg: f64,
+        ptz: (f64, f64, f64),
+        k1: f64,
+    ) -> (FrameCamera, ImageSize, Pinhole) {
+        let angles = BaseAngles {
+            roll: Angle::from_degrees(roll_deg),
+            pitch: Angle::from_degrees(0.4),
+            heading: Angle::ZERO,
         };
-        let view = Pinhole::of(&PtzCamera::new(base, Ptz::from_degrees(ptz.0, ptz.1, ptz.2)));
-        (FrameCamera::new(name, Some(SIZE), Shown::Camera(view)), SIZE, view)
+        let base = CameraBase {
+            distortion: FocalCurve {
+                k2_per_k1_squared: 2.0,
+                ..FocalCurve::constant(k1)
+            },
+            ..CameraBase::new(
+                Vec3::new(1.0, -60.0, 18.0),
+                angles.base_from_world(),
+                SIZE.centre(),
+            )
+        };
+        let view = Pinhole::of(&PtzCamera::new(
+            base,
+            Ptz::from_degrees(ptz.0, ptz.1, ptz.2),
+        ));
+        (
+            FrameCamera::new(name, Some(SIZE), Shown::Camera(view)),
+            SIZE,
+            view,
+        )
     }
 
     #[test]
@@ -301,8 +370,15 @@ mod tests {
         assert_eq!(document.cameras.len(), 1);
         for (frame, (_, _, view)) in document.frames.iter().zip(&frames) {
             let camera = document.pointed(frame).unwrap();
-            for point in [Vec3::zeros(), Vec3::new(20.0, 10.0, 2.44), Vec3::new(-30.0, 20.0, 0.0)] {
-                let (a, b) = (camera.image_from_world(point), view.pointed().unwrap().image_from_world(point));
+            for point in [
+                Vec3::zeros(),
+                Vec3::new(20.0, 10.0, 2.44),
+                Vec3::new(-30.0, 20.0, 0.0),
+            ] {
+                let (a, b) = (
+                    camera.image_from_world(point),
+                    view.pointed().unwrap().image_from_world(point),
+                );
                 let Ok(b) = b else { continue };
                 assert!(a.unwrap().distance_px(b) < 1e-9, "{a:?} {b:?}");
             }
@@ -317,7 +393,11 @@ mod tests {
             frame("c.jpg", -2.0, (30.0, -11.0, 2000.0), 0.1),
         ];
         let document = document_of(FieldSpec::new("soccer"), &frames, Exactness::default());
-        let names: Vec<_> = document.cameras.iter().map(|camera| camera.id.to_string()).collect();
+        let names: Vec<_> = document
+            .cameras
+            .iter()
+            .map(|camera| camera.id.to_string())
+            .collect();
         assert_eq!(names, ["main", "main-2", "main-3"]);
     }
 }

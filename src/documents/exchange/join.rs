@@ -37,8 +37,9 @@ pub struct JoinedPair {
     pub document: String,
 }
 
-/// Joins imported frames with those of a document that show the same pictures (`Places`). A frame gets clicks if it has none, and a camera if nobody has clicked or decided on it; all others stay as they are. Frames
-/// that are not there are appended.
+/// Joins imported frames with those of a document that show the same pictures (`Places`). A frame
+/// gets clicks if it has none, and a camera if nobody has clicked or decided on it; all others stay
+/// as they are. Frames that are not there are appended.
 #[must_use]
 pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
     let mut joined = Joined {
@@ -54,14 +55,29 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
     };
     let places = Places::from_document(open);
     // From here on its paths start where the document's do.
-    let moved = imported.document.clone().relocated(&imported.folder, open.folder);
-    let mut cameras = Cameras { imported: &moved, ids: BTreeMap::new() };
+    let moved = imported
+        .document
+        .clone()
+        .relocated(&imported.folder, open.folder);
+    let mut cameras = Cameras {
+        imported: &moved,
+        ids: BTreeMap::new(),
+    };
     for (frame, moved) in imported.document.frames.iter().zip(&moved.frames) {
         let place = places.find(frame, &imported.folder);
-        match place.and_then(|place| joined.document.frames.get(place).map(|there| (place, (**there).clone()))) {
+        match place.and_then(|place| {
+            joined
+                .document
+                .frames
+                .get(place)
+                .map(|there| (place, (**there).clone()))
+        }) {
             Some((_, there)) if there.image_size != frame.image_size => joined.other_size += 1,
             Some((place, there)) => {
-                joined.pairs.push(JoinedPair { imported: frame.name(), document: there.name() });
+                joined.pairs.push(JoinedPair {
+                    imported: frame.name(),
+                    document: there.name(),
+                });
                 match label(there, frame, &mut joined.document, &mut cameras) {
                     Some(labelled) => {
                         joined.matched += 1;
@@ -80,7 +96,13 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
                 };
                 joined.added += 1;
                 joined.clicks += frame.clicks.len();
-                joined.document.frames.push(Frame { camera, ..(**moved).clone() }.into());
+                joined.document.frames.push(
+                    Frame {
+                        camera,
+                        ..(**moved).clone()
+                    }
+                    .into(),
+                );
             }
         }
     }
@@ -89,7 +111,12 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
 }
 
 /// A frame with what an imported one brings; none where it has labels of its own.
-fn label(there: Frame, imported: &Frame, document: &mut Document, cameras: &mut Cameras<'_>) -> Option<Frame> {
+fn label(
+    there: Frame,
+    imported: &Frame,
+    document: &mut Document,
+    cameras: &mut Cameras<'_>,
+) -> Option<Frame> {
     let mut frame = there;
     let mut changed = false;
     if imported.ptz.is_some() && frame.is_open() {
@@ -98,7 +125,10 @@ fn label(there: Frame, imported: &Frame, document: &mut Document, cameras: &mut 
         frame.status = FrameStatus::Suggested;
         changed = true;
     }
-    let is_undecided = matches!(frame.status, FrameStatus::New | FrameStatus::Draft | FrameStatus::Suggested);
+    let is_undecided = matches!(
+        frame.status,
+        FrameStatus::New | FrameStatus::Draft | FrameStatus::Suggested
+    );
     if !imported.clicks.is_empty() && frame.clicks.is_empty() && is_undecided {
         frame.clicks.clone_from(&imported.clicks);
         if imported.ptz.is_none() {
@@ -117,35 +147,62 @@ struct Cameras<'a> {
 }
 
 impl Cameras<'_> {
-    /// An imported camera: one of the document with the same base before the same field, else a new one.
+    /// An imported camera: one of the document with the same base before the same field, else a new
+    /// one.
     fn take(&mut self, name: &CameraId, document: &mut Document) -> CameraId {
         if let Some(known) = self.ids.get(name) {
             return known.clone();
         }
-        let Some(camera) = self.imported.camera(name) else { return name.clone() };
+        let Some(camera) = self.imported.camera(name) else {
+            return name.clone();
+        };
         let field = field_of(camera, self.imported);
         let is_same = |known: &Camera| {
-            known.base() == camera.base() && known.base().is_some() && field_of(known, document).is_same_field(field)
+            known.base() == camera.base()
+                && known.base().is_some()
+                && field_of(known, document).is_same_field(field)
         };
-        let same = document.cameras.iter().find(|known| is_same(known)).map(|known| known.id.clone());
+        let same = document
+            .cameras
+            .iter()
+            .find(|known| is_same(known))
+            .map(|known| known.id.clone());
         let id = same.unwrap_or_else(|| {
             let id = free_id(document, name);
-            // A field of its own is kept, and so is the imported document's where the open one has another.
+            // A field of its own is kept, and so is the imported document's where the open one has
+            // another.
             let own = (camera.field.is_some() || *field != document.field).then(|| field.clone());
-            document.cameras.push(Camera { id: id.clone(), field: own, ..camera.clone() }.into());
+            document.cameras.push(
+                Camera {
+                    id: id.clone(),
+                    field: own,
+                    ..camera.clone()
+                }
+                .into(),
+            );
             id
         });
         self.ids.insert(name.clone(), id.clone());
         id
     }
 
-    /// The camera of the document that takes pictures of a frame's size before the same field, else the frame's own.
+    /// The camera of the document that takes pictures of a frame's size before the same field, else
+    /// the frame's own.
     fn take_of_size(&mut self, frame: &Frame, document: &mut Document) -> CameraId {
-        let field =
-            self.imported.camera(&frame.camera).map_or(&self.imported.field, |camera| field_of(camera, self.imported));
-        let is_alike =
-            |camera: &Camera| camera.image_size == frame.image_size && field_of(camera, document).is_same_field(field);
-        let alike = document.cameras.iter().find(|camera| is_alike(camera)).map(|camera| camera.id.clone());
+        let field = self
+            .imported
+            .camera(&frame.camera)
+            .map_or(&self.imported.field, |camera| {
+                field_of(camera, self.imported)
+            });
+        let is_alike = |camera: &Camera| {
+            camera.image_size == frame.image_size && field_of(camera, document).is_same_field(field)
+        };
+        let alike = document
+            .cameras
+            .iter()
+            .find(|camera| is_alike(camera))
+            .map(|camera| camera.id.clone());
         alike.unwrap_or_else(|| self.take(&frame.camera, document))
     }
 }
@@ -157,9 +214,16 @@ fn field_of<'a>(camera: &'a Camera, document: &'a Document) -> &'a FieldSpec {
 
 /// The first of `name`, `name-2`, … that no camera has.
 fn free_id(document: &Document, name: &CameraId) -> CameraId {
-    let numbered = (1..).map(|number| if number == 1 { name.to_string() } else { format!("{name}-{number}") });
+    let numbered = (1..).map(|number| {
+        if number == 1 {
+            name.to_string()
+        } else {
+            format!("{name}-{number}")
+        }
+    });
     let mut ids = numbered.map(|id| CameraId::from(id.as_str()));
-    ids.find(|id| document.camera(id).is_none()).unwrap_or_else(|| name.clone())
+    ids.find(|id| document.camera(id).is_none())
+        .unwrap_or_else(|| name.clone())
 }
 
 #[cfg(test)]
@@ -177,9 +241,13 @@ mod tests {
     /// Frames 0001 to 0004: new, clicked, rejected, new; no base.
     fn open() -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(Camera::new("main".into(), SIZE).into());
+        document
+            .cameras
+            .push(Camera::new("main".into(), SIZE).into());
         for index in 1..=4 {
-            document.frames.push(Frame::from_image(&format!("images/{index:04}.jpg"), "main".into(), SIZE).into());
+            document.frames.push(
+                Frame::from_image(&format!("images/{index:04}.jpg"), "main".into(), SIZE).into(),
+            );
         }
         document.frames[1].clicks = vec![click("centre_mark")];
         document.frames[1].status = FrameStatus::Draft;
@@ -188,7 +256,11 @@ mod tests {
     }
 
     fn imported(document: Document, folder: &str) -> Imported {
-        Imported { document, folder: PathBuf::from(folder), notes: vec!["said".to_owned()] }
+        Imported {
+            document,
+            folder: PathBuf::from(folder),
+            notes: vec!["said".to_owned()],
+        }
     }
 
     #[test]
@@ -200,35 +272,92 @@ mod tests {
             frame.status = FrameStatus::Draft;
             frame.clicks = vec![click("halfway_far"), click("halfway_near")];
         }
-        foreign.frames.push(Frame::from_image("images/0009.jpg", "other".into(), SIZE).into());
-        let (mine, joined) = (open(), join(open().at(Path::new("/match")), &imported(foreign, "/match")));
-        assert_eq!((joined.matched, joined.kept, joined.added, joined.clicks, joined.cameras), (2, 2, 1, 4, 0));
-        assert_eq!((&joined.document.frames[1], &joined.document.frames[2]), (&mine.frames[1], &mine.frames[2]));
+        foreign
+            .frames
+            .push(Frame::from_image("images/0009.jpg", "other".into(), SIZE).into());
+        let (mine, joined) = (
+            open(),
+            join(open().at(Path::new("/match")), &imported(foreign, "/match")),
+        );
+        assert_eq!(
+            (
+                joined.matched,
+                joined.kept,
+                joined.added,
+                joined.clicks,
+                joined.cameras
+            ),
+            (2, 2, 1, 4, 0)
+        );
+        assert_eq!(
+            (&joined.document.frames[1], &joined.document.frames[2]),
+            (&mine.frames[1], &mine.frames[2])
+        );
         assert_eq!(joined.document.frames[0].status, FrameStatus::Draft);
-        assert_eq!(joined.document.frames[4].camera, "main".into(), "of the same picture size");
+        assert_eq!(
+            joined.document.frames[4].camera,
+            "main".into(),
+            "of the same picture size"
+        );
         assert_eq!(joined.notes, ["said"]);
     }
 
     #[test]
     fn cameras_come_with_their_bases_to_frames_that_nobody_decided_on() {
-        let joined = join(open().at(Path::new("/match")), &imported(awkward(), "/elsewhere"));
-        assert_eq!((joined.matched, joined.kept, joined.added, joined.cameras), (2, 2, 8, 1), "by their names");
+        let joined = join(
+            open().at(Path::new("/match")),
+            &imported(awkward(), "/elsewhere"),
+        );
+        assert_eq!(
+            (joined.matched, joined.kept, joined.added, joined.cameras),
+            (2, 2, 8, 1),
+            "by their names"
+        );
         let frame = &joined.document.frames[0];
-        assert_eq!((frame.camera.as_str(), frame.status), ("main-2", FrameStatus::Suggested));
+        assert_eq!(
+            (frame.camera.as_str(), frame.status),
+            ("main-2", FrameStatus::Suggested)
+        );
         let there = awkward();
         let point = touchline_core::geometry::Vec3::new(3.0, 4.0, 0.0);
-        let shown =
-            |document: &Document| document.pointed(&document.frames[0]).unwrap().image_from_world(point).unwrap();
+        let shown = |document: &Document| {
+            document
+                .pointed(&document.frames[0])
+                .unwrap()
+                .image_from_world(point)
+                .unwrap()
+        };
         assert_eq!(shown(&joined.document), shown(&there));
-        assert_eq!(joined.document.frames[4].image.as_deref(), Some("../elsewhere/images/0005.jpg"));
+        assert_eq!(
+            joined.document.frames[4].image.as_deref(),
+            Some("../elsewhere/images/0005.jpg")
+        );
         let field = joined.document.cameras[1].field.as_ref().unwrap();
-        assert_eq!((field.params["length_m"], field.params["width_m"]), (100.0, 64.0), "its field comes with it");
-        let videos = joined.document.frames.iter().map(|frame| frame.video.as_ref().map(|video| video.path.as_str()));
-        assert_eq!(videos.collect::<Vec<_>>()[3..5], [None, Some("../elsewhere/match.mp4")]);
+        assert_eq!(
+            (field.params["length_m"], field.params["width_m"]),
+            (100.0, 64.0),
+            "its field comes with it"
+        );
+        let videos = joined
+            .document
+            .frames
+            .iter()
+            .map(|frame| frame.video.as_ref().map(|video| video.path.as_str()));
+        assert_eq!(
+            videos.collect::<Vec<_>>()[3..5],
+            [None, Some("../elsewhere/match.mp4")]
+        );
         assert_eq!(joined.pairs.len(), 4);
         assert_eq!(joined.pairs[0].document, "images/0001.jpg");
-        let again = join(joined.document.at(Path::new("/match")), &imported(awkward(), "/elsewhere"));
-        assert_eq!((again.cameras, again.added), (0, 0), "a base that is there is not added twice");
+        let again = join(
+            joined.document.at(Path::new("/match")),
+            &imported(awkward(), "/elsewhere"),
+        );
+        assert_eq!(
+            (again.cameras, again.added),
+            (0, 0),
+            "a base that is there is not added twice"
+        );
     }
 
     #[test]

@@ -1,11 +1,13 @@
 //! Label Studio's JSON: a list of tasks with results in percent of the picture, from its corner.
 //!
-//! Old files say `completions` for `annotations`; the flat form JSON-MIN has a list of points beside the image. Cancelled
-//! annotations are left out; of several the last counts, or that of `--annotator`. Uploaded files carry a prefix before the
-//! first `-`.
+//! Old files say `completions` for `annotations`; the flat form JSON-MIN has a list of points
+//! beside the image. Cancelled annotations are left out; of several the last counts, or that of
+//! `--annotator`. Uploaded files carry a prefix before the first `-`.
 
 use super::camera_format::has_ending;
-use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed};
+use super::clicked_frame::{
+    ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
+};
 use super::error::{ExchangeError, Problem};
 use super::files::Files;
 use super::node::{Node, parse, safe_path};
@@ -49,84 +51,142 @@ fn to_json(index: usize, frame: &ClickedFrame) -> Value {
     })
 }
 
-/// The file of an image that was uploaded: without its folders and its prefix of hexadecimal digits.
+/// The file of an image that was uploaded: without its folders and its prefix of hexadecimal
+/// digits.
 fn file_name(path: &str) -> Result<String, Problem> {
     let path = path.split(['?', '#']).next().unwrap_or(path);
     let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
     let uploaded = name.split_once('-').filter(|(prefix, _)| {
-        prefix.len() == PREFIX && prefix.bytes().all(|byte| byte.is_ascii_hexdigit()) && path.contains("upload/")
+        prefix.len() == PREFIX
+            && prefix.bytes().all(|byte| byte.is_ascii_hexdigit())
+            && path.contains("upload/")
     });
     safe_path(uploaded.map_or(name, |(_, rest)| rest))
 }
 
 /// The marks of a value with x and y, or with a list of points, in percent.
-fn marks_of(value: &Node<'_>, labels: &[&str], size: ImageSize, shift: f64) -> Result<Vec<Mark>, Problem> {
+fn marks_of(
+    value: &Node<'_>,
+    labels: &[&str],
+    size: ImageSize,
+    shift: f64,
+) -> Result<Vec<Mark>, Problem> {
     let at = |x: f64, y: f64| {
         let (width, height) = (f64::from(size.width), f64::from(size.height));
         ImagePoint::new(x / 100.0 * width + shift, y / 100.0 * height + shift)
     };
     let points = match value.find("points") {
-        Some(points) => {
-            points.items()?.map(|point| point.numbers().map(|[x, y]| at(x, y))).collect::<Result<_, _>>()?
-        }
+        Some(points) => points
+            .items()?
+            .map(|point| point.numbers().map(|[x, y]| at(x, y)))
+            .collect::<Result<_, _>>()?,
         None => vec![at(value.key("x")?.number()?, value.key("y")?.number()?)],
     };
     let of_label = |label: &&str| {
         let label = (*label).to_owned();
-        points.iter().map(move |image| Mark { label: label.clone(), image: *image }).collect::<Vec<_>>()
+        points
+            .iter()
+            .map(move |image| Mark {
+                label: label.clone(),
+                image: *image,
+            })
+            .collect::<Vec<_>>()
     };
     Ok(labels.iter().flat_map(of_label).collect())
 }
 
 fn size_of(node: &Node<'_>, width: &str, height: &str) -> Result<Option<ImageSize>, Problem> {
     match (node.find(width), node.find(height)) {
-        (Some(width), Some(height)) => Ok(Some(ImageSize::new(width.side_px()?, height.side_px()?))),
+        (Some(width), Some(height)) => {
+            Ok(Some(ImageSize::new(width.side_px()?, height.side_px()?)))
+        }
         _ => Ok(None),
     }
 }
 
 /// The annotation that counts.
 fn annotation<'a>(task: &Node<'a>, annotator: Option<&str>) -> Result<Option<Node<'a>>, Problem> {
-    let Some(all) = task.find("annotations").or_else(|| task.find("completions")) else { return Ok(None) };
-    let is_cancelled = |node: &Node<'_>| node.find("was_cancelled").is_some_and(|is| is.value() == &Value::Bool(true));
+    let Some(all) = task
+        .find("annotations")
+        .or_else(|| task.find("completions"))
+    else {
+        return Ok(None);
+    };
+    let is_cancelled = |node: &Node<'_>| {
+        node.find("was_cancelled")
+            .is_some_and(|is| is.value() == &Value::Bool(true))
+    };
     let by = |node: &Node<'_>| {
         let of = node.find("completed_by");
         let of = of.map(|of| of.find("email").unwrap_or(of));
-        of.map(|of| of.value().as_str().map_or_else(|| of.value().to_string(), ToOwned::to_owned))
+        of.map(|of| {
+            of.value()
+                .as_str()
+                .map_or_else(|| of.value().to_string(), ToOwned::to_owned)
+        })
     };
-    let wanted = |node: &Node<'_>| annotator.is_none_or(|annotator| by(node).as_deref() == Some(annotator));
-    Ok(all.items()?.rfind(|node| !is_cancelled(node) && wanted(node)))
+    let wanted =
+        |node: &Node<'_>| annotator.is_none_or(|annotator| by(node).as_deref() == Some(annotator));
+    Ok(all
+        .items()?
+        .rfind(|node| !is_cancelled(node) && wanted(node)))
 }
 
-fn read_task(task: &Node<'_>, options: &ImportOptions, sizes: &Sizes<'_>) -> Result<LabelledFrame, Problem> {
+fn read_task(
+    task: &Node<'_>,
+    options: &ImportOptions,
+    sizes: &Sizes<'_>,
+) -> Result<LabelledFrame, Problem> {
     let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
     let data = task.find("data").unwrap_or_else(|| task.clone());
     let image = file_name(data.key("image")?.text()?)?;
     let mut size = size_of(&data, "width", "height")?.or_else(|| sizes(&image));
     let mut marks = Vec::new();
-    let results: Vec<(Node<'_>, Node<'_>)> = if let Some(annotation) = annotation(task, options.annotator.as_deref())? {
-        let results = annotation.key("result")?.items()?;
-        results.filter_map(|result| Some((result.find("value")?, result))).collect()
-    } else {
-        // JSON-MIN: points lie beside the image, under the name of the tag.
-        let lists = task.entries()?.filter_map(|(_, node)| node.items().ok());
-        lists.flatten().map(|point| (point.clone(), point)).collect()
-    };
+    let results: Vec<(Node<'_>, Node<'_>)> =
+        if let Some(annotation) = annotation(task, options.annotator.as_deref())? {
+            let results = annotation.key("result")?.items()?;
+            results
+                .filter_map(|result| Some((result.find("value")?, result)))
+                .collect()
+        } else {
+            // JSON-MIN: points lie beside the image, under the name of the tag.
+            let lists = task.entries()?.filter_map(|(_, node)| node.items().ok());
+            lists
+                .flatten()
+                .map(|point| (point.clone(), point))
+                .collect()
+        };
     for (value, result) in results {
-        let Some(labels) = KINDS.iter().find_map(|kind| value.find(kind)) else { continue };
-        if result.find("image_rotation").is_some_and(|turn| turn.value().as_f64() != Some(0.0)) {
+        let Some(labels) = KINDS.iter().find_map(|kind| value.find(kind)) else {
+            continue;
+        };
+        if result
+            .find("image_rotation")
+            .is_some_and(|turn| turn.value().as_f64() != Some(0.0))
+        {
             let what = format!("{}.image_rotation", result.path());
-            return Err(Problem::Unsupported { what, why: "rotate the picture itself" });
+            return Err(Problem::Unsupported {
+                what,
+                why: "rotate the picture itself",
+            });
         }
         if let Some(of_result) = size_of(&result, "original_width", "original_height")? {
             size = Some(of_result);
         }
-        let labels = labels.items()?.map(|label| label.text()).collect::<Result<Vec<_>, _>>()?;
+        let labels = labels
+            .items()?
+            .map(|label| label.text())
+            .collect::<Result<Vec<_>, _>>()?;
         let known = size.or(options.size).ok_or_else(|| size_needed(&image))?;
         marks.extend(marks_of(&value, &labels, known, shift)?);
     }
     let size = size.or(options.size).ok_or_else(|| size_needed(&image))?;
-    Ok(LabelledFrame { name: image.clone(), image: Some(image), size, marks })
+    Ok(LabelledFrame {
+        name: image.clone(),
+        image: Some(image),
+        size,
+        marks,
+    })
 }
 
 impl ClickFormat for LabelStudio {
@@ -138,9 +198,20 @@ impl ClickFormat for LabelStudio {
         frame.image.clone()
     }
 
-    fn write(&self, frames: &[ClickedFrame], _context: &ClickContext<'_>) -> Result<Files, ExchangeError> {
-        let tasks: Vec<Value> = frames.iter().enumerate().map(|(index, frame)| to_json(index, frame)).collect();
-        Ok(Files::one("tasks.json", format!("{:#}\n", Value::Array(tasks)).into_bytes()))
+    fn write(
+        &self,
+        frames: &[ClickedFrame],
+        _context: &ClickContext<'_>,
+    ) -> Result<Files, ExchangeError> {
+        let tasks: Vec<Value> = frames
+            .iter()
+            .enumerate()
+            .map(|(index, frame)| to_json(index, frame))
+            .collect();
+        Ok(Files::one(
+            "tasks.json",
+            format!("{:#}\n", Value::Array(tasks)).into_bytes(),
+        ))
     }
 
     fn wanted(&self) -> &'static str {
@@ -160,7 +231,9 @@ impl ClickFormat for LabelStudio {
         files.read_all(|_, bytes| {
             let value = parse(bytes)?;
             let tasks = Node::root(&value).items()?;
-            tasks.map(|task| read_task(&task, options, sizes)).collect::<Result<Vec<_>, _>>()
+            tasks
+                .map(|task| read_task(&task, options, sizes))
+                .collect::<Result<Vec<_>, _>>()
         })
     }
 }
@@ -173,14 +246,18 @@ mod tests {
 
     fn read(text: &str) -> Result<Vec<LabelledFrame>, String> {
         let files = Files::one("a.json", text.as_bytes().to_vec());
-        LabelStudio.read(&files, &ImportOptions::default(), &|_| None).map_err(|error| error.to_string())
+        LabelStudio
+            .read(&files, &ImportOptions::default(), &|_| None)
+            .map_err(|error| error.to_string())
     }
 
     #[test]
     fn points_are_percent_of_the_picture() {
         let exported = exported(&clicked(), Format::LabelStudio);
         let tasks: Value = serde_json::from_str(&text_of(&exported.files, "tasks.json")).unwrap();
-        let x = tasks[0]["annotations"][0]["result"][0]["value"]["x"].as_f64().unwrap();
+        let x = tasks[0]["annotations"][0]["result"][0]["value"]["x"]
+            .as_f64()
+            .unwrap();
         assert!((x - 100.0 * 444.681 / 1920.0).abs() < 1e-12);
     }
 
@@ -192,8 +269,14 @@ mod tests {
             { "was_cancelled": true, "result": [] }
         ] }]);
         let frames = read(&old.to_string()).unwrap();
-        let mark = Mark { label: "centre_mark".to_owned(), image: ImagePoint::new(100.0, 10.0) };
-        assert_eq!((frames[0].name.as_str(), &frames[0].marks), ("0001.jpg", &vec![mark.clone()]));
+        let mark = Mark {
+            label: "centre_mark".to_owned(),
+            image: ImagePoint::new(100.0, 10.0),
+        };
+        assert_eq!(
+            (frames[0].name.as_str(), &frames[0].marks),
+            ("0001.jpg", &vec![mark.clone()])
+        );
         let flat = json!([{ "image": "0001.jpg", "kp": [{ "x": 50.0, "y": 10.0, "keypointlabels": ["centre_mark"], "original_width": 200, "original_height": 100 }] }]);
         assert_eq!(read(&flat.to_string()).unwrap()[0].marks, [mark]);
     }
@@ -201,7 +284,8 @@ mod tests {
     #[test]
     fn damaged_files_are_named_in_one_line() {
         let task = |result: Value| {
-            json!([{ "data": { "image": "a.jpg" }, "annotations": [{ "result": [result] }] }]).to_string()
+            json!([{ "data": { "image": "a.jpg" }, "annotations": [{ "result": [result] }] }])
+                .to_string()
         };
         let good = json!({ "original_width": 200, "original_height": 100, "image_rotation": 0, "value": { "x": 1.0, "y": 2.0, "keypointlabels": ["a"] } });
         let with = |pointer: &str, value: Value| {
@@ -210,9 +294,15 @@ mod tests {
             task(result)
         };
         for (text, wanted) in [
-            ("{}".to_owned(), "the file: a list is expected, found an object"),
+            (
+                "{}".to_owned(),
+                "the file: a list is expected, found an object",
+            ),
             ("[{}]".to_owned(), "[0].image is missing"),
-            ("[{\"image\": \"..\"}]".to_owned(), "the path \"..\" points outside the folder"),
+            (
+                "[{\"image\": \"..\"}]".to_owned(),
+                "the path \"..\" points outside the folder",
+            ),
             (
                 "[{\"image\": \"a.jpg\"}]".to_owned(),
                 "the size of \"a.jpg\" is not known; give --size WIDTHxHEIGHT or --images FOLDER",

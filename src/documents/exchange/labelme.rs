@@ -1,10 +1,13 @@
 //! labelme's JSON, a file for each image: shapes with points in px from the picture's corner.
 //!
-//! A `point` is a landmark (or a point on a line, as its label says), `line` and `linestrip` are points on a line; other shapes
-//! are left alone. `imageData`, where it is there, is the picture again and is not looked at.
+//! A `point` is a landmark (or a point on a line, as its label says), `line` and `linestrip` are
+//! points on a line; other shapes are left alone. `imageData`, where it is there, is the picture
+//! again and is not looked at.
 
 use super::camera_format::has_ending;
-use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed};
+use super::clicked_frame::{
+    ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
+};
 use super::error::{ExchangeError, Problem};
 use super::files::Files;
 use super::node::{Node, parse};
@@ -73,10 +76,18 @@ fn read_file(bytes: &[u8], shift: f64, sizes: &Sizes<'_>) -> Result<LabelledFram
         let label = shape.key("label")?.text()?.to_owned();
         for point in shape.key("points")?.items()? {
             let [x, y]: [f64; 2] = point.numbers()?;
-            marks.push(Mark { label: label.clone(), image: ImagePoint::new(x + shift, y + shift) });
+            marks.push(Mark {
+                label: label.clone(),
+                image: ImagePoint::new(x + shift, y + shift),
+            });
         }
     }
-    Ok(LabelledFrame { name: image.clone(), image: Some(image), size, marks })
+    Ok(LabelledFrame {
+        name: image.clone(),
+        image: Some(image),
+        size,
+        marks,
+    })
 }
 
 impl ClickFormat for Labelme {
@@ -88,10 +99,17 @@ impl ClickFormat for Labelme {
         frame.image.clone()
     }
 
-    fn write(&self, frames: &[ClickedFrame], _context: &ClickContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        frames: &[ClickedFrame],
+        _context: &ClickContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         let mut files = Files::default();
         for frame in frames {
-            let stem = frame.image.rsplit_once('.').map_or(frame.image.as_str(), |(stem, _)| stem);
+            let stem = frame
+                .image
+                .rsplit_once('.')
+                .map_or(frame.image.as_str(), |(stem, _)| stem);
             files.add(format!("{stem}.json"), format!("{:#}\n", to_json(frame)));
         }
         Ok(files)
@@ -132,8 +150,11 @@ mod tests {
 
     #[test]
     fn damaged_files_are_named_in_one_line() {
-        let good: Value =
-            serde_json::from_str(&text_of(&exported(&clicked(), Format::Labelme).files, "0001.json")).unwrap();
+        let good: Value = serde_json::from_str(&text_of(
+            &exported(&clicked(), Format::Labelme).files,
+            "0001.json",
+        ))
+        .unwrap();
         let with = |pointer: &str, value: Value| {
             let mut all = good.clone();
             *all.pointer_mut(pointer).unwrap() = value;
@@ -141,8 +162,16 @@ mod tests {
         };
         for (text, size, wanted) in [
             ("{}".to_owned(), None, "imagePath is missing"),
-            (with("/imagePath", json!("..\\a.jpg")), None, "the path \"../a.jpg\" points outside the folder"),
-            (with("/imagePath", json!(7)), None, "imagePath: a text is expected, found 7"),
+            (
+                with("/imagePath", json!("..\\a.jpg")),
+                None,
+                "the path \"../a.jpg\" points outside the folder",
+            ),
+            (
+                with("/imagePath", json!(7)),
+                None,
+                "imagePath: a text is expected, found 7",
+            ),
             (
                 with("/imageWidth", Value::Null),
                 None,
@@ -158,9 +187,21 @@ mod tests {
                 Some(SIZE),
                 "a file of 1080 × 1080 px for a picture of 1920 × 1080 cannot be read: labelme rotates pictures by their EXIF orientation; save it rotated",
             ),
-            (with("/shapes", json!(1)), None, "shapes: a list is expected, found 1"),
-            (with("/shapes/0/label", Value::Null), None, "shapes[0].label: a text is expected, found null"),
-            (with("/shapes/0/points", json!([[1.0]])), None, "shapes[0].points[0] (numbers): 2 are expected, found 1"),
+            (
+                with("/shapes", json!(1)),
+                None,
+                "shapes: a list is expected, found 1",
+            ),
+            (
+                with("/shapes/0/label", Value::Null),
+                None,
+                "shapes[0].label: a text is expected, found null",
+            ),
+            (
+                with("/shapes/0/points", json!([[1.0]])),
+                None,
+                "shapes[0].points[0] (numbers): 2 are expected, found 1",
+            ),
             (
                 with("/shapes/0/points/0/0", json!("x")),
                 None,
@@ -168,7 +209,10 @@ mod tests {
             ),
         ] {
             let files = Files::one("a.json", text.into_bytes());
-            let error = Labelme.read(&files, &ImportOptions::default(), &|_| size).unwrap_err().to_string();
+            let error = Labelme
+                .read(&files, &ImportOptions::default(), &|_| size)
+                .unwrap_err()
+                .to_string();
             assert_eq!(error, format!("a.json: {wanted}"));
         }
     }

@@ -6,8 +6,9 @@ use crate::document::Target;
 use std::collections::BTreeMap;
 use touchline_core::field::FieldModel;
 
-/// The 32 points of Roboflow's `SoccerPitchConfiguration` by index. Points 10, 11, 18 and 19 are labelled where the arc meets the
-/// area's line, though its own coordinates put them elsewhere: names are taken, never coordinates.
+/// The 32 points of Roboflow's `SoccerPitchConfiguration` by index. Points 10, 11, 18 and 19 are
+/// labelled where the arc meets the area's line, though its own coordinates put them elsewhere:
+/// names are taken, never coordinates.
 pub const ROBOFLOW_32: [&str; 32] = [
     "corner_far_left",
     "penalty_area_far_left_goal_line",
@@ -43,7 +44,8 @@ pub const ROBOFLOW_32: [&str; 32] = [
     "centre_circle_right",
 ];
 
-/// SoccerNet's classes of lines and ours. The left and right post of a goal are seen from the pitch.
+/// SoccerNet's classes of lines and ours. The left and right post of a goal are seen from the
+/// pitch.
 pub const SOCCERNET_LINES: [(&str, &str); 26] = [
     ("Side line top", "touchline_far"),
     ("Side line bottom", "touchline_near"),
@@ -81,7 +83,11 @@ const SOCCERNET_UNKNOWN: [&str; 2] = ["Goal unknown", "Line unknown"];
 #[must_use]
 pub fn keypoints(names: KeypointNames, field: &FieldModel) -> Vec<String> {
     match names {
-        KeypointNames::Touchline => field.landmarks.iter().map(|landmark| landmark.id.to_string()).collect(),
+        KeypointNames::Touchline => field
+            .landmarks
+            .iter()
+            .map(|landmark| landmark.id.to_string())
+            .collect(),
         KeypointNames::Roboflow32 => ROBOFLOW_32.map(ToOwned::to_owned).to_vec(),
     }
 }
@@ -122,9 +128,15 @@ impl LabelMap {
     ///
     /// # Errors
     /// A user's map names something that the field does not have.
-    pub(super) fn meaning(&self, label: &str, field: &FieldModel) -> Result<Meaning, ExchangeError> {
-        let named =
-            |name: Option<&str>| name.and_then(|name| ours(name, field)).map_or(Meaning::Unknown, Meaning::Target);
+    pub(super) fn meaning(
+        &self,
+        label: &str,
+        field: &FieldModel,
+    ) -> Result<Meaning, ExchangeError> {
+        let named = |name: Option<&str>| {
+            name.and_then(|name| ours(name, field))
+                .map_or(Meaning::Unknown, Meaning::Target)
+        };
         Ok(match self {
             Self::Touchline => named(Some(label)),
             // An index as Roboflow counts, or the name that an export gives the point.
@@ -138,15 +150,21 @@ impl LabelMap {
             }
             Self::SoccerNet if SOCCERNET_UNKNOWN.contains(&label.trim_end()) => Meaning::Nothing,
             Self::SoccerNet => {
-                let class = SOCCERNET_LINES.iter().find(|(class, _)| class.trim_end() == label.trim_end());
+                let class = SOCCERNET_LINES
+                    .iter()
+                    .find(|(class, _)| class.trim_end() == label.trim_end());
                 named(class.map(|(_, line)| *line))
             }
             Self::Own(map) => match map.get(label) {
                 None => Meaning::Unknown,
                 Some(None) => Meaning::Nothing,
                 Some(Some(name)) => {
-                    let missing = || Problem::Unknown { what: "the landmark or line", name: name.clone() };
-                    let target = ours(name, field).ok_or_else(|| missing().within("the map of labels"))?;
+                    let missing = || Problem::Unknown {
+                        what: "the landmark or line",
+                        name: name.clone(),
+                    };
+                    let target =
+                        ours(name, field).ok_or_else(|| missing().within("the map of labels"))?;
                     Meaning::Target(target)
                 }
             },
@@ -157,7 +175,11 @@ impl LabelMap {
 /// Labels with how often each occurs, for a message.
 #[must_use]
 pub fn counted(labels: &BTreeMap<String, usize>) -> String {
-    labels.iter().map(|(label, count)| format!("{label:?} ({count}×)")).collect::<Vec<_>>().join(", ")
+    labels
+        .iter()
+        .map(|(label, count)| format!("{label:?} ({count}×)"))
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 #[cfg(test)]
@@ -182,13 +204,36 @@ mod tests {
         let meaning = |map: LabelMap, label: &str| map.meaning(label, &field).unwrap();
         let target = |name: &str| Meaning::Target(Target::Landmark(name.into()));
         assert_eq!(meaning(LabelMap::Roboflow32, "13"), target("halfway_far"));
-        assert_eq!(meaning(LabelMap::Roboflow32, "halfway_far"), target("halfway_far"), "as an export calls it");
-        assert_eq!(meaning(LabelMap::Roboflow32, "centre_mark"), Meaning::Unknown, "none of the 32");
-        assert_eq!(meaning(LabelMap::Roboflow32Captions, "13"), target("penalty_area_near_left_front"));
-        assert_eq!(meaning(LabelMap::Roboflow32Captions, "14"), target("centre_circle_left"));
-        assert_eq!(meaning(LabelMap::Roboflow32Captions, "19"), target("centre_circle_right"));
-        assert_eq!(meaning(LabelMap::Roboflow32Captions, "32"), target("corner_near_right"));
-        assert_eq!(meaning(LabelMap::Roboflow32Captions, "33"), Meaning::Unknown);
+        assert_eq!(
+            meaning(LabelMap::Roboflow32, "halfway_far"),
+            target("halfway_far"),
+            "as an export calls it"
+        );
+        assert_eq!(
+            meaning(LabelMap::Roboflow32, "centre_mark"),
+            Meaning::Unknown,
+            "none of the 32"
+        );
+        assert_eq!(
+            meaning(LabelMap::Roboflow32Captions, "13"),
+            target("penalty_area_near_left_front")
+        );
+        assert_eq!(
+            meaning(LabelMap::Roboflow32Captions, "14"),
+            target("centre_circle_left")
+        );
+        assert_eq!(
+            meaning(LabelMap::Roboflow32Captions, "19"),
+            target("centre_circle_right")
+        );
+        assert_eq!(
+            meaning(LabelMap::Roboflow32Captions, "32"),
+            target("corner_near_right")
+        );
+        assert_eq!(
+            meaning(LabelMap::Roboflow32Captions, "33"),
+            Meaning::Unknown
+        );
         let mut seen: Vec<usize> = (1..=32).filter_map(index_of_caption).collect();
         seen.sort_unstable();
         assert!(seen.into_iter().eq(0..32), "each point has one caption");
@@ -201,14 +246,26 @@ mod tests {
         for label in ["Goal left post left ", "Goal left post left"] {
             assert_eq!(LabelMap::SoccerNet.meaning(label, &field).unwrap(), line);
         }
-        assert_eq!(LabelMap::SoccerNet.meaning("Line unknown", &field).unwrap(), Meaning::Nothing);
+        assert_eq!(
+            LabelMap::SoccerNet.meaning("Line unknown", &field).unwrap(),
+            Meaning::Nothing
+        );
     }
 
     #[test]
     fn seen_from_the_pitch_left_and_right_posts_are_mirrored_by_half_a_turn() {
         let field = builtin("soccer").unwrap().default_model().unwrap();
-        let line = |class: &str| SOCCERNET_LINES.iter().find(|(name, _)| name.trim_end() == class).unwrap().1;
-        let twin = field.line_element(line("Goal left post left")).unwrap().twin(Symmetry::Turn180, &field);
+        let line = |class: &str| {
+            SOCCERNET_LINES
+                .iter()
+                .find(|(name, _)| name.trim_end() == class)
+                .unwrap()
+                .1
+        };
+        let twin = field
+            .line_element(line("Goal left post left"))
+            .unwrap()
+            .twin(Symmetry::Turn180, &field);
         assert_eq!(twin, field.line_element(line("Goal right post left")));
     }
 }

@@ -29,9 +29,24 @@ pub struct Loss {
 
 impl fmt::Display for Loss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { what, frames, rms_px, worst_px, worst_frame, off_ground } = self;
-        write!(f, "not held: {} ({}); ", what.join(", "), counted(*frames, "frame"))?;
-        write!(f, "points of the field move by {rms_px:.2} px rms, at most {worst_px:.2} px in {worst_frame}")?;
+        let Self {
+            what,
+            frames,
+            rms_px,
+            worst_px,
+            worst_frame,
+            off_ground,
+        } = self;
+        write!(
+            f,
+            "not held: {} ({}); ",
+            what.join(", "),
+            counted(*frames, "frame")
+        )?;
+        write!(
+            f,
+            "points of the field move by {rms_px:.2} px rms, at most {worst_px:.2} px in {worst_frame}"
+        )?;
         if *off_ground > 0 {
             write!(f, "; {off_ground} landmarks off the ground are left out")?;
         }
@@ -50,18 +65,28 @@ struct FieldPoint {
 
 impl FieldPoint {
     fn from_nominal(nominal: Vec3, field: &FieldModel) -> Self {
-        Self { in_world: field.world_from_nominal(nominal), nominal }
+        Self {
+            in_world: field.world_from_nominal(nominal),
+            nominal,
+        }
     }
 
     /// Where a frame shows it.
     fn image_in(&self, frame: &FrameCamera) -> Option<ImagePoint> {
-        frame.image_from_world(if frame.pinhole().is_some() { self.in_world } else { self.nominal })
+        frame.image_from_world(if frame.pinhole().is_some() {
+            self.in_world
+        } else {
+            self.nominal
+        })
     }
 }
 
 /// Landmarks and points of lines.
 fn points_of(field: &FieldModel) -> Vec<FieldPoint> {
-    let landmarks = field.landmarks.iter().map(|landmark| FieldPoint::from_nominal(landmark.nominal_m, field));
+    let landmarks = field
+        .landmarks
+        .iter()
+        .map(|landmark| FieldPoint::from_nominal(landmark.nominal_m, field));
     let share = |step: usize| step as f64 / (LINE_POINTS - 1) as f64;
     let lines = field
         .lines
@@ -77,15 +102,28 @@ fn visible<'a>(
     points: &'a [FieldPoint],
 ) -> impl Iterator<Item = (FieldPoint, ImagePoint)> + 'a {
     let shown = |point: &FieldPoint| Some((*point, point.image_in(frame)?));
-    points.iter().filter_map(shown).filter(|(_, image)| frame.size.is_none_or(|size| size.contains(*image)))
+    points
+        .iter()
+        .filter_map(shown)
+        .filter(|(_, image)| frame.size.is_none_or(|size| size.contains(*image)))
 }
 
 /// What is lost between frames and what a format keeps of them; none where nothing is.
 #[must_use]
-pub fn loss_between(frames: &[FrameCamera], held: &[FrameCamera], field: &FieldModel) -> Option<Loss> {
+pub fn loss_between(
+    frames: &[FrameCamera],
+    held: &[FrameCamera],
+    field: &FieldModel,
+) -> Option<Loss> {
     let points = points_of(field);
-    let mut loss =
-        Loss { what: Vec::new(), frames: 0, rms_px: 0.0, worst_px: 0.0, worst_frame: String::new(), off_ground: 0 };
+    let mut loss = Loss {
+        what: Vec::new(),
+        frames: 0,
+        rms_px: 0.0,
+        worst_px: 0.0,
+        worst_frame: String::new(),
+        off_ground: 0,
+    };
     let (mut sum, mut count) = (0.0, 0_usize);
     for (frame, kept) in frames.iter().zip(held) {
         let what = differences(frame, kept);
@@ -96,7 +134,9 @@ pub fn loss_between(frames: &[FrameCamera], held: &[FrameCamera], field: &FieldM
                 loss.off_ground += 1;
                 continue;
             }
-            let Some(there) = point.image_in(kept) else { continue };
+            let Some(there) = point.image_in(kept) else {
+                continue;
+            };
             let off_px = there.distance_px(image);
             (sum, count) = (sum + off_px * off_px, count + 1);
             moved = moved.max(off_px);
@@ -111,17 +151,26 @@ pub fn loss_between(frames: &[FrameCamera], held: &[FrameCamera], field: &FieldM
     }
     loss.what.sort_unstable();
     loss.what.dedup();
-    loss.rms_px = if count > 0 { (sum / count as f64).sqrt() } else { 0.0 };
+    loss.rms_px = if count > 0 {
+        (sum / count as f64).sqrt()
+    } else {
+        0.0
+    };
     (loss.worst_px > ROUNDING_PX || loss.off_ground > 0).then_some(loss)
 }
 
-/// How far points of the ground move in these frames if it is taken as flat, at most, px: readers of cameras do not know of a crown.
+/// How far points of the ground move in these frames if it is taken as flat, at most, px: readers
+/// of cameras do not know of a crown.
 #[must_use]
 pub fn crown_off_px(frames: &[FrameCamera], field: &FieldModel) -> f64 {
-    let points: Vec<FieldPoint> = points_of(field).into_iter().filter(|point| point.nominal.z == 0.0).collect();
+    let points: Vec<FieldPoint> = points_of(field)
+        .into_iter()
+        .filter(|point| point.nominal.z == 0.0)
+        .collect();
     let off_px = frames.iter().flat_map(|frame| {
-        visible(frame, &points)
-            .filter_map(|(point, image)| Some(frame.image_from_world(point.nominal)?.distance_px(image)))
+        visible(frame, &points).filter_map(|(point, image)| {
+            Some(frame.image_from_world(point.nominal)?.distance_px(image))
+        })
     });
     off_px.fold(0.0, f64::max)
 }
@@ -129,8 +178,14 @@ pub fn crown_off_px(frames: &[FrameCamera], field: &FieldModel) -> f64 {
 /// In what a kept frame differs from the frame.
 fn differences(frame: &FrameCamera, kept: &FrameCamera) -> Vec<&'static str> {
     let (Some(from), Some(to)) = (frame.pinhole(), kept.pinhole()) else {
-        let bent = frame.pinhole().is_some_and(|pinhole| !pinhole.lens.is_none());
-        return if bent { vec!["points off the ground", "lens distortion"] } else { vec!["points off the ground"] };
+        let bent = frame
+            .pinhole()
+            .is_some_and(|pinhole| !pinhole.lens.is_none());
+        return if bent {
+            vec!["points off the ground", "lens distortion"]
+        } else {
+            vec!["points off the ground"]
+        };
     };
     let off_centre = from.principal_point.distance_px(to.principal_point) > ROUNDING_PX;
     let turned = (from.cam_from_world - to.cam_from_world).amax() > 1e-9;
@@ -145,17 +200,32 @@ fn differences(frame: &FrameCamera, kept: &FrameCamera) -> Vec<&'static str> {
     .collect()
 }
 
-/// The landmark that moves most between two frames, its name and how far, px: of those within the picture and as far around
-/// it. One that only the first frame shows is infinitely far.
+/// The landmark that moves most between two frames, its name and how far, px: of those within the
+/// picture and as far around it. One that only the first frame shows is infinitely far.
 #[must_use]
-pub fn farthest_landmark(frame: &FrameCamera, other: &FrameCamera, field: &FieldModel) -> (String, f64) {
+pub fn farthest_landmark(
+    frame: &FrameCamera,
+    other: &FrameCamera,
+    field: &FieldModel,
+) -> (String, f64) {
     let mut farthest = (String::new(), 0.0);
     // What a homography shows is compared with what was made of it on the plan of the field.
     let is_ground = frame.pinhole().is_none() || other.pinhole().is_none();
     for landmark in &field.landmarks {
-        let point = if is_ground { landmark.nominal_m } else { field.landmark_in_world(landmark) };
-        let Some(image) = frame.image_from_world(point).filter(|image| is_near(*image, frame.size)) else { continue };
-        let off_px = other.image_from_world(point).map_or(f64::INFINITY, |there| there.distance_px(image));
+        let point = if is_ground {
+            landmark.nominal_m
+        } else {
+            field.landmark_in_world(landmark)
+        };
+        let Some(image) = frame
+            .image_from_world(point)
+            .filter(|image| is_near(*image, frame.size))
+        else {
+            continue;
+        };
+        let off_px = other
+            .image_from_world(point)
+            .map_or(f64::INFINITY, |there| there.distance_px(image));
         if !(off_px <= farthest.1) {
             farthest = (landmark.id.to_string(), off_px);
         }
@@ -163,8 +233,8 @@ pub fn farthest_landmark(frame: &FrameCamera, other: &FrameCamera, field: &Field
     farthest
 }
 
-/// Within the picture or at most its own size beside it. Farther out a point is near the camera's plane, and the rounding of an
-/// angle moves it by any amount.
+/// Within the picture or at most its own size beside it. Farther out a point is near the camera's
+/// plane, and the rounding of an angle moves it by any amount.
 fn is_near(image: ImagePoint, size: Option<ImageSize>) -> bool {
     size.is_none_or(|size| {
         let (width, height) = (f64::from(size.width), f64::from(size.height));

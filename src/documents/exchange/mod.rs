@@ -1,7 +1,8 @@
 //! Foreign formats, one a file, import and export side by side.
 //!
 //! [`export()`] writes a [`Format`] in memory and reads it again before anything reaches the disk: a landmark that moves by more
-//! than the format's own resolution is an error. What a format cannot hold comes with the result, in px ([`Loss`]).
+//! than the format's own resolution is an error. What a format cannot hold comes with the result,
+//! in px ([`Loss`]).
 //! [`import()`] makes a document of foreign files. Conventions of each format stand at the top of its file.
 
 mod about;
@@ -72,11 +73,12 @@ pub use about::About;
 #[doc(hidden)]
 pub use authors_mat::writer as mat_writer;
 pub use authors_mat::{
-    AuthorsError, AuthorsFolder, AuthorsFrame, AuthorsSequence, MatError, read_authors_folder, read_authors_sequence,
+    AuthorsError, AuthorsFolder, AuthorsFrame, AuthorsSequence, MatError, read_authors_folder,
+    read_authors_sequence,
 };
 pub use dataset::{
-    DatasetDone, DatasetOptions, DatasetPlan, LabelOrigin, PictureFormat, Pictures, PlannedFrame, Split, SplitBy,
-    Splitting, folder_for_new, plan_dataset, write_dataset,
+    DatasetDone, DatasetOptions, DatasetPlan, LabelOrigin, PictureFormat, Pictures, PlannedFrame,
+    Split, SplitBy, Splitting, folder_for_new, plan_dataset, write_dataset,
 };
 pub use error::{ExchangeError, Problem};
 pub use export::export;
@@ -88,8 +90,8 @@ pub use imported::Imported;
 pub use join::{Joined, JoinedPair, join};
 pub use loss::Loss;
 pub use options::{
-    ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource, Recording,
-    Rotations, Zoom,
+    ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource,
+    Recording, Rotations, Zoom,
 };
 pub use rate::Rate;
 pub use timecode::Timecode;

@@ -22,7 +22,10 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Value, Problem> {
 impl<'a> Node<'a> {
     /// The whole of a file.
     pub fn root(value: &'a Value) -> Self {
-        Self { value, path: String::new() }
+        Self {
+            value,
+            path: String::new(),
+        }
     }
 
     /// The value itself.
@@ -32,12 +35,23 @@ impl<'a> Node<'a> {
 
     /// The way to it.
     pub fn path(&self) -> &str {
-        if self.path.is_empty() { "the file" } else { &self.path }
+        if self.path.is_empty() {
+            "the file"
+        } else {
+            &self.path
+        }
     }
 
     fn at(&self, value: &'a Value, step: impl fmt::Display, dot: bool) -> Self {
-        let dot = if dot && !self.path.is_empty() { "." } else { "" };
-        Self { value, path: format!("{}{dot}{step}", self.path) }
+        let dot = if dot && !self.path.is_empty() {
+            "."
+        } else {
+            ""
+        };
+        Self {
+            value,
+            path: format!("{}{dot}{step}", self.path),
+        }
     }
 
     fn kind(&self, wanted: &'static str) -> Problem {
@@ -49,7 +63,11 @@ impl<'a> Node<'a> {
             Value::Array(items) => format!("a list of {}", items.len()),
             Value::Object(_) => "an object".to_owned(),
         };
-        Problem::Kind { what: self.path().to_owned(), wanted, found }
+        Problem::Kind {
+            what: self.path().to_owned(),
+            wanted,
+            found,
+        }
     }
 
     /// A key that may be absent or null.
@@ -72,13 +90,19 @@ impl<'a> Node<'a> {
 
     /// A list.
     fn list(&self) -> Result<&'a [Value], Problem> {
-        self.value.as_array().map(Vec::as_slice).ok_or_else(|| self.kind("a list"))
+        self.value
+            .as_array()
+            .map(Vec::as_slice)
+            .ok_or_else(|| self.kind("a list"))
     }
 
     /// The entries of a list, one after the other: a node is larger than most values.
     pub fn items(&self) -> Result<impl DoubleEndedIterator<Item = Self> + use<'a>, Problem> {
         let (items, list) = (self.list()?, self.clone());
-        Ok(items.iter().enumerate().map(move |(index, item)| list.at(item, format_args!("[{index}]"), false)))
+        Ok(items
+            .iter()
+            .enumerate()
+            .map(move |(index, item)| list.at(item, format_args!("[{index}]"), false)))
     }
 
     /// How many entries a list has.
@@ -88,10 +112,16 @@ impl<'a> Node<'a> {
 
     /// The entries of an object, in the file's order.
     pub fn entries(&self) -> Result<impl Iterator<Item = (&'a str, Self)> + use<'a>, Problem> {
-        let map = self.value.as_object().ok_or_else(|| self.kind("an object"))?;
+        let map = self
+            .value
+            .as_object()
+            .ok_or_else(|| self.kind("an object"))?;
         let object = self.clone();
         let entry = move |(key, value): (&'a String, &'a Value)| {
-            (key.as_str(), object.at(value, format_args!("[{:?}]", clipped(key)), false))
+            (
+                key.as_str(),
+                object.at(value, format_args!("[{:?}]", clipped(key)), false),
+            )
         };
         Ok(map.iter().map(entry))
     }
@@ -99,7 +129,11 @@ impl<'a> Node<'a> {
     /// A finite number.
     pub fn number(&self) -> Result<f64, Problem> {
         let number = self.value.as_f64().ok_or_else(|| self.kind("a number"))?;
-        if number.is_finite() { Ok(number) } else { Err(Problem::NotFinite(self.path().to_owned())) }
+        if number.is_finite() {
+            Ok(number)
+        } else {
+            Err(Problem::NotFinite(self.path().to_owned()))
+        }
     }
 
     /// A number above zero.
@@ -108,7 +142,11 @@ impl<'a> Node<'a> {
         if value > 0.0 {
             return Ok(value);
         }
-        Err(Problem::OutOfRange { what: self.path().to_owned(), value, wanted: "above 0" })
+        Err(Problem::OutOfRange {
+            what: self.path().to_owned(),
+            value,
+            wanted: "above 0",
+        })
     }
 
     /// A side of a picture.
@@ -119,7 +157,11 @@ impl<'a> Node<'a> {
     /// A list of `N` numbers.
     pub fn numbers<const N: usize>(&self) -> Result<[f64; N], Problem> {
         let found = self.count()?;
-        let wrong = || Problem::Count { what: format!("{} (numbers)", self.path()), wanted: N, found };
+        let wrong = || Problem::Count {
+            what: format!("{} (numbers)", self.path()),
+            wanted: N,
+            found,
+        };
         if found != N {
             return Err(wrong());
         }
@@ -165,14 +207,23 @@ mod tests {
         let node = Node::root(&value);
         let cp = node.key("cp").unwrap();
         let said = |result: Result<(), Problem>| result.unwrap_err().to_string();
-        assert_eq!(said(cp.key("at").unwrap().numbers::<2>().map(drop)), "cp.at[1]: a number is expected, found null");
-        assert_eq!(said(cp.key("name").unwrap().text().map(drop)), "cp.name: a text is expected, found 7");
+        assert_eq!(
+            said(cp.key("at").unwrap().numbers::<2>().map(drop)),
+            "cp.at[1]: a number is expected, found null"
+        );
+        assert_eq!(
+            said(cp.key("name").unwrap().text().map(drop)),
+            "cp.name: a text is expected, found 7"
+        );
         assert_eq!(said(cp.key("pan").map(drop)), "cp.pan is missing");
         assert_eq!(
             said(cp.key("size").unwrap().side_px().map(drop)),
             "cp.size is 0, which must be a whole number from 1 to 65535"
         );
-        assert_eq!(said(node.key("cp").unwrap().items().map(drop)), "cp: a list is expected, found an object");
+        assert_eq!(
+            said(node.key("cp").unwrap().items().map(drop)),
+            "cp: a list is expected, found an object"
+        );
     }
 
     #[test]

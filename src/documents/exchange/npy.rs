@@ -1,4 +1,5 @@
-//! Arrays as `NumPy` writes them (`.npy`, versions 1 to 3). Object arrays, which run code when they are read, are refused.
+//! Arrays as `NumPy` writes them (`.npy`, versions 1 to 3). Object arrays, which run code when they
+//! are read, are refused.
 
 use super::error::Problem;
 use super::files::refuse_archive;
@@ -43,14 +44,20 @@ impl Array {
     #[must_use]
     pub fn row(&self, index: usize) -> &[f64] {
         let length: usize = self.shape.iter().skip(1).product();
-        self.values.get(index * length..(index + 1) * length).unwrap_or_default()
+        self.values
+            .get(index * length..(index + 1) * length)
+            .unwrap_or_default()
     }
 }
 
 /// The bytes that `numpy.save` writes for a matrix of float64.
 #[must_use]
 pub fn written(matrix: &Mat3) -> Vec<u8> {
-    Array { shape: vec![3, 3], values: matrix.transpose().iter().copied().collect() }.written()
+    Array {
+        shape: vec![3, 3],
+        values: matrix.transpose().iter().copied().collect(),
+    }
+    .written()
 }
 
 /// The matrix of a file.
@@ -61,7 +68,10 @@ pub fn matrix(bytes: &[u8]) -> Result<Mat3, Problem> {
     let wanted = "a 3 x 3 matrix as numpy.save writes it";
     let header = Header::read(bytes, wanted)?;
     if header.shape != "3,3" {
-        return Err(Problem::NotFormat { wanted, found: format!("the shape is ({})", clipped(header.shape.as_str())) });
+        return Err(Problem::NotFormat {
+            wanted,
+            found: format!("the shape is ({})", clipped(header.shape.as_str())),
+        });
     }
     let array = header.array(wanted)?;
     if array.values.iter().any(|value| !value.is_finite()) {
@@ -82,10 +92,18 @@ pub fn array(bytes: &[u8]) -> Result<Array, Problem> {
 /// The types of numbers that are read: what they are called, how long one is, and its value.
 type NumberType = (&'static str, usize, fn(&[u8]) -> Option<f64>);
 const NUMBER_TYPES: [NumberType; 4] = [
-    ("'<f8'", 8, |bytes| Some(f64::from_le_bytes(bytes.try_into().ok()?))),
-    ("'<f4'", 4, |bytes| Some(f64::from(f32::from_le_bytes(bytes.try_into().ok()?)))),
-    ("'<i8'", 8, |bytes| Some(i64::from_le_bytes(bytes.try_into().ok()?) as f64)),
-    ("'<i4'", 4, |bytes| Some(f64::from(i32::from_le_bytes(bytes.try_into().ok()?)))),
+    ("'<f8'", 8, |bytes| {
+        Some(f64::from_le_bytes(bytes.try_into().ok()?))
+    }),
+    ("'<f4'", 4, |bytes| {
+        Some(f64::from(f32::from_le_bytes(bytes.try_into().ok()?)))
+    }),
+    ("'<i8'", 8, |bytes| {
+        Some(i64::from_le_bytes(bytes.try_into().ok()?) as f64)
+    }),
+    ("'<i4'", 4, |bytes| {
+        Some(f64::from(i32::from_le_bytes(bytes.try_into().ok()?)))
+    }),
 ];
 
 /// What stands before the numbers, and the numbers as bytes.
@@ -107,26 +125,47 @@ impl<'a> Header<'a> {
             return Err(Problem::Empty);
         }
         refuse_archive(bytes)?;
-        let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| wrong("the magic bytes are missing".to_owned()))?;
+        let rest = bytes
+            .strip_prefix(MAGIC)
+            .ok_or_else(|| wrong("the magic bytes are missing".to_owned()))?;
         let short = || wrong(format!("it ends after {} bytes", bytes.len()));
         let (length, rest) = match rest {
             [1, _, a, b, rest @ ..] => (usize::from(u16::from_le_bytes([*a, *b])), rest),
-            [2 | 3, _, a, b, c, d, rest @ ..] => (u32::from_le_bytes([*a, *b, *c, *d]) as usize, rest),
-            [version, ..] if *version > 3 || *version == 0 => return Err(wrong(format!("version {version}"))),
+            [2 | 3, _, a, b, c, d, rest @ ..] => {
+                (u32::from_le_bytes([*a, *b, *c, *d]) as usize, rest)
+            }
+            [version, ..] if *version > 3 || *version == 0 => {
+                return Err(wrong(format!("version {version}")));
+            }
             _ => return Err(short()),
         };
         if length > MAX_HEADER {
             return Err(wrong(format!("a header of {length} bytes")));
         }
         let text = rest.get(..length).ok_or_else(short)?;
-        let text = std::str::from_utf8(text).map_err(|_| wrong("a header that is not text".to_owned()))?;
-        let text: String = text.chars().filter(|letter| !letter.is_whitespace()).collect();
+        let text =
+            std::str::from_utf8(text).map_err(|_| wrong("a header that is not text".to_owned()))?;
+        let text: String = text
+            .chars()
+            .filter(|letter| !letter.is_whitespace())
+            .collect();
         if text.contains("'descr':'|O'") || text.contains("'descr':\"|O\"") {
             let why = "reading it would run code; save the matrix as float64";
-            return Err(Problem::Unsupported { what: "an object array".to_owned(), why });
+            return Err(Problem::Unsupported {
+                what: "an object array".to_owned(),
+                why,
+            });
         }
-        let shape = text.split("'shape':(").nth(1).and_then(|rest| rest.split(')').next()).unwrap_or_default();
-        let kind = text.split("'descr':").nth(1).and_then(|rest| rest.split(',').next()).unwrap_or_default();
+        let shape = text
+            .split("'shape':(")
+            .nth(1)
+            .and_then(|rest| rest.split(')').next())
+            .unwrap_or_default();
+        let kind = text
+            .split("'descr':")
+            .nth(1)
+            .and_then(|rest| rest.split(',').next())
+            .unwrap_or_default();
         Ok(Self {
             length: bytes.len(),
             kind: kind.to_owned(),
@@ -139,20 +178,38 @@ impl<'a> Header<'a> {
     /// The numbers behind it. No more of them are made than bytes are there.
     fn array(&self, wanted: &'static str) -> Result<Array, Problem> {
         let wrong = |found: String| Problem::NotFormat { wanted, found };
-        let Some((_, bytes, value)) = NUMBER_TYPES.into_iter().find(|(name, _, _)| *name == self.kind) else {
-            return Err(wrong(format!("numbers of the type {}", clipped(&self.kind))));
+        let Some((_, bytes, value)) = NUMBER_TYPES
+            .into_iter()
+            .find(|(name, _, _)| *name == self.kind)
+        else {
+            return Err(wrong(format!(
+                "numbers of the type {}",
+                clipped(&self.kind)
+            )));
         };
         let sides = self.shape.split(',').filter(|side| !side.is_empty());
         let shape: Option<Vec<usize>> = sides.map(|side| side.parse().ok()).collect();
-        let count = shape.iter().flatten().try_fold(1_usize, |count, side| count.checked_mul(*side));
+        let count = shape
+            .iter()
+            .flatten()
+            .try_fold(1_usize, |count, side| count.checked_mul(*side));
         let (Some(shape), Some(count)) = (shape, count) else {
             return Err(wrong(format!("the shape is ({})", clipped(&self.shape))));
         };
         if self.data.len() / bytes < count {
             return Err(wrong(format!("it ends after {} bytes", self.length)));
         }
-        let values: Vec<f64> = self.data.chunks_exact(bytes).take(count).filter_map(value).collect();
-        let values = if self.is_fortran { by_rows(&values, &shape) } else { values };
+        let values: Vec<f64> = self
+            .data
+            .chunks_exact(bytes)
+            .take(count)
+            .filter_map(value)
+            .collect();
+        let values = if self.is_fortran {
+            by_rows(&values, &shape)
+        } else {
+            values
+        };
         Ok(Array { shape, values })
     }
 }
@@ -182,7 +239,10 @@ mod tests {
         assert_eq!((bytes.len(), bytes[127]), (200, b'\n'));
         assert_eq!(matrix(&bytes).unwrap(), h);
         let mut fortran = written(&h.transpose());
-        let at = bytes.windows(5).position(|window| window == b"False").unwrap();
+        let at = bytes
+            .windows(5)
+            .position(|window| window == b"False")
+            .unwrap();
         fortran[at..at + 5].copy_from_slice(b"True ");
         assert_eq!(matrix(&fortran).unwrap(), h);
     }
@@ -193,7 +253,10 @@ mod tests {
         let swap = |from: &str, to: &str| {
             assert_eq!(from.len(), to.len());
             let mut bytes = good.clone();
-            let at = good.windows(from.len()).position(|window| window == from.as_bytes()).unwrap();
+            let at = good
+                .windows(from.len())
+                .position(|window| window == from.as_bytes())
+                .unwrap();
             bytes[at..at + to.len()].copy_from_slice(to.as_bytes());
             bytes
         };
@@ -228,15 +291,27 @@ mod tests {
 
     #[test]
     fn arrays_of_any_shape_and_of_whole_numbers_are_read() {
-        let array = Array { shape: vec![2, 3, 4], values: (0..24).map(f64::from).collect() };
+        let array = Array {
+            shape: vec![2, 3, 4],
+            values: (0..24).map(f64::from).collect(),
+        };
         let bytes = array.written();
         assert_eq!(bytes.len(), 128 + 24 * 8);
-        assert_eq!((super::array(&bytes).unwrap(), array.row(1)), (array.clone(), &array.values[12..]));
+        assert_eq!(
+            (super::array(&bytes).unwrap(), array.row(1)),
+            (array.clone(), &array.values[12..])
+        );
         assert_eq!(array.row(2), [0.0; 0]);
-        let list = Array { shape: vec![2], values: vec![3.0, -4.0] };
+        let list = Array {
+            shape: vec![2],
+            values: vec![3.0, -4.0],
+        };
         assert_eq!(super::array(&list.written()).unwrap(), list);
         let mut whole = list.written();
-        let at = whole.windows(3).position(|window| window == b"<f8").unwrap();
+        let at = whole
+            .windows(3)
+            .position(|window| window == b"<f8")
+            .unwrap();
         whole[at..at + 3].copy_from_slice(b"<i8");
         let from = whole.len() - 16;
         whole[from..].copy_from_slice(&[3_i64.to_le_bytes(), (-4_i64).to_le_bytes()].concat());
@@ -245,7 +320,10 @@ mod tests {
 
     #[test]
     fn the_order_of_fortran_is_turned_round_and_impossible_shapes_are_refused() {
-        let array = Array { shape: vec![2, 3, 4], values: (0..24).map(f64::from).collect() };
+        let array = Array {
+            shape: vec![2, 3, 4],
+            values: (0..24).map(f64::from).collect(),
+        };
         let at = |i: usize, j: usize, k: usize| array.values[(i * 3 + j) * 4 + k];
         let by_columns: Vec<f64> = (0..4)
             .flat_map(|k| (0..3).flat_map(move |j| (0..2).map(move |i| (i, j, k))))
@@ -256,16 +334,28 @@ mod tests {
         for (shape, found) in [
             ("(-2, 3, 4)", "the shape is (-2,3,4)"),
             ("(9, 99, 99)", "it ends after 320 bytes"),
-            ("(4294967296, 4294967296)", "the shape is (4294967296,4294967296)"),
+            (
+                "(4294967296, 4294967296)",
+                "the shape is (4294967296,4294967296)",
+            ),
         ] {
             let text = format!("{:<40}", format!("'shape': {shape}, }}"));
-            let from = good.windows(8).position(|window| window == b"'shape':").unwrap();
+            let from = good
+                .windows(8)
+                .position(|window| window == b"'shape':")
+                .unwrap();
             let mut bytes = good.clone();
             bytes[from..from + text.len()].copy_from_slice(text.as_bytes());
             let problem = super::array(&bytes).unwrap_err().to_string();
-            assert_eq!(problem, format!("not an array as numpy.save writes it: {found}"));
+            assert_eq!(
+                problem,
+                format!("not an array as numpy.save writes it: {found}")
+            );
         }
-        let nothing = Array { shape: vec![0, 3, 3], values: Vec::new() };
+        let nothing = Array {
+            shape: vec![0, 3, 3],
+            values: Vec::new(),
+        };
         assert_eq!(super::array(&nothing.written()).unwrap(), nothing);
     }
 }

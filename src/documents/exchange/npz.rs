@@ -1,9 +1,11 @@
-//! An archive of arrays as `numpy.savez` and `numpy.savez_compressed` write it (`.npz`): a zip file with one `.npy` an array.
+//! An archive of arrays as `numpy.savez` and `numpy.savez_compressed` write it (`.npz`): a zip file
+//! with one `.npy` an array.
 //!
-//! The container is read here and not by a crate: of the zip format such archives use two kinds of entry, stored and deflated,
-//! which with the table at the end of the file (APPNOTE 6.3, 4.3.7, 4.3.12 and 4.3.16) are these hundred lines; `flate2`, which
-//! MATLAB files need as well, does the deflating. Sizes are taken from that table: `NumPy` leaves those before the data open.
-//! Nothing is allocated by what a file states beyond what it is allowed.
+//! The container is read here and not by a crate: of the zip format such archives use two kinds of
+//! entry, stored and deflated, which with the table at the end of the file (APPNOTE 6.3, 4.3.7,
+//! 4.3.12 and 4.3.16) are these hundred lines; `flate2`, which MATLAB files need as well, does the
+//! deflating. Sizes are taken from that table: `NumPy` leaves those before the data open. Nothing
+//! is allocated by what a file states beyond what it is allowed.
 
 use super::error::Problem;
 use super::files::MAX_FILE_BYTES;
@@ -54,15 +56,22 @@ struct Entry {
 }
 
 fn wrong(found: impl Into<String>) -> Problem {
-    Problem::NotFormat { wanted: "an archive as numpy.savez writes it (.npz)", found: found.into() }
+    Problem::NotFormat {
+        wanted: "an archive as numpy.savez writes it (.npz)",
+        found: found.into(),
+    }
 }
 
 fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
-    Some(u16::from_le_bytes(bytes.get(at..at.checked_add(2)?)?.try_into().ok()?))
+    Some(u16::from_le_bytes(
+        bytes.get(at..at.checked_add(2)?)?.try_into().ok()?,
+    ))
 }
 
 fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
-    Some(u32::from_le_bytes(bytes.get(at..at.checked_add(4)?)?.try_into().ok()?))
+    Some(u32::from_le_bytes(
+        bytes.get(at..at.checked_add(4)?)?.try_into().ok()?,
+    ))
 }
 
 impl<'a> Npz<'a> {
@@ -79,11 +88,16 @@ impl<'a> Npz<'a> {
         }
         let cut = || wrong("the table at its end is missing or damaged; copy the file again");
         let from = bytes.len().saturating_sub(END_BYTES + MAX_COMMENT);
-        let end = bytes[from..].windows(END.len()).rposition(|window| window == END).map(|at| from + at);
+        let end = bytes[from..]
+            .windows(END.len())
+            .rposition(|window| window == END)
+            .map(|at| from + at);
         let end = end.ok_or_else(cut)?;
         let count = usize::from(u16_at(bytes, end + 10).ok_or_else(cut)?);
         if count > MAX_ENTRIES {
-            return Err(wrong(format!("it states {count} arrays, and at most {MAX_ENTRIES} are read")));
+            return Err(wrong(format!(
+                "it states {count} arrays, and at most {MAX_ENTRIES} are read"
+            )));
         }
         let mut at = u32_at(bytes, end + 16).ok_or_else(cut)? as usize;
         let mut entries = BTreeMap::new();
@@ -91,7 +105,10 @@ impl<'a> Npz<'a> {
             let (name, entry, next) = entry_at(bytes, at).ok_or_else(cut)?;
             let key = name.strip_suffix(".npy").unwrap_or(&name).to_owned();
             if entries.insert(key, entry).is_some() {
-                return Err(Problem::Twice { what: "the array", name: clipped(&name) });
+                return Err(Problem::Twice {
+                    what: "the array",
+                    name: clipped(&name),
+                });
             }
             at = next;
         }
@@ -108,9 +125,13 @@ impl<'a> Npz<'a> {
     /// # Errors
     /// It is damaged, packed in another way, or larger than anything that is read.
     pub fn find(&self, name: &str) -> Result<Option<Array>, Problem> {
-        let Some(entry) = self.entries.get(name) else { return Ok(None) };
+        let Some(entry) = self.entries.get(name) else {
+            return Ok(None);
+        };
         let bytes = self.unpack(name, *entry)?;
-        npy::array(&bytes).map(Some).map_err(|problem| problem.at_array(name))
+        npy::array(&bytes)
+            .map(Some)
+            .map_err(|problem| problem.at_array(name))
     }
 
     /// An array by its name.
@@ -118,16 +139,23 @@ impl<'a> Npz<'a> {
     /// # Errors
     /// It is missing, or as for [`Self::find`].
     pub fn array(&self, name: &str) -> Result<Array, Problem> {
-        self.find(name)?.ok_or_else(|| Problem::Missing(format!("the array {name}")))
+        self.find(name)?
+            .ok_or_else(|| Problem::Missing(format!("the array {name}")))
     }
 
     fn unpack(&self, name: &str, entry: Entry) -> Result<Vec<u8>, Problem> {
         let what = || format!("the array {name}");
         if entry.flags & ENCRYPTED != 0 {
-            return Err(Problem::Unsupported { what: what(), why: "it is encrypted" });
+            return Err(Problem::Unsupported {
+                what: what(),
+                why: "it is encrypted",
+            });
         }
         if entry.unpacked as u64 > MAX_FILE_BYTES {
-            let too_large = Problem::TooLarge { bytes: entry.unpacked as u64, limit: MAX_FILE_BYTES };
+            let too_large = Problem::TooLarge {
+                bytes: entry.unpacked as u64,
+                limit: MAX_FILE_BYTES,
+            };
             return Err(too_large.at_array(name));
         }
         let damaged = |found: &str| wrong(format!("{found} in {}; copy the file again", what()));
@@ -137,13 +165,18 @@ impl<'a> Npz<'a> {
             DEFLATED => {
                 let mut unpacked = Vec::new();
                 let limit = entry.unpacked as u64 + 1;
-                let read = DeflateDecoder::new(data).take(limit).read_to_end(&mut unpacked);
+                let read = DeflateDecoder::new(data)
+                    .take(limit)
+                    .read_to_end(&mut unpacked);
                 read.map_err(|_| damaged("the packed bytes are damaged"))?;
                 unpacked
             }
             other => {
                 let what = format!("the array {name}, packed by method {other}");
-                return Err(Problem::Unsupported { what, why: "save it with numpy.savez or numpy.savez_compressed" });
+                return Err(Problem::Unsupported {
+                    what,
+                    why: "save it with numpy.savez or numpy.savez_compressed",
+                });
             }
         };
         if unpacked.len() != entry.unpacked || crc32fast::hash(&unpacked) != entry.crc {
@@ -203,7 +236,13 @@ pub fn written(arrays: &[(&str, Array)]) -> Vec<u8> {
         }
         common.extend((name.len() as u16).to_le_bytes());
         common.extend([0, 0]);
-        bytes.extend(LOCAL.iter().chain(&common).chain(name.as_bytes()).chain(&data));
+        bytes.extend(
+            LOCAL
+                .iter()
+                .chain(&common)
+                .chain(name.as_bytes())
+                .chain(&data),
+        );
         table.extend(CENTRAL);
         table.extend(VERSION.to_le_bytes());
         table.extend(common);
@@ -231,7 +270,10 @@ mod tests {
     use std::io::Write as _;
 
     fn sample() -> Array {
-        Array { shape: vec![2, 3], values: vec![1.5, -2.0, 0.0, 4.25, 5.0, 1e-17] }
+        Array {
+            shape: vec![2, 3],
+            values: vec![1.5, -2.0, 0.0, 4.25, 5.0, 1e-17],
+        }
     }
 
     /// The same archive with its only array deflated.
@@ -253,10 +295,22 @@ mod tests {
 
     #[test]
     fn stored_and_deflated_arrays_come_back() {
-        let bytes = written(&[("K", sample()), ("t", Array { shape: vec![1], values: vec![7.0] })]);
+        let bytes = written(&[
+            ("K", sample()),
+            (
+                "t",
+                Array {
+                    shape: vec![1],
+                    values: vec![7.0],
+                },
+            ),
+        ]);
         let archive = Npz::open(&bytes).unwrap();
         assert_eq!(archive.names().collect::<Vec<_>>(), ["K", "t"]);
-        assert_eq!((archive.array("K").unwrap(), archive.find("R").unwrap()), (sample(), None));
+        assert_eq!(
+            (archive.array("K").unwrap(), archive.find("R").unwrap()),
+            (sample(), None)
+        );
         let bytes = deflated(&sample());
         assert_eq!(Npz::open(&bytes).unwrap().array("K").unwrap(), sample());
     }
@@ -305,11 +359,17 @@ mod tests {
             let problem = Npz::open(&bytes).and_then(|archive| archive.array("K")).unwrap_err();
             assert_eq!(problem.to_string(), wanted);
         }
-        let bomb = deflated(&Array { shape: vec![100_000], values: vec![0.0; 100_000] });
+        let bomb = deflated(&Array {
+            shape: vec![100_000],
+            values: vec![0.0; 100_000],
+        });
         let table = bomb.len() - END_BYTES - CENTRAL_BYTES - "K.npy".len();
         let mut understated = bomb;
         understated[table + 24..table + 28].copy_from_slice(&100_u32.to_le_bytes());
         let problem = Npz::open(&understated).unwrap().array("K").unwrap_err();
-        assert!(problem.to_string().contains("check sum"), "no more is unpacked than is stated: {problem}");
+        assert!(
+            problem.to_string().contains("check sum"),
+            "no more is unpacked than is stated: {problem}"
+        );
     }
 }

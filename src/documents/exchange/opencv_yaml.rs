@@ -1,7 +1,8 @@
-//! OpenCV's `FileStorage` YAML, a file a frame: `image_width`, `image_height`, `camera_matrix`, `distortion_coefficients`
-//! (k1 k2 p1 p2 k3), `rvec` (Rodrigues) and `tvec` (−R C).
+//! OpenCV's `FileStorage` YAML, a file a frame: `image_width`, `image_height`, `camera_matrix`,
+//! `distortion_coefficients` (k1 k2 p1 p2 k3), `rvec` (Rodrigues) and `tvec` (−R C).
 //!
-//! World and camera axes are ours, metres; pixels count from the first one's centre, so the principal point is ours − 0.5.
+//! World and camera axes are ours, metres; pixels count from the first one's centre, so the
+//! principal point is ours − 0.5.
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
@@ -39,20 +40,45 @@ fn yaml(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize) -> String {
         frame.name, size.width, size.height
     );
     let (f, shift) = (pinhole.focal_px, Pixels::Centre.to_corner_px());
-    let (cx, cy) = (pinhole.principal_point.x - shift, pinhole.principal_point.y - shift);
-    push_matrix("camera_matrix", 3, 3, &[f, 0.0, cx, 0.0, f, cy, 0.0, 0.0, 1.0], &mut text);
-    push_matrix("distortion_coefficients", 1, 5, &[pinhole.lens.k1, pinhole.lens.k2, 0.0, 0.0, 0.0], &mut text);
-    push_matrix("rvec", 3, 1, rotation_vector(&pinhole.cam_from_world).as_slice(), &mut text);
+    let (cx, cy) = (
+        pinhole.principal_point.x - shift,
+        pinhole.principal_point.y - shift,
+    );
+    push_matrix(
+        "camera_matrix",
+        3,
+        3,
+        &[f, 0.0, cx, 0.0, f, cy, 0.0, 0.0, 1.0],
+        &mut text,
+    );
+    push_matrix(
+        "distortion_coefficients",
+        1,
+        5,
+        &[pinhole.lens.k1, pinhole.lens.k2, 0.0, 0.0, 0.0],
+        &mut text,
+    );
+    push_matrix(
+        "rvec",
+        3,
+        1,
+        rotation_vector(&pinhole.cam_from_world).as_slice(),
+        &mut text,
+    );
     push_matrix("tvec", 3, 1, pinhole.translation().as_slice(), &mut text);
     text
 }
 
-/// The plain numbers and the matrices' data of a file, by name. Lines of other kinds are left alone.
+/// The plain numbers and the matrices' data of a file, by name. Lines of other kinds are left
+/// alone.
 fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
     let mut found: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     let mut lines = text.lines().enumerate().peekable();
     while let Some((index, line)) = lines.next() {
-        let Some((key, value)) = line.split_once(':').filter(|_| !line.starts_with(['%', '#', ' ', '-'])) else {
+        let Some((key, value)) = line
+            .split_once(':')
+            .filter(|_| !line.starts_with(['%', '#', ' ', '-']))
+        else {
             continue;
         };
         let (key, value) = (key.trim().to_owned(), value.trim());
@@ -60,7 +86,10 @@ fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
         let values = if value.starts_with(MATRIX) || value.is_empty() {
             let mut data = String::new();
             let mut is_open = false;
-            while let Some((_, inner)) = lines.peek().filter(|(_, inner)| inner.starts_with([' ', '\t'])) {
+            while let Some((_, inner)) = lines
+                .peek()
+                .filter(|(_, inner)| inner.starts_with([' ', '\t']))
+            {
                 if let Some((_, list)) = inner.split_once("data:") {
                     is_open = true;
                     data.push_str(list);
@@ -72,17 +101,30 @@ fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
             }
             if is_open || (value.starts_with(MATRIX) && data.is_empty()) {
                 let found = "a list that does not end".to_owned();
-                return Err(at(Problem::Kind { what: key, wanted: "data: [ … ]", found }));
+                return Err(at(Problem::Kind {
+                    what: key,
+                    wanted: "data: [ … ]",
+                    found,
+                }));
             }
             let list = data.trim().trim_start_matches('[').trim_end_matches(']');
-            let items = list.split(',').map(str::trim).filter(|item| !item.is_empty());
-            items.map(|item| number(&key, item)).collect::<Result<Vec<_>, _>>().map_err(at)?
+            let items = list
+                .split(',')
+                .map(str::trim)
+                .filter(|item| !item.is_empty());
+            items
+                .map(|item| number(&key, item))
+                .collect::<Result<Vec<_>, _>>()
+                .map_err(at)?
         } else {
             // Texts such as a camera's name are nothing that is read.
             number(&key, value).into_iter().collect()
         };
         if found.insert(key.clone(), values).is_some() {
-            return Err(at(Problem::Twice { what: "the key", name: clipped(&key) }));
+            return Err(at(Problem::Twice {
+                what: "the key",
+                name: clipped(&key),
+            }));
         }
     }
     Ok(found)
@@ -91,27 +133,48 @@ fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
 fn camera(bytes: &[u8]) -> Result<(Pinhole, ImageSize), Problem> {
     let entries = entries(text(bytes)?)?;
     let get = |key: &str, wanted: usize| -> Result<&[f64], Problem> {
-        let values = entries.get(key).ok_or_else(|| Problem::Missing(key.to_owned()))?;
+        let values = entries
+            .get(key)
+            .ok_or_else(|| Problem::Missing(key.to_owned()))?;
         if values.len() == wanted {
             return Ok(values);
         }
         if values.is_empty() {
-            let (what, wanted) = (key.to_owned(), if wanted == 1 { "a number" } else { "a matrix" });
-            return Err(Problem::Kind { what, wanted, found: "a text".to_owned() });
+            let (what, wanted) = (
+                key.to_owned(),
+                if wanted == 1 { "a number" } else { "a matrix" },
+            );
+            return Err(Problem::Kind {
+                what,
+                wanted,
+                found: "a text".to_owned(),
+            });
         }
-        Err(Problem::Count { what: format!("{key} (numbers)"), wanted, found: values.len() })
+        Err(Problem::Count {
+            what: format!("{key} (numbers)"),
+            wanted,
+            found: values.len(),
+        })
     };
     let side = |key: &str| -> Result<u32, Problem> { side_px(key, get(key, 1)?[0]) };
     let size = ImageSize::new(side("image_width")?, side("image_height")?);
     let k = get("camera_matrix", 9)?;
     if (k[0] / k[4] - 1.0).abs() > 1e-9 || k[1] != 0.0 {
         let what = format!("focal lengths {} and {} px, skew {}", k[0], k[4], k[1]);
-        return Err(Problem::Unsupported { what, why: "pixels must be square" });
+        return Err(Problem::Unsupported {
+            what,
+            why: "pixels must be square",
+        });
     }
-    let lens = entries.get("distortion_coefficients").map_or(&[][..], Vec::as_slice);
+    let lens = entries
+        .get("distortion_coefficients")
+        .map_or(&[][..], Vec::as_slice);
     if let Some(other) = lens.iter().skip(2).find(|value| **value != 0.0) {
         let what = format!("a distortion coefficient of {other} beyond k1 and k2");
-        return Err(Problem::Unsupported { what, why: "the document's lens has k1 and k2 only" });
+        return Err(Problem::Unsupported {
+            what,
+            why: "the document's lens has k1 and k2 only",
+        });
     }
     let coefficient = |index: usize| lens.get(index).copied().unwrap_or(0.0);
     let vector = |key: &str| get(key, 3).map(Vec3::from_column_slice);
@@ -122,17 +185,32 @@ fn camera(bytes: &[u8]) -> Result<(Pinhole, ImageSize), Problem> {
         position_m: -(cam_from_world.transpose() * vector("tvec")?),
         focal_px: k[0],
         principal_point: ImagePoint::new(k[2] + shift, k[5] + shift),
-        lens: Radial { k1: coefficient(0), k2: coefficient(1) },
+        lens: Radial {
+            k1: coefficient(0),
+            k2: coefficient(1),
+        },
     };
     Ok((pinhole.checked("the camera")?, size))
 }
 
 impl CameraFormat for OpenCvYaml {
-    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
-        Ok(FrameCamera { name: stem_of(frame), ..frame.clone() })
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        _index: usize,
+        _context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
+        Ok(FrameCamera {
+            name: stem_of(frame),
+            ..frame.clone()
+        })
     }
 
-    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        _context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         let mut files = Files::default();
         for frame in held {
             if let (Some(pinhole), Some(size)) = (frame.pinhole(), frame.size) {
@@ -150,12 +228,20 @@ impl CameraFormat for OpenCvYaml {
         has_ending(name, "yml") || has_ending(name, "yaml")
     }
 
-    fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(
+        &self,
+        files: &Files,
+        _options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
         files.read_all(|name, bytes| {
             let (pinhole, size) = camera(bytes)?;
             let file = name.rsplit('/').next().unwrap_or(name);
             let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
-            Ok(Some(FrameCamera::new(stem, Some(size), Shown::Camera(pinhole))))
+            Ok(Some(FrameCamera::new(
+                stem,
+                Some(size),
+                Shown::Camera(pinhole),
+            )))
         })
     }
 }
@@ -170,11 +256,22 @@ mod tests {
     fn the_reference_camera_has_the_published_numbers() {
         let text = text_of(&exported(&reference(), Format::OpenCv).files, "0001.yml");
         let entries = entries(&text).unwrap();
-        assert_eq!(entries["camera_matrix"], [2410.0, 0.0, 959.5, 0.0, 2410.0, 539.5, 0.0, 0.0, 1.0]);
-        for (found, wanted) in entries["rvec"].iter().zip([1.7584451699, -0.1925810670, 0.1581878718]) {
+        assert_eq!(
+            entries["camera_matrix"],
+            [2410.0, 0.0, 959.5, 0.0, 2410.0, 539.5, 0.0, 0.0, 1.0]
+        );
+        for (found, wanted) in
+            entries["rvec"]
+                .iter()
+                .zip([1.7584451699, -0.1925810670, 0.1581878718])
+        {
             assert!((found - wanted).abs() < 1e-10, "{text}");
         }
-        for (found, wanted) in entries["tvec"].iter().zip([-12.986376836286173, 6.279379503790085, 60.95837440182727]) {
+        for (found, wanted) in
+            entries["tvec"]
+                .iter()
+                .zip([-12.986376836286173, 6.279379503790085, 60.95837440182727])
+        {
             assert!((found - wanted).abs() < 1e-12, "{text}");
         }
     }
@@ -182,7 +279,10 @@ mod tests {
     #[test]
     fn awkward_cameras_come_back() {
         let exported = exported(&awkward(), Format::OpenCv);
-        assert!(exported.loss.is_none() && exported.worst_px < 1e-6, "{exported:?}");
+        assert!(
+            exported.loss.is_none() && exported.worst_px < 1e-6,
+            "{exported:?}"
+        );
     }
 
     #[test]
@@ -205,26 +305,47 @@ mod tests {
                 swap("image_width: 1920", "image_width: 0"),
                 "image_width is 0, which must be a whole number from 1 to 65535",
             ),
-            (swap("image_width: 1920", "image_width: many"), "image_width: a number is expected, found a text"),
             (
-                swap("2410.0, 0.0, 959.5, 0.0, 2410.0", "2410.0, 0.0, 959.5, 0.0, 2400.0"),
+                swap("image_width: 1920", "image_width: many"),
+                "image_width: a number is expected, found a text",
+            ),
+            (
+                swap(
+                    "2410.0, 0.0, 959.5, 0.0, 2410.0",
+                    "2410.0, 0.0, 959.5, 0.0, 2400.0",
+                ),
                 "focal lengths 2410 and 2400 px, skew 0 cannot be read: pixels must be square",
             ),
-            (swap("959.5, ", ""), "camera_matrix (numbers): 9 are expected, found 8"),
-            (swap("959.5", ".nan"), "line 6: camera_matrix: a number is expected, found \".nan\""),
-            (swap("959.5", "nan"), "line 6: camera_matrix is not a finite number"),
+            (
+                swap("959.5, ", ""),
+                "camera_matrix (numbers): 9 are expected, found 8",
+            ),
+            (
+                swap("959.5", ".nan"),
+                "line 6: camera_matrix: a number is expected, found \".nan\"",
+            ),
+            (
+                swap("959.5", "nan"),
+                "line 6: camera_matrix is not a finite number",
+            ),
             (
                 swap("0.0661, 0.0, 0.0", "0.0661, 0.0, 0.2"),
                 "a distortion coefficient of 0.2 beyond k1 and k2 cannot be read: the document's lens has k1 and k2 only",
             ),
-            (good.replace("tvec", "rvec"), "line 21: the key \"rvec\" occurs twice"),
+            (
+                good.replace("tvec", "rvec"),
+                "line 21: the key \"rvec\" occurs twice",
+            ),
             (
                 good[..good.len() - 3].to_owned(),
                 "line 21: tvec: data: [ … ] is expected, found a list that does not end",
             ),
         ] {
             let files = Files::one("a.yml", text.into_bytes());
-            let error = OpenCvYaml.read(&files, &ImportOptions::default()).unwrap_err().to_string();
+            let error = OpenCvYaml
+                .read(&files, &ImportOptions::default())
+                .unwrap_err()
+                .to_string();
             assert_eq!(error, format!("a.yml: {wanted}"));
         }
     }

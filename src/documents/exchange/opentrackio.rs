@@ -1,10 +1,10 @@
 //! `OpenTrackIO` 1.0.1: a sample a line, a frame each.
 //!
-//! World and metres are ours; angles about Z, X, Y with pan positive to the *left*. Focal length, offsets and distortion are in mm
-//! of the sensor; any width gives the same picture as long as it stands beside them, so an unknown one is a nominal 9.6 mm and the
-//! notes say so. Distortion model `Brown-Conrady U-D` is ours exactly: `radial` = [k1/F², 0, k2/F⁴, 0] (numerator and
-//! denominator alternate).
-//! Source: SMPTE/ris-osvp-metadata-camdkit (schema and documentation).
+//! World and metres are ours; angles about Z, X, Y with pan positive to the *left*. Focal length,
+//! offsets and distortion are in mm of the sensor; any width gives the same picture as long as it
+//! stands beside them, so an unknown one is a nominal 9.6 mm and the notes say so. Distortion model
+//! `Brown-Conrady U-D` is ours exactly: `radial` = [k1/F², 0, k2/F⁴, 0] (numerator and denominator
+//! alternate). Source: SMPTE/ris-osvp-metadata-camdkit (schema and documentation).
 
 use super::body_angles::{angles_deg, cam_from_world, world_from_body};
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
@@ -35,7 +35,14 @@ const MODEL: &str = "Brown-Conrady U-D";
 /// An id that follows from what it is of.
 fn urn(of: &str) -> String {
     let digest = hex(&Sha256::digest(of.as_bytes()));
-    format!("urn:uuid:{}-{}-{}-{}-{}", &digest[..8], &digest[8..12], &digest[12..16], &digest[16..20], &digest[20..32])
+    format!(
+        "urn:uuid:{}-{}-{}-{}-{}",
+        &digest[..8],
+        &digest[8..12],
+        &digest[12..16],
+        &digest[16..20],
+        &digest[20..32]
+    )
 }
 
 fn rational(rate: Rate) -> Value {
@@ -58,7 +65,11 @@ fn static_part(frame: &FrameCamera, size: ImageSize, sensor_mm: f64, rate: Optio
 }
 
 fn timing(frame: &FrameCamera, context: &WriteContext<'_>) -> Option<Value> {
-    let (index, rate, code) = (frame.frame_index?, context.rate_of(frame)?, context.timecode(frame)?);
+    let (index, rate, code) = (
+        frame.frame_index?,
+        context.rate_of(frame)?,
+        context.timecode(frame)?,
+    );
     Some(json!({
         "mode": "external",
         "sampleRate": rational(rate),
@@ -76,8 +87,10 @@ fn timing(frame: &FrameCamera, context: &WriteContext<'_>) -> Option<Value> {
 
 fn lens(pinhole: &Pinhole, size: ImageSize, sensor_mm: f64) -> Value {
     let mm_per_px = sensor_mm / f64::from(size.width);
-    let (focal, offset) =
-        (pinhole.focal_px * mm_per_px, pinhole.principal_point.offset_from(size.centre()) * mm_per_px);
+    let (focal, offset) = (
+        pinhole.focal_px * mm_per_px,
+        pinhole.principal_point.offset_from(size.centre()) * mm_per_px,
+    );
     let Radial { k1, k2 } = pinhole.lens;
     json!({
         "pinholeFocalLength": focal,
@@ -87,22 +100,51 @@ fn lens(pinhole: &Pinhole, size: ImageSize, sensor_mm: f64) -> Value {
     })
 }
 
-fn sample(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize, context: &WriteContext<'_>) -> Map<String, Value> {
+fn sample(
+    frame: &FrameCamera,
+    pinhole: &Pinhole,
+    size: ImageSize,
+    context: &WriteContext<'_>,
+) -> Map<String, Value> {
     let given = context.options.sensor_width_mm;
     let sensor_mm = given.unwrap_or(NOMINAL_MM);
     let [pan, tilt, roll] = angles_deg(&pinhole.cam_from_world);
     let at = pinhole.position_m;
-    let nominal = if given.is_some() { "" } else { "; sensor size nominal" };
+    let nominal = if given.is_some() {
+        ""
+    } else {
+        "; sensor size nominal"
+    };
     let mut sample = Map::new();
     let mut put = |key: &str, value: Value| sample.insert(key.to_owned(), value);
-    put("protocol", json!({ "name": "OpenTrackIO", "version": [1, 0, 1] }));
+    put(
+        "protocol",
+        json!({ "name": "OpenTrackIO", "version": [1, 0, 1] }),
+    );
     put("sampleId", urn(&format!("sample {}", frame.name)).into());
-    put("sourceId", urn(&format!("source {}", frame.camera.as_deref().unwrap_or_default())).into());
+    put(
+        "sourceId",
+        urn(&format!(
+            "source {}",
+            frame.camera.as_deref().unwrap_or_default()
+        ))
+        .into(),
+    );
     put("sourceNumber", 1.into());
-    let notes = format!("touchline{nominal}; {}", frame.name).chars().take(1000).collect::<String>();
+    let notes = format!("touchline{nominal}; {}", frame.name)
+        .chars()
+        .take(1000)
+        .collect::<String>();
     let is_interpolated = frame.record.source == Some(SolutionSource::Interpolated);
-    let status = if is_interpolated { "interpolated" } else { frame.record.status.as_str() };
-    put("tracker", json!({ "status": status, "recording": false, "notes": notes }));
+    let status = if is_interpolated {
+        "interpolated"
+    } else {
+        frame.record.status.as_str()
+    };
+    put(
+        "tracker",
+        json!({ "status": status, "recording": false, "notes": notes }),
+    );
     if let Some(timing) = timing(frame, context) {
         put("timing", timing);
     }
@@ -127,12 +169,17 @@ struct Static {
 
 impl Static {
     fn update(&mut self, root: &Node<'_>) -> Result<(), Problem> {
-        let Some(camera) = root.find("static").and_then(|part| part.find("camera")) else { return Ok(()) };
+        let Some(camera) = root.find("static").and_then(|part| part.find("camera")) else {
+            return Ok(());
+        };
         if let Some(sensor) = camera.find("activeSensorPhysicalDimensions") {
             self.sensor_mm = Some(sensor.key("width")?.positive()?);
         }
         if let Some(size) = camera.find("activeSensorResolution") {
-            self.size = Some(ImageSize::new(size.key("width")?.side_px()?, size.key("height")?.side_px()?));
+            self.size = Some(ImageSize::new(
+                size.key("width")?.side_px()?,
+                size.key("height")?.side_px()?,
+            ));
         }
         Ok(())
     }
@@ -176,7 +223,10 @@ const VERSION: [f64; 3] = [1.0, 0.0, 1.0];
 
 /// What a sample says that changes the picture and is not read.
 fn unread_of_sample(root: &Node<'_>) -> BTreeSet<String> {
-    let find = |path: &[&str]| path.iter().try_fold(root.clone(), |node, key| node.find(key));
+    let find = |path: &[&str]| {
+        path.iter()
+            .try_fold(root.clone(), |node, key| node.find(key))
+    };
     let mut unread: BTreeSet<String> = UNREAD
         .iter()
         .filter(|path| find(path).is_some_and(|node| !is_neutral(node.value())))
@@ -184,9 +234,14 @@ fn unread_of_sample(root: &Node<'_>) -> BTreeSet<String> {
         .collect();
     let version = find(&["protocol", "version"]).and_then(|version| version.numbers::<3>().ok());
     if let Some([major, minor, patch]) = version.filter(|version| *version != VERSION) {
-        unread.insert(format!("protocol version {major}.{minor}.{patch} (taken as 1.0.1)"));
+        unread.insert(format!(
+            "protocol version {major}.{minor}.{patch} (taken as 1.0.1)"
+        ));
     }
-    if find(&["lens", "distortion"]).and_then(|list| list.count().ok()).is_some_and(|count| count > 1) {
+    if find(&["lens", "distortion"])
+        .and_then(|list| list.count().ok())
+        .is_some_and(|count| count > 1)
+    {
         unread.insert("the second distortion of the lens".to_owned());
     }
     unread
@@ -204,47 +259,81 @@ fn is_neutral(value: &Value) -> bool {
 }
 
 fn radial(lens: &Node<'_>, focal_mm: f64) -> Result<Radial, Problem> {
-    let Some(list) = lens.find("distortion") else { return Ok(Radial::default()) };
+    let Some(list) = lens.find("distortion") else {
+        return Ok(Radial::default());
+    };
     for distortion in list.items()? {
         let terms = distortion.key("radial")?.all_numbers()?;
-        let tangential = distortion.find("tangential").map(|node| node.all_numbers()).transpose()?.unwrap_or_default();
+        let tangential = distortion
+            .find("tangential")
+            .map(|node| node.all_numbers())
+            .transpose()?
+            .unwrap_or_default();
         let bends = terms.iter().chain(&tangential).any(|term| *term != 0.0);
-        let is_ours = distortion.find("model").is_some_and(|model| model.value() == MODEL);
+        let is_ours = distortion
+            .find("model")
+            .is_some_and(|model| model.value() == MODEL);
         if !is_ours && bends {
             let what = format!("the model of {}", distortion.path());
-            return Err(Problem::Unsupported { what, why: "only Brown-Conrady U-D is read" });
+            return Err(Problem::Unsupported {
+                what,
+                why: "only Brown-Conrady U-D is read",
+            });
         }
-        let further = terms.iter().enumerate().any(|(index, term)| *term != 0.0 && index != 0 && index != 2);
+        let further = terms
+            .iter()
+            .enumerate()
+            .any(|(index, term)| *term != 0.0 && index != 0 && index != 2);
         if further || tangential.iter().any(|term| *term != 0.0) {
             let what = format!("a coefficient of {} beyond l1 and l3", distortion.path());
-            return Err(Problem::Unsupported { what, why: "the document's lens has k1 and k2 only" });
+            return Err(Problem::Unsupported {
+                what,
+                why: "the document's lens has k1 and k2 only",
+            });
         }
         let term = |index: usize| terms.get(index).copied().unwrap_or(0.0);
         if bends {
-            return Ok(Radial { k1: term(0) * focal_mm.powi(2), k2: term(2) * focal_mm.powi(4) });
+            return Ok(Radial {
+                k1: term(0) * focal_mm.powi(2),
+                k2: term(2) * focal_mm.powi(4),
+            });
         }
     }
     Ok(Radial::default())
 }
 
-fn read_line(line: &str, known: &mut Static, options: &ImportOptions, index: usize) -> Result<FrameCamera, Problem> {
+fn read_line(
+    line: &str,
+    known: &mut Static,
+    options: &ImportOptions,
+    index: usize,
+) -> Result<FrameCamera, Problem> {
     let value = parse(line.as_bytes())?;
     let root = Node::root(&value);
     known.update(&root)?;
     let size = known.size.or(options.size);
-    let size = size.ok_or_else(|| Problem::Missing("static.camera.activeSensorResolution".to_owned()))?;
+    let size =
+        size.ok_or_else(|| Problem::Missing("static.camera.activeSensorResolution".to_owned()))?;
     let sensor_mm = known.sensor_mm.or(options.sensor_width_mm);
-    let sensor_mm =
-        sensor_mm.ok_or_else(|| Problem::Missing("static.camera.activeSensorPhysicalDimensions".to_owned()))?;
+    let sensor_mm = sensor_mm.ok_or_else(|| {
+        Problem::Missing("static.camera.activeSensorPhysicalDimensions".to_owned())
+    })?;
     let mm_per_px = sensor_mm / f64::from(size.width);
     let lens = root.key("lens")?;
     let focal_mm = lens.key("pinholeFocalLength")?.positive()?;
     let (body, place) = pose(&root)?;
-    let forward = lens.find("entrancePupilOffset").map(|node| node.number()).transpose()?.unwrap_or(0.0);
+    let forward = lens
+        .find("entrancePupilOffset")
+        .map(|node| node.number())
+        .transpose()?
+        .unwrap_or(0.0);
     let mut principal_point = size.centre();
     if let Some(offset) = lens.find("projectionOffset") {
         let [x, y] = [offset.key("x")?.number()?, offset.key("y")?.number()?];
-        principal_point = ImagePoint::new(principal_point.x + x / mm_per_px, principal_point.y + y / mm_per_px);
+        principal_point = ImagePoint::new(
+            principal_point.x + x / mm_per_px,
+            principal_point.y + y / mm_per_px,
+        );
     }
     let pinhole = Pinhole {
         cam_from_world: cam_from_world([0.0; 3]) * body.transpose(),
@@ -254,20 +343,39 @@ fn read_line(line: &str, known: &mut Static, options: &ImportOptions, index: usi
         lens: radial(&lens, focal_mm)?,
     };
     let timing = root.find("timing");
-    let number = timing.and_then(|timing| timing.find("sequenceNumber")).map(|node| node.number()).transpose()?;
-    let notes = root.find("tracker").and_then(|tracker| tracker.find("notes"));
-    let notes = notes.and_then(|notes| notes.value().as_str()).filter(|notes| notes.starts_with("touchline"));
+    let number = timing
+        .and_then(|timing| timing.find("sequenceNumber"))
+        .map(|node| node.number())
+        .transpose()?;
+    let notes = root
+        .find("tracker")
+        .and_then(|tracker| tracker.find("notes"));
+    let notes = notes
+        .and_then(|notes| notes.value().as_str())
+        .filter(|notes| notes.starts_with("touchline"));
     let own = notes.and_then(|notes| notes.rsplit("; ").next());
     let name = own.map_or_else(
         || number.map_or_else(|| format!("{index:06}"), |number| format!("{number:06}")),
         ToOwned::to_owned,
     );
-    Ok(FrameCamera::new(&name, Some(size), Shown::Camera(pinhole.checked("the camera")?)))
+    Ok(FrameCamera::new(
+        &name,
+        Some(size),
+        Shown::Camera(pinhole.checked("the camera")?),
+    ))
 }
 
 impl CameraFormat for OpenTrackIo {
-    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
-        Ok(FrameCamera { name: stem_of(frame), ..frame.clone() })
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        _index: usize,
+        _context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
+        Ok(FrameCamera {
+            name: stem_of(frame),
+            ..frame.clone()
+        })
     }
 
     fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
@@ -278,21 +386,33 @@ impl CameraFormat for OpenTrackIo {
             ));
         }
         if frames.iter().any(|frame| context.rate_of(frame).is_none()) {
-            notes.push("the frame rate is not known, so samples carry no timing (--fps)".to_owned());
+            notes
+                .push("the frame rate is not known, so samples carry no timing (--fps)".to_owned());
         }
         notes
     }
 
-    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
-        let every = context.rate.map_or(1, |rate| (rate.per_second() * REPEAT_SECONDS).ceil() as usize);
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
+        let every = context.rate.map_or(1, |rate| {
+            (rate.per_second() * REPEAT_SECONDS).ceil() as usize
+        });
         let mut text = String::new();
         let mut last: Option<(&Option<String>, ImageSize)> = None;
         for (index, frame) in held.iter().enumerate() {
-            let Ok((pinhole, size)) = parts(frame) else { continue };
+            let Ok((pinhole, size)) = parts(frame) else {
+                continue;
+            };
             let mut sample = sample(frame, &pinhole, size, context);
             if index % every == 0 || last != Some((&frame.camera, size)) {
                 let sensor_mm = context.options.sensor_width_mm.unwrap_or(NOMINAL_MM);
-                sample.insert("static".to_owned(), static_part(frame, size, sensor_mm, context.rate_of(frame)));
+                sample.insert(
+                    "static".to_owned(),
+                    static_part(frame, size, sensor_mm, context.rate_of(frame)),
+                );
             }
             last = Some((&frame.camera, size));
             text.push_str(&Value::Object(sample).to_string());
@@ -311,23 +431,38 @@ impl CameraFormat for OpenTrackIo {
 
     fn unread(&self, files: &Files) -> Vec<String> {
         let sorted = files.sorted();
-        let lines = sorted.iter().filter_map(|(_, bytes)| text(bytes).ok()).flat_map(str::lines);
+        let lines = sorted
+            .iter()
+            .filter_map(|(_, bytes)| text(bytes).ok())
+            .flat_map(str::lines);
         let mut unread = BTreeSet::new();
         for sample in lines.filter_map(|line| parse(line.as_bytes()).ok()) {
             unread.extend(unread_of_sample(&Node::root(&sample)));
         }
         let unread: Vec<String> = unread.into_iter().collect();
-        if unread.is_empty() { Vec::new() } else { vec![format!("not read: {}", unread.join(", "))] }
+        if unread.is_empty() {
+            Vec::new()
+        } else {
+            vec![format!("not read: {}", unread.join(", "))]
+        }
     }
 
-    fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(
+        &self,
+        files: &Files,
+        options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
         let mut count = 0;
         files.read_all(|_, bytes| {
             let mut known = Static::default();
-            let lines = text(bytes)?.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+            let lines = text(bytes)?
+                .lines()
+                .enumerate()
+                .filter(|(_, line)| !line.trim().is_empty());
             let read = |(index, line): (usize, &str)| {
                 count += 1;
-                read_line(line, &mut known, options, count - 1).map_err(|problem| problem.at_line(index + 1))
+                read_line(line, &mut known, options, count - 1)
+                    .map_err(|problem| problem.at_line(index + 1))
             };
             lines.map(read).collect::<Result<Vec<_>, _>>()
         })
@@ -342,8 +477,13 @@ mod tests {
 
     #[test]
     fn what_changes_the_picture_and_is_not_read_is_named() {
-        let text = text_of(&exported(&reference(), Format::OpenTrackIo).files, "camera.jsonl");
-        let unread = |sample: &Value| OpenTrackIo.unread(&Files::one("a.jsonl", sample.to_string().into_bytes()));
+        let text = text_of(
+            &exported(&reference(), Format::OpenTrackIo).files,
+            "camera.jsonl",
+        );
+        let unread = |sample: &Value| {
+            OpenTrackIo.unread(&Files::one("a.jsonl", sample.to_string().into_bytes()))
+        };
         let mut sample: Value = serde_json::from_str(text.trim()).unwrap();
         assert_eq!(unread(&sample), [""; 0]);
         sample["static"]["camera"]["anamorphicSqueeze"] = json!({ "num": 1, "denom": 1 });
@@ -357,42 +497,73 @@ mod tests {
         let first = sample["lens"]["distortion"][0].clone();
         sample["lens"]["distortion"] = json!([first, first]);
         let said = unread(&sample).concat();
-        for named in
-            ["anamorphicSqueeze", "distortionOffset", "distortionOverscan", "version 0.9.2", "second distortion"]
-        {
+        for named in [
+            "anamorphicSqueeze",
+            "distortionOffset",
+            "distortionOverscan",
+            "version 0.9.2",
+            "second distortion",
+        ] {
             assert!(said.contains(named), "{named}: {said}");
         }
     }
 
     #[test]
     fn the_reference_camera_has_the_published_numbers() {
-        let text = text_of(&exported(&reference(), Format::OpenTrackIo).files, "camera.jsonl");
+        let text = text_of(
+            &exported(&reference(), Format::OpenTrackIo).files,
+            "camera.jsonl",
+        );
         let sample: Value = serde_json::from_str(text.trim()).unwrap();
         assert!((sample["lens"]["pinholeFocalLength"].as_f64().unwrap() - 12.05).abs() < 1e-12);
-        let radial = sample["lens"]["distortion"][0]["radial"][0].as_f64().unwrap();
+        let radial = sample["lens"]["distortion"][0]["radial"][0]
+            .as_f64()
+            .unwrap();
         assert!((radial - 4.552263218608495e-4).abs() < 1e-18);
         let rotation = &sample["transforms"][0]["rotation"];
-        assert!((rotation["pan"].as_f64().unwrap() + 12.5).abs() < 1e-12, "positive to the left");
+        assert!(
+            (rotation["pan"].as_f64().unwrap() + 12.5).abs() < 1e-12,
+            "positive to the left"
+        );
         assert!((rotation["tilt"].as_f64().unwrap() + 11.2).abs() < 1e-12);
         assert_eq!(sample["timing"]["timecode"]["frames"], 12);
-        assert_eq!(sample["timing"]["sampleRate"], json!({ "num": 25, "denom": 1 }));
+        assert_eq!(
+            sample["timing"]["sampleRate"],
+            json!({ "num": 25, "denom": 1 })
+        );
     }
 
     #[test]
     fn awkward_cameras_come_back() {
         let exported = exported(&awkward(), Format::OpenTrackIo);
-        assert!(exported.loss.is_none() && exported.worst_px < 1e-6, "{exported:?}");
+        assert!(
+            exported.loss.is_none() && exported.worst_px < 1e-6,
+            "{exported:?}"
+        );
         let text = text_of(&exported.files, "camera.jsonl");
-        assert_eq!(text.lines().filter(|line| line.contains("\"static\"")).count(), 1, "12 frames are half a second");
+        assert_eq!(
+            text.lines()
+                .filter(|line| line.contains("\"static\""))
+                .count(),
+            1,
+            "12 frames are half a second"
+        );
     }
 
     #[test]
     fn the_pinhole_is_before_the_sensor_by_its_offset() {
-        let text = text_of(&exported(&reference(), Format::OpenTrackIo).files, "camera.jsonl");
+        let text = text_of(
+            &exported(&reference(), Format::OpenTrackIo).files,
+            "camera.jsonl",
+        );
         let moved = text.replace("\"entrancePupilOffset\":0.0", "\"entrancePupilOffset\":0.5");
         let options = ImportOptions::default();
-        let read =
-            |text: &str| *read_line(text.trim(), &mut Static::default(), &options, 0).unwrap().pinhole().unwrap();
+        let read = |text: &str| {
+            *read_line(text.trim(), &mut Static::default(), &options, 0)
+                .unwrap()
+                .pinhole()
+                .unwrap()
+        };
         let (before, after) = (read(&text), read(&moved));
         let forward = before.cam_from_world.row(2).transpose();
         assert!((after.position_m - before.position_m - forward * 0.5).norm() < 1e-12);
@@ -400,17 +571,29 @@ mod tests {
 
     #[test]
     fn damaged_samples_are_named_in_one_line() {
-        let good = text_of(&exported(&reference(), Format::OpenTrackIo).files, "camera.jsonl");
+        let good = text_of(
+            &exported(&reference(), Format::OpenTrackIo).files,
+            "camera.jsonl",
+        );
         let swap = |from: &str, to: &str| {
             assert!(good.contains(from), "{from} in {good}");
             good.replacen(from, to, 1)
         };
         for (text, wanted) in [
             (String::new(), "the file is empty"),
-            ("{}".to_owned(), "line 1: static.camera.activeSensorResolution is missing"),
+            (
+                "{}".to_owned(),
+                "line 1: static.camera.activeSensorResolution is missing",
+            ),
             (swap("\"lens\"", "\"lense\""), "line 1: lens is missing"),
-            (swap("\"transforms\"", "\"transform\""), "line 1: transforms is missing"),
-            (swap("\"pan\"", "\"yaw\""), "line 1: transforms[0].rotation.pan is missing"),
+            (
+                swap("\"transforms\"", "\"transform\""),
+                "line 1: transforms is missing",
+            ),
+            (
+                swap("\"pan\"", "\"yaw\""),
+                "line 1: transforms[0].rotation.pan is missing",
+            ),
             (
                 swap("\"id\":\"Camera\"", "\"scale\":{\"x\":2}"),
                 "line 1: transforms[0].scale cannot be read: cameras have one scale",
@@ -433,7 +616,10 @@ mod tests {
             ),
         ] {
             let files = Files::one("a.jsonl", text.into_bytes());
-            let error = OpenTrackIo.read(&files, &ImportOptions::default()).unwrap_err().to_string();
+            let error = OpenTrackIo
+                .read(&files, &ImportOptions::default())
+                .unwrap_err()
+                .to_string();
             assert_eq!(error, format!("a.jsonl: {wanted}"));
         }
     }

@@ -10,7 +10,8 @@ use touchline_core::geometry::ImageSize;
 /// Which frames an export is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameChoice {
-    /// Only frames of these statuses; empty: all that are solved (for clicks: all that have some) and not rejected.
+    /// Only frames of these statuses; empty: all that are solved (for clicks: all that have some)
+    /// and not rejected.
     pub statuses: Vec<FrameStatus>,
     /// Only frames of these cameras; empty: all.
     pub cameras: Vec<CameraId>,
@@ -22,13 +23,19 @@ impl FrameChoice {
     /// Every frame, rejected ones too.
     #[must_use]
     pub fn everything() -> Self {
-        Self { statuses: FrameStatus::ALL.to_vec(), ..Self::default() }
+        Self {
+            statuses: FrameStatus::ALL.to_vec(),
+            ..Self::default()
+        }
     }
 
     /// What a person has clicked or accepted; suggestions that nobody has looked at stay out.
     #[must_use]
     pub fn reviewed() -> Self {
-        Self { statuses: vec![FrameStatus::Reference, FrameStatus::Draft], ..Self::default() }
+        Self {
+            statuses: vec![FrameStatus::Reference, FrameStatus::Draft],
+            ..Self::default()
+        }
     }
 }
 
@@ -39,16 +46,18 @@ pub struct ExportOptions {
     pub frames: FrameChoice,
     /// What happens where frames are missing between solved frames of a video.
     pub gaps: Gaps,
-    /// The stage in whose axes tracks are written; none: that of their camera, if it has one, else the field's axes.
+    /// The stage in whose axes tracks are written; none: that of their camera, if it has one, else
+    /// the field's axes.
     pub stage: Option<Stage>,
     /// The timecode of the video's first frame; none: 00:00:00:00.
     pub start: Option<Timecode>,
     /// The size of picture that cameras are rescaled to: SoccerNet's evaluator wants 960 × 540.
     pub size: Option<ImageSize>,
-    /// SoccerNet lines as the game state challenge names them, without the space behind `Goal left post left`.
+    /// SoccerNet lines as the game state challenge names them, without the space behind
+    /// `Goal left post left`.
     pub game_state: bool,
-    /// Homographies of pictures whose distortion has been taken out, instead of those that come nearest in the pictures as they
-    /// are.
+    /// Homographies of pictures whose distortion has been taken out, instead of those that come
+    /// nearest in the pictures as they are.
     pub undistorted: bool,
     /// The names of keypoints.
     pub names: KeypointNames,
@@ -101,13 +110,15 @@ impl Recording {
     }
 }
 
-/// What happens where frames are missing between solved frames of a video. They are never filled without being asked for.
+/// What happens where frames are missing between solved frames of a video. They are never filled
+/// without being asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gaps {
     /// They stay: rows are missing.
     #[default]
     Keep,
-    /// Up to so many missing frames in a row get cameras between those of their neighbours, marked as interpolated.
+    /// Up to so many missing frames in a row get cameras between those of their neighbours, marked
+    /// as interpolated.
     Interpolate(u64),
     /// A gap begins a new take, in files of its own.
     Takes,
@@ -132,7 +143,8 @@ pub struct ImportOptions {
     pub images: Option<PathBuf>,
     /// The size of the pictures, where neither file nor image says it.
     pub size: Option<ImageSize>,
-    /// Where pixels are counted from, where the format leaves it open; none: as the format usually has it.
+    /// Where pixels are counted from, where the format leaves it open; none: as the format usually
+    /// has it.
     pub pixels: Option<Pixels>,
     /// What labels mean.
     pub map: LabelMap,

@@ -1,7 +1,9 @@
-//! Cameras of one picture size on pictures of another: rescaled where the proportions agree, else refused.
+//! Cameras of one picture size on pictures of another: rescaled where the proportions agree, else
+//! refused.
 //!
-//! Focal length, principal point and homography are in pixels of the picture that the camera was made for. Taken as they are for a picture
-//! twice as wide, they show everything half a picture away.
+//! Focal length, principal point and homography are in pixels of the picture that the camera was
+//! made for. Taken as they are for a picture twice as wide, they show everything half a picture
+//! away.
 
 use super::frame_camera::{FrameCamera, Shown};
 use touchline_core::geometry::{ImageSize, Mat3, Vec3};
@@ -11,19 +13,28 @@ use touchline_core::geometry::{ImageSize, Mat3, Vec3};
 pub enum SizeSource {
     /// The format states it.
     Stated,
-    /// Twice the principal point, as readers of the format take it. A principal point beside the middle says nothing.
+    /// Twice the principal point, as readers of the format take it. A principal point beside the
+    /// middle says nothing.
     PrincipalPoint,
     /// It is that of the set the format was made for.
     Assumed,
 }
 
-/// The largest distance of a principal point from the middle of its own picture, of the picture's width.
+/// The largest distance of a principal point from the middle of its own picture, of the picture's
+/// width.
 const OFF_CENTRE: f64 = 0.1;
 
-/// The frame as a camera of a picture of another size, and by how much it was rescaled; none where their proportions differ.
+/// The frame as a camera of a picture of another size, and by how much it was rescaled; none where
+/// their proportions differ.
 #[must_use]
-pub fn fit_to_picture(frame: &FrameCamera, picture: ImageSize, source: SizeSource) -> Option<(FrameCamera, f64)> {
-    let Some(stated) = frame.size.filter(|size| *size != picture) else { return Some((frame.clone(), 1.0)) };
+pub fn fit_to_picture(
+    frame: &FrameCamera,
+    picture: ImageSize,
+    source: SizeSource,
+) -> Option<(FrameCamera, f64)> {
+    let Some(stated) = frame.size.filter(|size| *size != picture) else {
+        return Some((frame.clone(), 1.0));
+    };
     let is_as_it_is = match source {
         SizeSource::Stated => false,
         SizeSource::PrincipalPoint => has_its_centre_in(frame, picture),
@@ -40,7 +51,9 @@ pub fn fit_to_picture(frame: &FrameCamera, picture: ImageSize, source: SizeSourc
 
 fn has_its_centre_in(frame: &FrameCamera, picture: ImageSize) -> bool {
     let principal_point = frame.pinhole().map(|pinhole| pinhole.principal_point);
-    principal_point.is_some_and(|point| point.distance_px(picture.centre()) <= OFF_CENTRE * f64::from(picture.width))
+    principal_point.is_some_and(|point| {
+        point.distance_px(picture.centre()) <= OFF_CENTRE * f64::from(picture.width)
+    })
 }
 
 fn rescale(frame: &FrameCamera, factor: f64, picture: ImageSize) -> FrameCamera {
@@ -51,7 +64,11 @@ fn rescale(frame: &FrameCamera, factor: f64, picture: ImageSize) -> FrameCamera 
         }
         Shown::Lens(lens) => Shown::Lens(lens.unpointed().scaled(factor).known_lens()),
     };
-    FrameCamera { size: Some(picture), shown, ..frame.clone() }
+    FrameCamera {
+        size: Some(picture),
+        shown,
+        ..frame.clone()
+    }
 }
 
 /// The rescaled cameras and assumed sizes of an import, for its notes.
@@ -92,7 +109,14 @@ mod tests {
 
     fn camera(size: ImageSize, principal_point: ImagePoint) -> FrameCamera {
         let pointed = Pinhole::of(&awkward().pointed(&awkward().frames[0]).unwrap());
-        FrameCamera::new("a", Some(size), Shown::Camera(Pinhole { principal_point, ..pointed }))
+        FrameCamera::new(
+            "a",
+            Some(size),
+            Shown::Camera(Pinhole {
+                principal_point,
+                ..pointed
+            }),
+        )
     }
 
     #[test]
@@ -101,9 +125,15 @@ mod tests {
         let (large, factor) = fit_to_picture(&small, FULL, SizeSource::Stated).unwrap();
         assert_eq!((factor, large.size), (2.0, Some(FULL)));
         let point = Vec3::new(-40.0, 3.0, 0.0);
-        let (at, there) = (small.image_from_world(point).unwrap(), large.image_from_world(point).unwrap());
+        let (at, there) = (
+            small.image_from_world(point).unwrap(),
+            large.image_from_world(point).unwrap(),
+        );
         assert!(there.distance_px(ImagePoint::new(2.0 * at.x, 2.0 * at.y)) < 1e-9);
-        let ground = FrameCamera { shown: Shown::Ground(small.pinhole().unwrap().image_from_ground()), ..small };
+        let ground = FrameCamera {
+            shown: Shown::Ground(small.pinhole().unwrap().image_from_ground()),
+            ..small
+        };
         let at = ground.image_from_world(point).unwrap();
         let (large, _) = fit_to_picture(&ground, FULL, SizeSource::Stated).unwrap();
         let there = large.image_from_world(point).unwrap();
@@ -113,7 +143,10 @@ mod tests {
     #[test]
     fn other_proportions_are_refused_and_rounded_heights_are_not() {
         let small = camera(HALF, HALF.centre());
-        assert_eq!(fit_to_picture(&small, ImageSize::new(1280, 960), SizeSource::Stated), None);
+        assert_eq!(
+            fit_to_picture(&small, ImageSize::new(1280, 960), SizeSource::Stated),
+            None
+        );
         let rounded = camera(ImageSize::new(854, 480), ImagePoint::new(427.0, 240.0));
         assert!(fit_to_picture(&rounded, FULL, SizeSource::Stated).is_some());
     }
@@ -121,8 +154,18 @@ mod tests {
     #[test]
     fn a_principal_point_beside_the_middle_is_no_other_size() {
         let off = camera(ImageSize::new(1903, 1096), ImagePoint::new(951.5, 548.0));
-        assert_eq!(fit_to_picture(&off, FULL, SizeSource::PrincipalPoint).unwrap().1, 1.0);
+        assert_eq!(
+            fit_to_picture(&off, FULL, SizeSource::PrincipalPoint)
+                .unwrap()
+                .1,
+            1.0
+        );
         let half = camera(HALF, HALF.centre());
-        assert_eq!(fit_to_picture(&half, FULL, SizeSource::PrincipalPoint).unwrap().1, 2.0);
+        assert_eq!(
+            fit_to_picture(&half, FULL, SizeSource::PrincipalPoint)
+                .unwrap()
+                .1,
+            2.0
+        );
     }
 }

@@ -14,7 +14,10 @@ pub fn image_of(named: &str, images: &Path) -> (PathBuf, Option<ImageSize>) {
     let candidates: Vec<PathBuf> = if IMAGE_ENDINGS.iter().any(|ending| has_ending(named, ending)) {
         vec![PathBuf::from(named)]
     } else {
-        IMAGE_ENDINGS.iter().map(|ending| PathBuf::from(format!("{named}.{ending}"))).collect()
+        IMAGE_ENDINGS
+            .iter()
+            .map(|ending| PathBuf::from(format!("{named}.{ending}")))
+            .collect()
     };
     let found = candidates.iter().find(|file| images.join(file).is_file());
     let size = found.and_then(|file| media::image_size(&images.join(file)).ok());

@@ -6,9 +6,10 @@
 //! | an image of the same name without its ending, if one frame has it | their SHA-256 are known and differ |
 //! | the same number of the same video | – |
 //!
-//! The SHA-256 of a picture is the one that its document states, else that of the file if it is there. Videos are the same if they lie at one
-//! place, or if they have one name and are not two files of different lengths. A track that names no video belongs to the only video of
-//! the document.
+//! The SHA-256 of a picture is the one that its document states, else that of the file if it is
+//! there. Videos are the same if they lie at one place, or if they have one name and are not two
+//! files of different lengths. A track that names no video belongs to the only video of the
+//! document.
 
 use crate::document::{DocumentAt, Frame, VideoFrame, resolved};
 use std::collections::BTreeMap;
@@ -44,21 +45,30 @@ impl<'a> Places<'a> {
                 places.by_file.insert(file, index);
             }
             if let Some(stem) = image_stem(frame) {
-                places.by_stem.entry(stem).and_modify(|known| *known = None).or_insert(Some(index));
+                places
+                    .by_stem
+                    .entry(stem)
+                    .and_modify(|known| *known = None)
+                    .or_insert(Some(index));
             }
             if let Some(video) = &frame.video {
                 let file = resolved(&video.file_path(open.folder));
                 places.by_number.insert((file, video.frame_index), index);
             }
         }
-        places.videos = places.by_number.keys().map(|(video, _)| video.clone()).collect();
+        places.videos = places
+            .by_number
+            .keys()
+            .map(|(video, _)| video.clone())
+            .collect();
         places.videos.dedup();
         places
     }
 
     /// The position of the frame that shows the same picture as an imported one.
     pub fn find(&self, imported: &Frame, folder: &Path) -> Option<usize> {
-        let by_file = image_file(imported, folder).and_then(|file| self.by_file.get(&file).copied());
+        let by_file =
+            image_file(imported, folder).and_then(|file| self.by_file.get(&file).copied());
         let by_stem = || self.by_stem.get(&image_stem(imported)?).copied().flatten();
         match by_file.or_else(by_stem) {
             Some(index) if self.has_same_digest(index, imported, folder) => Some(index),
@@ -69,13 +79,17 @@ impl<'a> Places<'a> {
 
     /// Whether nothing says that a frame shows another picture.
     fn has_same_digest(&self, index: usize, imported: &Frame, folder: &Path) -> bool {
-        let Some(frame) = self.open.document.frames.get(index) else { return false };
+        let Some(frame) = self.open.document.frames.get(index) else {
+            return false;
+        };
         let is_one_file = image_file(frame, self.open.folder) == image_file(imported, folder);
         // Of one file only what the documents state can differ.
         let digest = |frame: &Frame, folder: &Path| match (&frame.sha256, is_one_file) {
             (Some(stated), _) => Some(stated.to_ascii_lowercase()),
             (None, true) => None,
-            (None, false) => frame.image_path(folder).and_then(|path| sha256_of_file(&path).ok()),
+            (None, false) => frame
+                .image_path(folder)
+                .and_then(|path| sha256_of_file(&path).ok()),
         };
         match (digest(frame, self.open.folder), digest(imported, folder)) {
             (Some(known), Some(other)) => known == other,
@@ -98,9 +112,14 @@ impl<'a> Places<'a> {
             return Some(same);
         }
         if !names_video(path) {
-            return <&[PathBuf; 1]>::try_from(&self.videos[..]).ok().map(|[only]| only);
+            return <&[PathBuf; 1]>::try_from(&self.videos[..])
+                .ok()
+                .map(|[only]| only);
         }
-        let mut alike = self.videos.iter().filter(|video| may_be_copies(video, &file));
+        let mut alike = self
+            .videos
+            .iter()
+            .filter(|video| may_be_copies(video, &file));
         alike.next().filter(|_| alike.next().is_none())
     }
 }
@@ -122,7 +141,12 @@ fn image_file(frame: &Frame, folder: &Path) -> Option<PathBuf> {
 
 fn image_stem(frame: &Frame) -> Option<String> {
     let image = frame.image.as_deref()?.replace('\\', "/");
-    Some(Path::new(&image).file_stem()?.to_string_lossy().into_owned())
+    Some(
+        Path::new(&image)
+            .file_stem()?
+            .to_string_lossy()
+            .into_owned(),
+    )
 }
 
 #[cfg(test)]
@@ -135,7 +159,10 @@ mod tests {
 
     fn of_images(images: &[&str]) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document.frames = images.iter().map(|image| Frame::from_image(image, "main".into(), SIZE).into()).collect();
+        document.frames = images
+            .iter()
+            .map(|image| Frame::from_image(image, "main".into(), SIZE).into())
+            .collect();
         document
     }
 
@@ -149,24 +176,66 @@ mod tests {
         document
     }
 
-    fn found(open: &Document, folder: &Path, imported: &Document, imported_folder: &Path) -> Vec<Option<usize>> {
+    fn found(
+        open: &Document,
+        folder: &Path,
+        imported: &Document,
+        imported_folder: &Path,
+    ) -> Vec<Option<usize>> {
         let places = Places::from_document(open.at(folder));
-        imported.frames.iter().map(|frame| places.find(frame, imported_folder)).collect()
+        imported
+            .frames
+            .iter()
+            .map(|frame| places.find(frame, imported_folder))
+            .collect()
     }
 
     #[test]
     fn numbers_count_within_one_video() {
         let here = Path::new("/no/match");
         let mine = of_video("videos/mine.mp4", &[4, 5]);
-        assert_eq!(found(&mine, here, &of_video("videos/theirs.mp4", &[4, 5]), here), [None, None]);
-        assert_eq!(found(&mine, here, &of_video("mine.mp4", &[5, 6]), Path::new("/no/copy")), [Some(1), None]);
-        assert_eq!(found(&mine, here, &of_video("000005", &[5]), Path::new("/no/track")), [Some(1)], "of no video");
+        assert_eq!(
+            found(&mine, here, &of_video("videos/theirs.mp4", &[4, 5]), here),
+            [None, None]
+        );
+        assert_eq!(
+            found(
+                &mine,
+                here,
+                &of_video("mine.mp4", &[5, 6]),
+                Path::new("/no/copy")
+            ),
+            [Some(1), None]
+        );
+        assert_eq!(
+            found(
+                &mine,
+                here,
+                &of_video("000005", &[5]),
+                Path::new("/no/track")
+            ),
+            [Some(1)],
+            "of no video"
+        );
         let mut two = mine.clone();
-        two.frames.extend(of_video("videos/second.mp4", &[7]).frames.iter().cloned());
-        assert_eq!(found(&two, here, &of_video("000005", &[5]), Path::new("/no/track")), [None]);
+        two.frames
+            .extend(of_video("videos/second.mp4", &[7]).frames.iter().cloned());
+        assert_eq!(
+            found(
+                &two,
+                here,
+                &of_video("000005", &[5]),
+                Path::new("/no/track")
+            ),
+            [None]
+        );
         let mut later = of_video("mine.mp4", &[5]);
         later.frames[0].video.as_mut().unwrap().pts_s = Some(17.0);
-        assert_eq!(found(&mine, here, &later, Path::new("/no/copy")), [None], "another video of that name");
+        assert_eq!(
+            found(&mine, here, &later, Path::new("/no/copy")),
+            [None],
+            "another video of that name"
+        );
     }
 
     #[test]
@@ -193,16 +262,28 @@ mod tests {
         }
         let open = of_images(&["0001.jpg", "0002.jpg"]);
         let imported = of_images(&["0001.png", "0001.jpg", "0002.jpg"]);
-        assert_eq!(found(&open, &mine, &imported, &theirs), [Some(0), None, Some(1)], "where neither is there");
+        assert_eq!(
+            found(&open, &mine, &imported, &theirs),
+            [Some(0), None, Some(1)],
+            "where neither is there"
+        );
         fs::write(theirs.join("0001.jpg"), "a picture").unwrap();
-        assert_eq!(found(&open, &mine, &imported, &theirs)[1], Some(0), "a copy of it");
+        assert_eq!(
+            found(&open, &mine, &imported, &theirs)[1],
+            Some(0),
+            "a copy of it"
+        );
         // The digests that the documents state.
         let (mut open, mut imported) = (of_images(&["1.jpg"]), of_images(&["1.jpg"]));
         open.frames[0].sha256 = Some("AB".to_owned());
         for (stated, is_found) in [(None, true), (Some("ab"), true), (Some("cd"), false)] {
             imported.frames[0].sha256 = stated.map(str::to_owned);
             for folder in [Path::new("/no/a"), Path::new("/no/b")] {
-                assert_eq!(found(&open, Path::new("/no/a"), &imported, folder) == [Some(0)], is_found, "{stated:?}");
+                assert_eq!(
+                    found(&open, Path::new("/no/a"), &imported, folder) == [Some(0)],
+                    is_found,
+                    "{stated:?}"
+                );
             }
         }
     }

@@ -41,7 +41,9 @@ impl Rate {
     #[must_use]
     pub fn nearest(per_second: f64) -> Option<Self> {
         let off = |rate: &Self| (rate.per_second() / per_second - 1.0).abs();
-        let nearest = Self::USUAL.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let nearest = Self::USUAL
+            .into_iter()
+            .min_by(|a, b| off(a).total_cmp(&off(b)))?;
         (off(&nearest) < 2e-4).then_some(nearest)
     }
 
@@ -63,7 +65,11 @@ impl Rate {
 impl fmt::Display for Rate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { frames, seconds } = self;
-        if *seconds == 1 { write!(f, "{frames}") } else { write!(f, "{frames}/{seconds}") }
+        if *seconds == 1 {
+            write!(f, "{frames}")
+        } else {
+            write!(f, "{frames}/{seconds}")
+        }
     }
 }
 

@@ -23,7 +23,8 @@ use super::soccernet_lines::SoccerNetLines;
 use super::usda::Usda;
 use super::yolo_pose::YoloPose;
 
-/// The reader and writer of a format of cameras; none for formats of clicks and for whole documents.
+/// The reader and writer of a format of cameras; none for formats of clicks and for whole
+/// documents.
 #[must_use]
 pub fn camera_format(format: Format) -> Option<&'static dyn CameraFormat> {
     Some(match format {
@@ -48,7 +49,8 @@ pub fn camera_format(format: Format) -> Option<&'static dyn CameraFormat> {
     })
 }
 
-/// The reader and writer of a format of clicks; none for formats of cameras and for whole documents.
+/// The reader and writer of a format of clicks; none for formats of cameras and for whole
+/// documents.
 #[must_use]
 pub fn click_format(format: Format) -> Option<&'static dyn ClickFormat> {
     Some(match format {

@@ -1,9 +1,10 @@
 //! SoccerNet's cameras: a file `camera_{frame}.json` for each frame.
 //!
-//! Their world begins at the centre of the pitch, x right, y towards the main camera, z **down**; rotation and angles:
-//! camera→world = Rz(pan) · Rx(tilt) · Rz(roll), tilt 0 looks straight down (tilt = 90° + ours on a level base). Distortion is
-//! OpenCV's rational model. Nothing says how large the picture is: readers take twice the principal point.
-//! Source: SoccerNet/sn-calibration, `src/camera.py`.
+//! Their world begins at the centre of the pitch, x right, y towards the main camera, z **down**;
+//! rotation and angles: camera→world = Rz(pan) · Rx(tilt) · Rz(roll), tilt 0 looks straight down
+//! (tilt = 90° + ours on a level base). Distortion is OpenCV's rational model. Nothing says how
+//! large the picture is: readers take twice the principal point. Source: SoccerNet/sn-calibration,
+//! `src/camera.py`.
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
@@ -26,7 +27,8 @@ const SQUARE: f64 = 1e-9;
 /// Cameras as the challenge's files have them.
 pub struct SoccerNet;
 
-/// What `PnLCalib`, No Bells Just Whistles and `TVCalib` write: the same keys with others beside them, which are left alone.
+/// What `PnLCalib`, No Bells Just Whistles and `TVCalib` write: the same keys with others beside
+/// them, which are left alone.
 pub struct PnlCalib;
 
 /// Their world from ours, and ours from theirs.
@@ -41,18 +43,26 @@ pub fn flipped_world(cam_from_world: &Mat3) -> Mat3 {
     cam_from_world * Mat3::from_diagonal(&Vec3::new(1.0, -1.0, -1.0))
 }
 
-/// Pan, tilt and roll, degrees, of a rotation from *their* world: of the two triples the one that rolls less.
+/// Pan, tilt and roll, degrees, of a rotation from *their* world: of the two triples the one that
+/// rolls less.
 #[must_use]
 pub fn angles_deg(cam_from_their_world: &Mat3) -> [f64; 3] {
     let o = cam_from_their_world.transpose();
     let sine = o[(0, 2)].hypot(o[(1, 2)]);
     if sine < 1e-15 {
         // Straight down or up: only pan + roll shows.
-        let (pan, tilt) = (o[(1, 0)].atan2(o[(0, 0)]), if o[(2, 2)] > 0.0 { 0.0 } else { 180.0 });
+        let (pan, tilt) = (
+            o[(1, 0)].atan2(o[(0, 0)]),
+            if o[(2, 2)] > 0.0 { 0.0 } else { 180.0 },
+        );
         return [pan.to_degrees(), tilt, 0.0];
     }
     let roll = o[(2, 0)].atan2(o[(2, 1)]);
-    let sign = if roll.abs() <= std::f64::consts::FRAC_PI_2 { 1.0 } else { -1.0 };
+    let sign = if roll.abs() <= std::f64::consts::FRAC_PI_2 {
+        1.0
+    } else {
+        -1.0
+    };
     let pan = (sign * o[(0, 2)]).atan2(-sign * o[(1, 2)]);
     let tilt = sign * sine.atan2(o[(2, 2)]);
     let roll = (sign * o[(2, 0)]).atan2(sign * o[(2, 1)]);
@@ -106,10 +116,16 @@ fn to_json(pinhole: &Pinhole) -> Value {
 /// # Errors
 /// A key is missing or makes no sense, or the lens bends in a way that the document does not hold.
 pub(super) fn from_json(node: &Node<'_>) -> Result<Pinhole, Problem> {
-    let [fx, fy] = [node.key("x_focal_length")?.positive()?, node.key("y_focal_length")?.positive()?];
+    let [fx, fy] = [
+        node.key("x_focal_length")?.positive()?,
+        node.key("y_focal_length")?.positive()?,
+    ];
     if (fx / fy - 1.0).abs() > SQUARE {
         let what = format!("focal lengths {fx} and {fy} px");
-        return Err(Problem::Unsupported { what, why: "pixels must be square" });
+        return Err(Problem::Unsupported {
+            what,
+            why: "pixels must be square",
+        });
     }
     let radial: [f64; 6] = node.key("radial_distortion")?.numbers()?;
     let others: Vec<f64> = [
@@ -120,17 +136,26 @@ pub(super) fn from_json(node: &Node<'_>) -> Result<Pinhole, Problem> {
     .concat();
     if let Some(value) = others.iter().find(|value| **value != 0.0) {
         let what = format!("a distortion coefficient of {value} beyond k1 and k2");
-        return Err(Problem::Unsupported { what, why: "the document's lens has k1 and k2 only" });
+        return Err(Problem::Unsupported {
+            what,
+            why: "the document's lens has k1 and k2 only",
+        });
     }
-    let angles =
-        [node.key("pan_degrees")?.number()?, node.key("tilt_degrees")?.number()?, node.key("roll_degrees")?.number()?];
+    let angles = [
+        node.key("pan_degrees")?.number()?,
+        node.key("tilt_degrees")?.number()?,
+        node.key("roll_degrees")?.number()?,
+    ];
     let [x, y]: [f64; 2] = node.key("principal_point")?.numbers()?;
     Pinhole {
         cam_from_world: flipped_world(&rotation_of(angles)),
         position_m: flipped(Vec3::from(node.key("position_meters")?.numbers::<3>()?)),
         focal_px: fx,
         principal_point: ImagePoint::new(x, y),
-        lens: Radial { k1: radial[0], k2: radial[1] },
+        lens: Radial {
+            k1: radial[0],
+            k2: radial[1],
+        },
     }
     .checked("the camera")
 }
@@ -140,13 +165,16 @@ const USUAL_PROPORTIONS: [f64; 5] = [16.0 / 9.0, 4.0 / 3.0, 3.0 / 2.0, 256.0 / 1
 /// Proportions that differ by less are one: sides are whole numbers.
 const SAME_PROPORTIONS: f64 = 0.005;
 
-/// The size of picture whose middle the principal point is; none where that is no size of a picture, as of a principal point beside the
-/// middle.
+/// The size of picture whose middle the principal point is; none where that is no size of a
+/// picture, as of a principal point beside the middle.
 #[must_use]
 pub fn size_by_principal_point(point: ImagePoint) -> Option<ImageSize> {
-    let is_whole = |side: f64| (side - side.round()).abs() < 1e-6 && ImageSize::is_side_px(side.round());
+    let is_whole =
+        |side: f64| (side - side.round()).abs() < 1e-6 && ImageSize::is_side_px(side.round());
     let (width, height) = (2.0 * point.x, 2.0 * point.y);
-    let is_usual = USUAL_PROPORTIONS.iter().any(|usual| (width / height / usual - 1.0).abs() < SAME_PROPORTIONS);
+    let is_usual = USUAL_PROPORTIONS
+        .iter()
+        .any(|usual| (width / height / usual - 1.0).abs() < SAME_PROPORTIONS);
     (is_whole(width) && is_whole(height) && is_usual)
         .then(|| ImageSize::new(width.round() as u32, height.round() as u32))
 }
@@ -156,9 +184,16 @@ fn read_file(name: &str, bytes: &[u8]) -> Result<FrameCamera, Problem> {
     let value = parse(bytes)?;
     let node = Node::root(&value);
     // PnLCalib writes the camera under a key of its own.
-    let node = node.find("cam_params").or_else(|| node.find("parameters")).unwrap_or(node);
+    let node = node
+        .find("cam_params")
+        .or_else(|| node.find("parameters"))
+        .unwrap_or(node);
     let pinhole = from_json(&node)?;
-    Ok(FrameCamera::new(name, size_by_principal_point(pinhole.principal_point), Shown::Camera(pinhole)))
+    Ok(FrameCamera::new(
+        name,
+        size_by_principal_point(pinhole.principal_point),
+        Shown::Camera(pinhole),
+    ))
 }
 
 /// A file's name without folders and ending.
@@ -179,21 +214,35 @@ impl CameraFormat for SoccerNet {
         SizeSource::PrincipalPoint
     }
 
-    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        _index: usize,
+        _context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
         let name = stem_of(frame);
         if name.contains('.') {
-            return Err(format!("the evaluator cuts names at the first dot, and {name:?} has one; rename the image"));
+            return Err(format!(
+                "the evaluator cuts names at the first dot, and {name:?} has one; rename the image"
+            ));
         }
-        Ok(FrameCamera { name, ..frame.clone() })
+        Ok(FrameCamera {
+            name,
+            ..frame.clone()
+        })
     }
 
     fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
         let off_centre = |frame: &&FrameCamera| {
-            let (Some(pinhole), Some(size)) = (frame.pinhole(), frame.size) else { return false };
+            let (Some(pinhole), Some(size)) = (frame.pinhole(), frame.size) else {
+                return false;
+            };
             pinhole.principal_point.distance_px(size.centre()) > 1e-9
         };
         let off: Vec<&FrameCamera> = frames.iter().filter(off_centre).collect();
-        let centre = off.first().and_then(|frame| Some((frame.pinhole()?.principal_point, frame.size?)));
+        let centre = off
+            .first()
+            .and_then(|frame| Some((frame.pinhole()?.principal_point, frame.size?)));
         let centre = centre.map(|(point, size)| {
             format!(
                 "the principal point of {} frames is off-centre ({}, {} in a picture of {} × {}); readers that rescale take \
@@ -205,18 +254,35 @@ impl CameraFormat for SoccerNet {
                 size.height
             )
         });
-        let wide = frames.iter().find_map(|frame| frame.size).filter(|size| size.width != 960);
+        let wide = frames
+            .iter()
+            .find_map(|frame| frame.size)
+            .filter(|size| size.width != 960);
         let wide = wide.map(|size| {
-            format!("cameras are in px of {} × {}; a submission needs --size 960x540", size.width, size.height)
+            format!(
+                "cameras are in px of {} × {}; a submission needs --size 960x540",
+                size.width, size.height
+            )
         });
-        pitch_note(context).into_iter().chain(centre).chain(wide).collect()
+        pitch_note(context)
+            .into_iter()
+            .chain(centre)
+            .chain(wide)
+            .collect()
     }
 
-    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        _context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         let mut files = Files::default();
         for frame in held {
             if let Some(pinhole) = frame.pinhole() {
-                files.add(format!("{PREFIX}{}.json", frame.name), format!("{:#}\n", to_json(pinhole)));
+                files.add(
+                    format!("{PREFIX}{}.json", frame.name),
+                    format!("{:#}\n", to_json(pinhole)),
+                );
             }
         }
         Ok(files)
@@ -230,7 +296,11 @@ impl CameraFormat for SoccerNet {
         stem(name).starts_with(PREFIX) && has_ending(name, "json")
     }
 
-    fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(
+        &self,
+        files: &Files,
+        _options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
         read_files(files)
     }
 }
@@ -240,11 +310,20 @@ impl CameraFormat for PnlCalib {
         SizeSource::PrincipalPoint
     }
 
-    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        _index: usize,
+        _context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
         Ok(frame.clone())
     }
 
-    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         SoccerNet.write(held, context)
     }
 
@@ -257,13 +336,21 @@ impl CameraFormat for PnlCalib {
     }
 
     /// A file for each frame, or one with a sample for each frame as `TVCalib` writes it.
-    fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(
+        &self,
+        files: &Files,
+        _options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
         let sorted = files.sorted();
-        let [(name, bytes)] = sorted[..] else { return read_files(files) };
+        let [(name, bytes)] = sorted[..] else {
+            return read_files(files);
+        };
         let read = || -> Result<Option<Vec<FrameCamera>>, Problem> {
             let value = parse(bytes)?;
             let root = Node::root(&value);
-            let Ok(samples) = root.items() else { return Ok(None) };
+            let Ok(samples) = root.items() else {
+                return Ok(None);
+            };
             let frames = samples.enumerate().map(|(index, sample)| {
                 let image = sample.find("image_id").or_else(|| sample.find("image_ids"));
                 let name = image.map(|image| image.image_name()).transpose()?;
@@ -297,33 +384,56 @@ mod tests {
         assert!((number("tilt_degrees") - 78.8).abs() < 1e-12);
         assert!(number("roll_degrees").abs() < 1e-12);
         assert_eq!(camera["position_meters"], json!([0.0, 60.0, -18.0]));
-        assert_eq!(camera["radial_distortion"], json!([0.0661, 0.0, 0.0, 0.0, 0.0, 0.0]));
+        assert_eq!(
+            camera["radial_distortion"],
+            json!([0.0661, 0.0, 0.0, 0.0, 0.0, 0.0])
+        );
         assert_eq!(camera.as_object().unwrap().len(), 10, "all ten keys");
     }
 
     #[test]
     fn awkward_cameras_come_back_and_what_others_assume_is_said() {
         let exported = exported(&awkward(), Format::SoccerNet);
-        assert!(exported.worst_px < 1e-6 && exported.loss.is_none(), "{exported:?}");
+        assert!(
+            exported.worst_px < 1e-6 && exported.loss.is_none(),
+            "{exported:?}"
+        );
         let notes = exported.notes.join("\n");
-        assert!(notes.contains("the field is 100 × 64 m; the tools that read this assume 105 × 68 m"), "{notes}");
-        assert!(notes.contains("(951.5, 548.25 in a picture of 1920 × 1080)"), "{notes}");
+        assert!(
+            notes.contains("the field is 100 × 64 m; the tools that read this assume 105 × 68 m"),
+            "{notes}"
+        );
+        assert!(
+            notes.contains("(951.5, 548.25 in a picture of 1920 × 1080)"),
+            "{notes}"
+        );
     }
 
     #[test]
     fn a_submission_is_in_pixels_of_its_size() {
-        let options = ExportOptions { size: Some(ImageSize::new(960, 540)), ..ExportOptions::default() };
+        let options = ExportOptions {
+            size: Some(ImageSize::new(960, 540)),
+            ..ExportOptions::default()
+        };
         let small = export(reference().at(Path::new("/")), Format::SoccerNet, &options).unwrap();
-        let camera: Value = serde_json::from_str(&text_of(&small.files, "camera_0001.json")).unwrap();
+        let camera: Value =
+            serde_json::from_str(&text_of(&small.files, "camera_0001.json")).unwrap();
         assert_eq!(camera["x_focal_length"], 1205.0);
         assert_eq!(camera["principal_point"], json!([480.0, 270.0]));
-        assert!(small.notes.iter().all(|note| !note.contains("960x540")), "{:?}", small.notes);
+        assert!(
+            small.notes.iter().all(|note| !note.contains("960x540")),
+            "{:?}",
+            small.notes
+        );
     }
 
     #[test]
     fn a_mirrored_or_turned_world_would_be_seen() {
         // A camera on the main side at height 18 m is at positive y and negative z in their world.
-        assert_eq!(flipped(Vec3::new(1.0, -60.0, 18.0)), Vec3::new(1.0, 60.0, -18.0));
+        assert_eq!(
+            flipped(Vec3::new(1.0, -60.0, 18.0)),
+            Vec3::new(1.0, 60.0, -18.0)
+        );
         let straight_down = rotation_of([30.0, 0.0, 0.0]);
         assert!((rotation_of(angles_deg(&straight_down)) - straight_down).amax() < 1e-12);
         let steep = rotation_of([-170.0, 65.0, 1.5]);
@@ -334,7 +444,12 @@ mod tests {
     fn names_with_dots_are_refused() {
         let mut document = reference();
         document.frames[0].image = Some("a.b.jpg".to_owned());
-        let error = export(document.at(Path::new("/")), Format::SoccerNet, &ExportOptions::default()).unwrap_err();
+        let error = export(
+            document.at(Path::new("/")),
+            Format::SoccerNet,
+            &ExportOptions::default(),
+        )
+        .unwrap_err();
         assert_eq!(
             error.to_string(),
             "a.b.jpg cannot be written as soccernet: the evaluator cuts names at the first dot, and \"a.b\" has one; rename \
@@ -364,15 +479,33 @@ mod tests {
         let deep = "[".repeat(100_000);
         let cases: &[(String, &str)] = &[
             (String::new(), "the file is empty"),
-            ("{".to_owned(), "not valid JSON: it ends within an object at line 1 column 1"),
-            (deep, "not valid JSON: lists and objects are nested more than 127 deep at line 1 column 128"),
-            ("[]".to_owned(), "the file: an object is expected, found a list of 0"),
+            (
+                "{".to_owned(),
+                "not valid JSON: it ends within an object at line 1 column 1",
+            ),
+            (
+                deep,
+                "not valid JSON: lists and objects are nested more than 127 deep at line 1 column 128",
+            ),
+            (
+                "[]".to_owned(),
+                "the file: an object is expected, found a list of 0",
+            ),
             ("7".to_owned(), "the file: an object is expected, found 7"),
             (without("pan_degrees"), "pan_degrees is missing"),
             (without("radial_distortion"), "radial_distortion is missing"),
-            (with("tilt_degrees", json!("steep")), "tilt_degrees: a number is expected, found the text \"steep\""),
-            (with("tilt_degrees", Value::Null), "tilt_degrees: a number is expected, found null"),
-            (with("position_meters", json!([0.0, 60.0])), "position_meters (numbers): 3 are expected, found 2"),
+            (
+                with("tilt_degrees", json!("steep")),
+                "tilt_degrees: a number is expected, found the text \"steep\"",
+            ),
+            (
+                with("tilt_degrees", Value::Null),
+                "tilt_degrees: a number is expected, found null",
+            ),
+            (
+                with("position_meters", json!([0.0, 60.0])),
+                "position_meters (numbers): 3 are expected, found 2",
+            ),
             (
                 with("position_meters", json!([0.0, "a", 1.0])),
                 "position_meters[1]: a number is expected, found the text \"a\"",
@@ -381,7 +514,10 @@ mod tests {
                 with("position_meters", json!([0.0, 6e6, 1.0])),
                 "a coordinate of the position of the camera is 6000000, which must be within 100 km, in metres",
             ),
-            (with("x_focal_length", json!(0)), "x_focal_length is 0, which must be above 0"),
+            (
+                with("x_focal_length", json!(0)),
+                "x_focal_length is 0, which must be above 0",
+            ),
             (
                 with("y_focal_length", json!(2400.0)),
                 "focal lengths 2410 and 2400 px cannot be read: pixels must be square",
@@ -405,12 +541,21 @@ mod tests {
         ];
         for (text, wanted) in cases {
             let files = Files::one("camera_a.json", text.clone().into_bytes());
-            let error = SoccerNet.read(&files, &ImportOptions::default()).unwrap_err().to_string();
-            assert!(error.starts_with(&format!("camera_a.json: {wanted}")), "{error}\nwanted {wanted}");
+            let error = SoccerNet
+                .read(&files, &ImportOptions::default())
+                .unwrap_err()
+                .to_string();
+            assert!(
+                error.starts_with(&format!("camera_a.json: {wanted}")),
+                "{error}\nwanted {wanted}"
+            );
             assert!(!error.contains('\n'));
         }
         let files = Files::one("camera_a.json", vec![b'{', 0xff]);
-        let error = SoccerNet.read(&files, &ImportOptions::default()).unwrap_err().to_string();
+        let error = SoccerNet
+            .read(&files, &ImportOptions::default())
+            .unwrap_err()
+            .to_string();
         assert_eq!(error, "camera_a.json: not UTF-8 text (byte 1)");
     }
 }

@@ -1,11 +1,15 @@
-//! SoccerNet's line annotations: `{frame}.json`, for each class of line points as shares of the picture.
+//! SoccerNet's line annotations: `{frame}.json`, for each class of line points as shares of the
+//! picture.
 //!
-//! The first and last point of a straight line are its extremities, more may lie between. The class `Goal left post left ` ends in
-//! a space in the calibration challenge and has none in the game state challenge. Corner arcs have no class.
-//! Source: SoccerNet/sn-calibration, SoccerNet/sn-gamestate.
+//! The first and last point of a straight line are its extremities, more may lie between. The class
+//! `Goal left post left ` ends in a space in the calibration challenge and has none in the game
+//! state challenge. Corner arcs have no class. Source: SoccerNet/sn-calibration,
+//! SoccerNet/sn-gamestate.
 
 use super::camera_format::has_ending;
-use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed};
+use super::clicked_frame::{
+    ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
+};
 use super::error::{ExchangeError, Problem};
 use super::files::Files;
 use super::labels::SOCCERNET_LINES;
@@ -20,20 +24,30 @@ pub struct SoccerNetLines;
 
 /// The class of the line that a click is on.
 fn class_of(click: &Click) -> Option<&'static str> {
-    let Some(Target::Line(id)) = &click.target else { return None };
-    SOCCERNET_LINES.iter().find(|(_, line)| *line == id.as_str()).map(|(class, _)| *class)
+    let Some(Target::Line(id)) = &click.target else {
+        return None;
+    };
+    SOCCERNET_LINES
+        .iter()
+        .find(|(_, line)| *line == id.as_str())
+        .map(|(class, _)| *class)
 }
 
 fn annotation(frame: &ClickedFrame, game_state: bool) -> Value {
     let (width, height) = (f64::from(frame.size.width), f64::from(frame.size.height));
     let mut lines = Map::new();
     for (class, line) in SOCCERNET_LINES {
-        let of_line = |click: &&Click| matches!(&click.target, Some(Target::Line(id)) if id.as_str() == line);
+        let of_line =
+            |click: &&Click| matches!(&click.target, Some(Target::Line(id)) if id.as_str() == line);
         let points = frame.clicks.iter().filter(of_line);
-        let points: Vec<Value> =
-            points.map(|click| json!({ "x": click.image.x / width, "y": click.image.y / height })).collect();
+        let points: Vec<Value> = points
+            .map(|click| json!({ "x": click.image.x / width, "y": click.image.y / height }))
+            .collect();
         if !points.is_empty() {
-            lines.insert(if game_state { class.trim_end() } else { class }.to_owned(), Value::Array(points));
+            lines.insert(
+                if game_state { class.trim_end() } else { class }.to_owned(),
+                Value::Array(points),
+            );
         }
     }
     Value::Object(lines)
@@ -57,8 +71,14 @@ fn read_file(bytes: &[u8], size: ImageSize) -> Result<Vec<Mark>, Problem> {
                     wanted: "a share of the picture, 0 to 1",
                 })
             };
-            let image = ImagePoint::new(share("x")? * f64::from(size.width), share("y")? * f64::from(size.height));
-            marks.push(Mark { label: class.to_owned(), image });
+            let image = ImagePoint::new(
+                share("x")? * f64::from(size.width),
+                share("y")? * f64::from(size.height),
+            );
+            marks.push(Mark {
+                label: class.to_owned(),
+                image,
+            });
         }
     }
     Ok(marks)
@@ -70,13 +90,24 @@ impl ClickFormat for SoccerNetLines {
     }
 
     fn name_of(&self, frame: &ClickedFrame) -> String {
-        frame.image.rsplit_once('.').map_or(frame.image.as_str(), |(stem, _)| stem).to_owned()
+        frame
+            .image
+            .rsplit_once('.')
+            .map_or(frame.image.as_str(), |(stem, _)| stem)
+            .to_owned()
     }
 
-    fn write(&self, frames: &[ClickedFrame], context: &ClickContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        frames: &[ClickedFrame],
+        context: &ClickContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         let mut files = Files::default();
         for frame in frames {
-            files.add(format!("{}.json", frame.name), format!("{}\n", annotation(frame, context.options.game_state)));
+            files.add(
+                format!("{}.json", frame.name),
+                format!("{}\n", annotation(frame, context.options.game_state)),
+            );
         }
         Ok(files)
     }
@@ -99,9 +130,16 @@ impl ClickFormat for SoccerNetLines {
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
         files.read_all(|file, bytes| {
             let path = file.rsplit_once('.').map_or(file, |(path, _)| path);
-            let size = sizes(path).or(options.size).ok_or_else(|| size_needed(path))?;
+            let size = sizes(path)
+                .or(options.size)
+                .ok_or_else(|| size_needed(path))?;
             let marks = read_file(bytes, size)?;
-            Ok(Some(LabelledFrame { name: path.to_owned(), image: None, size, marks }))
+            Ok(Some(LabelledFrame {
+                name: path.to_owned(),
+                image: None,
+                size,
+                marks,
+            }))
         })
     }
 
@@ -125,32 +163,57 @@ mod tests {
     fn clicks_on_lines_are_shares_of_the_picture() {
         let exported = exported(&clicked(), Format::SoccerNetLines);
         let lines: Value = serde_json::from_str(&text_of(&exported.files, "0001.json")).unwrap();
-        assert_eq!(lines, json!({ "Middle line": [{ "x": 440.63 / 1920.0, "y": 690.25 / 1080.0 }] }));
+        assert_eq!(
+            lines,
+            json!({ "Middle line": [{ "x": 440.63 / 1920.0, "y": 690.25 / 1080.0 }] })
+        );
     }
 
     #[test]
     fn what_the_camera_shows_is_written_when_asked_for_and_the_space_only_for_one_challenge() {
         let mut document = reference();
         document.frames[0].ptz.as_mut().unwrap().pan_deg = -30.0;
-        let options = ExportOptions { points: PointSource::Projected, ..ExportOptions::default() };
+        let options = ExportOptions {
+            points: PointSource::Projected,
+            ..ExportOptions::default()
+        };
         let text = |options: &ExportOptions| {
-            let exported = export(document.at(Path::new("/")), Format::SoccerNetLines, options).unwrap();
+            let exported =
+                export(document.at(Path::new("/")), Format::SoccerNetLines, options).unwrap();
             text_of(&exported.files, "0001.json")
         };
         let with_space = text(&options);
-        assert!(with_space.contains("\"Goal left post left \""), "{with_space}");
-        let without = text(&ExportOptions { game_state: true, ..options });
+        assert!(
+            with_space.contains("\"Goal left post left \""),
+            "{with_space}"
+        );
+        let without = text(&ExportOptions {
+            game_state: true,
+            ..options
+        });
         assert!(without.contains("\"Goal left post left\""), "{without}");
-        assert!(with_space.contains("Side line top") && with_space.contains("Circle left"), "{with_space}");
+        assert!(
+            with_space.contains("Side line top") && with_space.contains("Circle left"),
+            "{with_space}"
+        );
     }
 
     #[test]
     fn damaged_files_are_named_in_one_line() {
         for (text, wanted) in [
             ("[]", "the file: an object is expected, found a list of 0"),
-            ("{\"Middle line\": {}}", "[\"Middle line\"]: a list is expected, found an object"),
-            ("{\"Middle line\": [{\"x\": 0.5}]}", "[\"Middle line\"][0].y is missing"),
-            ("{\"Middle line\": [[0.5, 0.5]]}", "[\"Middle line\"][0]: an object is expected, found a list of 2"),
+            (
+                "{\"Middle line\": {}}",
+                "[\"Middle line\"]: a list is expected, found an object",
+            ),
+            (
+                "{\"Middle line\": [{\"x\": 0.5}]}",
+                "[\"Middle line\"][0].y is missing",
+            ),
+            (
+                "{\"Middle line\": [[0.5, 0.5]]}",
+                "[\"Middle line\"][0]: an object is expected, found a list of 2",
+            ),
             (
                 "{\"Middle line\": [{\"x\": 960, \"y\": 540}]}",
                 "[\"Middle line\"][0].x is 960, which must be a share of the picture, 0 to 1",
@@ -161,8 +224,10 @@ mod tests {
             ),
         ] {
             let files = Files::one("a.json", text.as_bytes().to_vec());
-            let error =
-                SoccerNetLines.read(&files, &ImportOptions::default(), &|_| Some(SIZE)).unwrap_err().to_string();
+            let error = SoccerNetLines
+                .read(&files, &ImportOptions::default(), &|_| Some(SIZE))
+                .unwrap_err()
+                .to_string();
             assert_eq!(error, format!("a.json: {wanted}"));
         }
     }

@@ -1,5 +1,5 @@
-//! JSON whose objects have each key once. The usual readers keep the last of two and lose the other, which in files with a
-//! picture's name as key is a lost frame.
+//! JSON whose objects have each key once. The usual readers keep the last of two and lose the
+//! other, which in files with a picture's name as key is a lost frame.
 
 use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
@@ -19,9 +19,15 @@ pub fn from_str(text: &str) -> Result<Value, serde_json::Error> {
 pub fn said(error: &serde_json::Error) -> String {
     error
         .to_string()
-        .replace("recursion limit exceeded", "lists and objects are nested more than 127 deep")
+        .replace(
+            "recursion limit exceeded",
+            "lists and objects are nested more than 127 deep",
+        )
         .replace("EOF while parsing", "it ends within")
-        .replace("expected value", "a value is expected (JSON has no NaN and no Infinity)")
+        .replace(
+            "expected value",
+            "a value is expected (JSON has no NaN and no Infinity)",
+        )
 }
 
 struct Strict(Value);
@@ -82,7 +88,10 @@ impl<'de> Visitor<'de> for Keys {
         let mut map = Map::new();
         while let Some((key, Strict(value))) = entries.next_entry::<String, Strict>()? {
             if map.contains_key(&key) {
-                return Err(A::Error::custom(format_args!("the key {:?} occurs twice", clipped(&key))));
+                return Err(A::Error::custom(format_args!(
+                    "the key {:?} occurs twice",
+                    clipped(&key)
+                )));
             }
             map.insert(key, value);
         }
@@ -96,15 +105,25 @@ mod tests {
 
     #[test]
     fn values_are_the_same_as_without_looking_at_keys() {
-        let text = r#"{"a":[1,-2,3.5,1e300,true,null,"x\u00e9"],"b":{"c":{}},"n":18446744073709551615}"#;
-        assert_eq!(from_str(text).unwrap(), serde_json::from_str::<Value>(text).unwrap());
+        let text =
+            r#"{"a":[1,-2,3.5,1e300,true,null,"x\u00e9"],"b":{"c":{}},"n":18446744073709551615}"#;
+        assert_eq!(
+            from_str(text).unwrap(),
+            serde_json::from_str::<Value>(text).unwrap()
+        );
     }
 
     #[test]
     fn a_key_twice_is_named_with_its_place() {
         let error = from_str("{\"a\": 1,\n \"a\": 2}").unwrap_err().to_string();
         assert_eq!(error, "the key \"a\" occurs twice at line 2 column 8");
-        assert!(from_str(r#"[{"a": 1}, {"a": 2}]"#).is_ok(), "in objects of their own");
-        assert!(from_str(&"[".repeat(1000)).is_err(), "depth has a limit here too");
+        assert!(
+            from_str(r#"[{"a": 1}, {"a": 2}]"#).is_ok(),
+            "in objects of their own"
+        );
+        assert!(
+            from_str(&"[".repeat(1000)).is_err(),
+            "depth has a limit here too"
+        );
     }
 }

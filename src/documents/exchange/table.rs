@@ -16,7 +16,8 @@ pub struct Table {
     fields: Fields,
 }
 
-/// Rows of fields one behind the other in one text: each field on its own would take several times as much memory.
+/// Rows of fields one behind the other in one text: each field on its own would take several times
+/// as much memory.
 #[derive(Default)]
 struct Fields {
     text: String,
@@ -34,7 +35,9 @@ impl Fields {
 
     /// The numbers of the fields of a row, or of the one that is being read.
     fn row(&self, index: usize) -> Range<usize> {
-        let first = index.checked_sub(1).map_or(0, |before| self.row_ends[before]);
+        let first = index
+            .checked_sub(1)
+            .map_or(0, |before| self.row_ends[before]);
         first..self.row_ends.get(index).copied().unwrap_or(self.ends.len())
     }
 
@@ -77,16 +80,26 @@ impl Table {
         if fields.rows() == 0 {
             return Err(Problem::Empty);
         }
-        let header: Vec<String> = fields.row(0).map(|number| fields.field(number).to_owned()).collect();
+        let header: Vec<String> = fields
+            .row(0)
+            .map(|number| fields.field(number).to_owned())
+            .collect();
         for (index, name) in header.iter().enumerate() {
             if header[..index].contains(name) {
-                return Err(Problem::Twice { what: "the column", name: clipped(name) });
+                return Err(Problem::Twice {
+                    what: "the column",
+                    name: clipped(name),
+                });
             }
         }
         for index in 1..fields.rows() {
             let found = fields.row(index).len();
             if found != header.len() {
-                let problem = Problem::Count { what: "fields".to_owned(), wanted: header.len(), found };
+                let problem = Problem::Count {
+                    what: "fields".to_owned(),
+                    wanted: header.len(),
+                    found,
+                };
                 return Err(problem.at_line(index + 1));
             }
         }
@@ -105,7 +118,9 @@ impl Table {
     pub fn needs(&self, columns: &[&str]) -> Result<(), Problem> {
         let is_there = |column: &&&str| self.header.iter().any(|name| name == **column);
         let missing = columns.iter().find(|column| !is_there(column));
-        missing.map_or(Ok(()), |column| Err(Problem::Missing(format!("the column {column}"))))
+        missing.map_or(Ok(()), |column| {
+            Err(Problem::Missing(format!("the column {column}")))
+        })
     }
 }
 
@@ -121,8 +136,14 @@ impl Row<'_> {
     pub fn text(&self, column: &str) -> Option<&str> {
         let at = self.table.header.iter().position(|name| name == column)?;
         let fields = &self.table.fields;
-        let field = Some(fields.field(fields.row(self.index).nth(at)?)).filter(|field| !field.is_empty())?;
-        Some(field.strip_prefix('\'').filter(|rest| is_formula(rest)).unwrap_or(field))
+        let field = Some(fields.field(fields.row(self.index).nth(at)?))
+            .filter(|field| !field.is_empty())?;
+        Some(
+            field
+                .strip_prefix('\'')
+                .filter(|rest| is_formula(rest))
+                .unwrap_or(field),
+        )
     }
 
     /// A finite number that may be absent.
@@ -130,7 +151,9 @@ impl Row<'_> {
     /// # Errors
     /// The field is none.
     pub fn find(&self, column: &str) -> Result<Option<f64>, Problem> {
-        self.text(column).map(|field| number(column, field).map_err(|problem| problem.at_line(self.line()))).transpose()
+        self.text(column)
+            .map(|field| number(column, field).map_err(|problem| problem.at_line(self.line())))
+            .transpose()
     }
 
     /// The number of the frame, in the column `frame_index`, that may be absent.
@@ -140,7 +163,9 @@ impl Row<'_> {
     pub fn frame_index(&self) -> Result<Option<u64>, Problem> {
         const COLUMN: &str = "frame_index";
         let number = self.find(COLUMN)?.map(|value| frame_number(COLUMN, value));
-        number.transpose().map_err(|problem| problem.at_line(self.line()))
+        number
+            .transpose()
+            .map_err(|problem| problem.at_line(self.line()))
     }
 
     /// A finite number.
@@ -159,9 +184,17 @@ impl Row<'_> {
 /// It is none.
 pub fn number(what: &str, field: &str) -> Result<f64, Problem> {
     let parsed: Result<f64, _> = field.trim().parse();
-    let wrong = |_| Problem::Kind { what: what.to_owned(), wanted: "a number", found: format!("{:?}", clipped(field)) };
+    let wrong = |_| Problem::Kind {
+        what: what.to_owned(),
+        wanted: "a number",
+        found: format!("{:?}", clipped(field)),
+    };
     let value = parsed.map_err(wrong)?;
-    if value.is_finite() { Ok(value) } else { Err(Problem::NotFinite(what.to_owned())) }
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(Problem::NotFinite(what.to_owned()))
+    }
 }
 
 /// The numbers of a line between blanks.
@@ -169,7 +202,9 @@ pub fn number(what: &str, field: &str) -> Result<f64, Problem> {
 /// # Errors
 /// One of them is none.
 pub fn numbers(what: &str, line: &str) -> Result<Vec<f64>, Problem> {
-    line.split_whitespace().map(|field| number(what, field)).collect()
+    line.split_whitespace()
+        .map(|field| number(what, field))
+        .collect()
 }
 
 /// The fields of a text, without empty lines.
@@ -187,8 +222,14 @@ fn split(text: &str) -> Result<Fields, Problem> {
             ',' if !quoted => {
                 fields.end_field();
                 if fields.row(fields.rows()).len() >= MAX_COLUMNS {
-                    let found = format!("line {} has more than {MAX_COLUMNS} columns", fields.rows() + 1);
-                    return Err(Problem::NotFormat { wanted: "a table", found });
+                    let found = format!(
+                        "line {} has more than {MAX_COLUMNS} columns",
+                        fields.rows() + 1
+                    );
+                    return Err(Problem::NotFormat {
+                        wanted: "a table",
+                        found,
+                    });
                 }
             }
             '\r' if !quoted && letters.peek() == Some(&'\n') => {}
@@ -200,7 +241,10 @@ fn split(text: &str) -> Result<Fields, Problem> {
         }
     }
     if quoted {
-        return Err(Problem::NotFormat { wanted: "a table", found: "a quote is never closed".to_owned() });
+        return Err(Problem::NotFormat {
+            wanted: "a table",
+            found: "a quote is never closed".to_owned(),
+        });
     }
     fields.end_field();
     fields.end_row();
@@ -237,13 +281,18 @@ mod tests {
         assert_eq!(row.text("x"), Some("say \"so\""));
         assert_eq!(row.text("y"), None);
         assert_eq!(row.number("z"), Ok(1.5));
-        assert_eq!(row.number("y").unwrap_err().to_string(), "line 2: a value for y is missing");
+        assert_eq!(
+            row.number("y").unwrap_err().to_string(),
+            "line 2: a value for y is missing"
+        );
     }
 
     #[test]
     fn words_are_no_formulas_and_come_back() {
         assert_eq!(text_cell("=cmd|' /C calc'!A0"), "'=cmd|' /C calc'!A0");
-        for words in ["=1+1", "+1", "-a.jpg", "@a", "'=1", "''=1", "'a", "a=1", "\t=1"] {
+        for words in [
+            "=1+1", "+1", "-a.jpg", "@a", "'=1", "''=1", "'a", "a=1", "\t=1",
+        ] {
             let mut table = "w,x\n".to_owned();
             push_row(&[text_cell(words), "1".to_owned()], &mut table);
             let table = Table::read(table.as_bytes()).unwrap();
@@ -253,7 +302,12 @@ mod tests {
 
     #[test]
     fn damaged_tables_are_named() {
-        let said = |text: &str| Table::read(text.as_bytes()).map(drop).unwrap_err().to_string();
+        let said = |text: &str| {
+            Table::read(text.as_bytes())
+                .map(drop)
+                .unwrap_err()
+                .to_string()
+        };
         assert_eq!(said("a,b\n1\n"), "line 2: fields: 2 are expected, found 1");
         assert_eq!(said("a,a\n1,2\n"), "the column \"a\" occurs twice");
         assert_eq!(said("a,b\n\"1,2\n"), "not a table: a quote is never closed");

@@ -20,21 +20,26 @@ pub struct Timecode {
 
 /// Frames a second as timecodes count them: 30 at 29.97.
 fn nominal(rate: Rate) -> u64 {
-    u64::from(rate.frames).div_ceil(u64::from(rate.seconds)).max(1)
+    u64::from(rate.frames)
+        .div_ceil(u64::from(rate.seconds))
+        .max(1)
 }
 
-/// How many numbers each minute that is no tenth leaves out, where a rate drops any: 2 at 29.97, 4 at 59.94.
+/// How many numbers each minute that is no tenth leaves out, where a rate drops any: 2 at 29.97, 4
+/// at 59.94.
 fn dropped_a_minute(rate: Rate) -> Option<u64> {
     let nominal = nominal(rate);
     (rate.seconds == 1001 && nominal.is_multiple_of(30)).then_some(nominal / 15)
 }
 
 impl Timecode {
-    /// The timecode of a frame, counted from 0, of a video that begins at `start`; without one at 00:00:00:00, with dropped numbers
-    /// at 30000/1001 and 60000/1001. At these rates `start` says whether numbers are dropped. After 24 hours it begins anew.
+    /// The timecode of a frame, counted from 0, of a video that begins at `start`; without one at
+    /// 00:00:00:00, with dropped numbers at 30000/1001 and 60000/1001. At these rates `start` says
+    /// whether numbers are dropped. After 24 hours it begins anew.
     #[must_use]
     pub fn from_start(start: Option<Self>, frame_index: u64, rate: Rate) -> Self {
-        let dropped = dropped_a_minute(rate).filter(|_| start.is_none_or(|start| start.is_drop_frame));
+        let dropped =
+            dropped_a_minute(rate).filter(|_| start.is_none_or(|start| start.is_drop_frame));
         let before = start.map_or(0, |start| start.count(nominal(rate), dropped));
         let nominal = nominal(rate);
         let mut number = before.saturating_add(frame_index);
@@ -44,7 +49,12 @@ impl Timecode {
             // A day has 144 times ten minutes; what lies before the last day cannot be seen.
             number %= 144 * ten_minutes;
             let (tens, rest) = (number / ten_minutes, number % ten_minutes);
-            number += 9 * dropped * tens + if rest >= dropped { dropped * ((rest - dropped) / minute) } else { 0 };
+            number += 9 * dropped * tens
+                + if rest >= dropped {
+                    dropped * ((rest - dropped) / minute)
+                } else {
+                    0
+                };
         }
         let seconds = number / nominal;
         Self {
@@ -61,9 +71,14 @@ impl Timecode {
         let minutes = 60 * self.hours + self.minutes;
         let numbers = (60 * minutes + self.seconds) * nominal + self.frames;
         let left_out = dropped.map_or(0, |dropped| dropped * (minutes - minutes / 10));
-        let is_left_out = dropped
-            .is_some_and(|dropped| self.seconds == 0 && self.frames < dropped && !self.minutes.is_multiple_of(10));
-        let next = if is_left_out { dropped.unwrap_or(0) - self.frames } else { 0 };
+        let is_left_out = dropped.is_some_and(|dropped| {
+            self.seconds == 0 && self.frames < dropped && !self.minutes.is_multiple_of(10)
+        });
+        let next = if is_left_out {
+            dropped.unwrap_or(0) - self.frames
+        } else {
+            0
+        };
         numbers + next - left_out
     }
 
@@ -72,23 +87,42 @@ impl Timecode {
     pub fn parse(text: &str) -> Option<Self> {
         let (clock, frames, is_drop_frame) = match text.rsplit_once(';') {
             Some((clock, frames)) => (clock, frames, true),
-            None => text.rsplit_once(':').map(|(clock, frames)| (clock, frames, false))?,
+            None => text
+                .rsplit_once(':')
+                .map(|(clock, frames)| (clock, frames, false))?,
         };
         let number = |text: &str| {
-            let is_plain = (1..=3).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_digit());
-            if is_plain { text.parse::<u64>().ok() } else { None }
+            let is_plain =
+                (1..=3).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_digit());
+            if is_plain {
+                text.parse::<u64>().ok()
+            } else {
+                None
+            }
         };
         let parts: Vec<u64> = clock.split(':').map(number).collect::<Option<_>>()?;
         let [hours, minutes, seconds] = parts.try_into().ok()?;
         let frames = number(frames)?;
         let is_one = hours < 24 && minutes < 60 && seconds < 60 && frames < 120;
-        is_one.then_some(Self { hours, minutes, seconds, frames, is_drop_frame })
+        is_one.then_some(Self {
+            hours,
+            minutes,
+            seconds,
+            frames,
+            is_drop_frame,
+        })
     }
 }
 
 impl fmt::Display for Timecode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { hours, minutes, seconds, frames, is_drop_frame } = self;
+        let Self {
+            hours,
+            minutes,
+            seconds,
+            frames,
+            is_drop_frame,
+        } = self;
         let mark = if *is_drop_frame { ';' } else { ':' };
         write!(f, "{hours:02}:{minutes:02}:{seconds:02}{mark}{frames:02}")
     }
@@ -104,8 +138,14 @@ mod tests {
     fn numbers_are_dropped_at_every_minute_but_the_tenth() {
         let at = |index, rate| Timecode::from_start(None, index, rate).to_string();
         assert_eq!(at(412, Rate::new(25, 1)), "00:00:16:12");
-        assert_eq!([at(1799, NTSC), at(1800, NTSC)], ["00:00:59;29", "00:01:00;02"]);
-        assert_eq!([at(17_981, NTSC), at(17_982, NTSC)], ["00:09:59;29", "00:10:00;00"]);
+        assert_eq!(
+            [at(1799, NTSC), at(1800, NTSC)],
+            ["00:00:59;29", "00:01:00;02"]
+        );
+        assert_eq!(
+            [at(17_981, NTSC), at(17_982, NTSC)],
+            ["00:09:59;29", "00:10:00;00"]
+        );
         assert_eq!(at(107_892, NTSC), "01:00:00;00");
         assert_eq!(at(3600, Rate::new(60_000, 1001)), "00:01:00;04");
         assert_eq!(at(1440, Rate::new(24_000, 1001)), "00:01:00:00");
@@ -114,7 +154,11 @@ mod tests {
     #[test]
     fn any_frame_number_has_a_timecode() {
         for rate in [NTSC, Rate::new(25, 1), Rate::new(u32::MAX, 1001)] {
-            for start in [None, Timecode::parse("23:59:59;29"), Timecode::parse("23:59:59:29")] {
+            for start in [
+                None,
+                Timecode::parse("23:59:59;29"),
+                Timecode::parse("23:59:59:29"),
+            ] {
                 let code = Timecode::from_start(start, u64::MAX, rate);
                 assert!(code.hours < 24 && code.frames < nominal(rate), "{code}");
             }
@@ -123,12 +167,22 @@ mod tests {
 
     #[test]
     fn a_video_may_begin_at_any_timecode() {
-        let at = |start: &str, index, rate| Timecode::from_start(Timecode::parse(start), index, rate).to_string();
+        let at = |start: &str, index, rate| {
+            Timecode::from_start(Timecode::parse(start), index, rate).to_string()
+        };
         assert_eq!(at("10:00:00:00", 412, Rate::new(25, 1)), "10:00:16:12");
         assert_eq!(at("10:00:00;00", 1800, NTSC), "10:01:00;02");
-        assert_eq!(at("10:00:00:00", 1800, NTSC), "10:01:00:00", "the colon says that nothing is dropped");
+        assert_eq!(
+            at("10:00:00:00", 1800, NTSC),
+            "10:01:00:00",
+            "the colon says that nothing is dropped"
+        );
         assert_eq!(at("00:00:59;29", 1, NTSC), "00:01:00;02");
-        assert_eq!(at("00:01:00;00", 0, NTSC), "00:01:00;02", "that number is left out");
+        assert_eq!(
+            at("00:01:00;00", 0, NTSC),
+            "00:01:00;02",
+            "that number is left out"
+        );
         assert_eq!(at("23:59:59:24", 1, Rate::new(25, 1)), "00:00:00:00");
         for start in ["01:09:59;29", "01:10:00;00", "12:34:56;07"] {
             assert_eq!(at(start, 0, NTSC), start);
@@ -137,9 +191,16 @@ mod tests {
 
     #[test]
     fn what_is_no_timecode_is_none() {
-        for text in
-            ["", "10:00:00", "24:00:00:00", "10:60:00:00", "10:00:00:x", "-1:00:00:00", "1:2:3:4:5", "10:00;00:00"]
-        {
+        for text in [
+            "",
+            "10:00:00",
+            "24:00:00:00",
+            "10:60:00:00",
+            "10:00:00:x",
+            "-1:00:00:00",
+            "1:2:3:4:5",
+            "10:00;00:00",
+        ] {
             assert_eq!(Timecode::parse(text), None, "{text}");
         }
     }

@@ -1,10 +1,10 @@
 //! A USD stage as text: an animated camera, y up, in centimetres.
 //!
-//! Row-vector matrices: translation in the last row, the first three rows the camera's right, up and back axes in the stage.
-//! Focal length and apertures are tenths of a stage unit, so with centimetres they are mm and careful and careless readers agree.
-//! Time codes are frame numbers; a gap in them begins another camera, so nothing is interpolated over it. The lens is not held: its
-//! coefficients stand in `customLayerData`.
-//! Source: `OpenUSD`, `UsdGeomCamera`.
+//! Row-vector matrices: translation in the last row, the first three rows the camera's right, up
+//! and back axes in the stage. Focal length and apertures are tenths of a stage unit, so with
+//! centimetres they are mm and careful and careless readers agree. Time codes are frame numbers; a
+//! gap in them begins another camera, so nothing is interpolated over it. The lens is not held: its
+//! coefficients stand in `customLayerData`. Source: `OpenUSD`, `UsdGeomCamera`.
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::chan::{looking_back, y_up};
@@ -39,7 +39,13 @@ struct Take<'a> {
 
 /// A name that USD accepts: letters, digits and underscores, not beginning with a digit.
 fn prim_name(camera: &str) -> String {
-    let kept = |letter: char| if letter.is_ascii_alphanumeric() { letter } else { '_' };
+    let kept = |letter: char| {
+        if letter.is_ascii_alphanumeric() {
+            letter
+        } else {
+            '_'
+        }
+    };
     let name: String = camera.chars().map(kept).collect();
     if name.is_empty() || name.starts_with(|first: char| first.is_ascii_digit()) {
         format!("camera_{name}")
@@ -51,13 +57,21 @@ fn prim_name(camera: &str) -> String {
 fn takes(held: &[FrameCamera]) -> Vec<Take<'_>> {
     let mut takes: Vec<Take<'_>> = Vec::new();
     for (index, frame) in held.iter().enumerate() {
-        let (Some(pinhole), Some(size)) = (frame.pinhole(), frame.size) else { continue };
+        let (Some(pinhole), Some(size)) = (frame.pinhole(), frame.size) else {
+            continue;
+        };
         let time = frame.frame_index.unwrap_or(index as u64);
         let camera = frame.camera.as_deref().unwrap_or_default();
         let name = prim_name(camera);
         let goes_on = |take: &Take<'_>| {
-            let follows = take.samples.last().is_some_and(|(last, _)| last + 1 == time);
-            let same = take.samples.last().is_some_and(|(_, last)| last.principal_point == pinhole.principal_point);
+            let follows = take
+                .samples
+                .last()
+                .is_some_and(|(last, _)| last + 1 == time);
+            let same = take
+                .samples
+                .last()
+                .is_some_and(|(_, last)| last.principal_point == pinhole.principal_point);
             follows && same && take.size == size && take.camera == camera
         };
         if let Some(take) = takes.last_mut().filter(|take| goes_on(take)) {
@@ -65,9 +79,23 @@ fn takes(held: &[FrameCamera]) -> Vec<Take<'_>> {
             continue;
         }
         let taken = |candidate: &String| takes.iter().any(|take| take.name == *candidate);
-        let numbered = (1..).map(|number| if number == 1 { name.clone() } else { format!("{name}_take{number}") });
-        let name = numbered.into_iter().find(|candidate| !taken(candidate)).unwrap_or(name);
-        takes.push(Take { name, camera, size, samples: vec![(time, pinhole)] });
+        let numbered = (1..).map(|number| {
+            if number == 1 {
+                name.clone()
+            } else {
+                format!("{name}_take{number}")
+            }
+        });
+        let name = numbered
+            .into_iter()
+            .find(|candidate| !taken(candidate))
+            .unwrap_or(name);
+        takes.push(Take {
+            name,
+            camera,
+            size,
+            samples: vec![(time, pinhole)],
+        });
     }
     takes
 }
@@ -75,19 +103,40 @@ fn takes(held: &[FrameCamera]) -> Vec<Take<'_>> {
 fn matrix_text(pinhole: &Pinhole) -> String {
     let axes: Mat3 = y_up() * pinhole.cam_from_world.transpose() * looking_back();
     let at = y_up() * pinhole.position_m * CM;
-    let row = |column: usize| format!("({}, {}, {}, 0)", axes[(0, column)], axes[(1, column)], axes[(2, column)]);
-    format!("( {}, {}, {}, ({}, {}, {}, 1) )", row(0), row(1), row(2), at.x, at.y, at.z)
+    let row = |column: usize| {
+        format!(
+            "({}, {}, {}, 0)",
+            axes[(0, column)],
+            axes[(1, column)],
+            axes[(2, column)]
+        )
+    };
+    format!(
+        "( {}, {}, {}, ({}, {}, {}, 1) )",
+        row(0),
+        row(1),
+        row(2),
+        at.x,
+        at.y,
+        at.z
+    )
 }
 
 fn push_take(take: &Take<'_>, aperture_mm: f64, text: &mut String) {
     let (width, height) = (f64::from(take.size.width), f64::from(take.size.height));
     let per_px = aperture_mm / width;
     let offset = take.samples.first().map_or([0.0; 2], |(_, first)| {
-        [(width / 2.0 - first.principal_point.x) * per_px, (first.principal_point.y - height / 2.0) * per_px]
+        [
+            (width / 2.0 - first.principal_point.x) * per_px,
+            (first.principal_point.y - height / 2.0) * per_px,
+        ]
     });
     let samples = |of: &dyn Fn(&Pinhole) -> String| {
-        let samples: Vec<String> =
-            take.samples.iter().map(|(time, pinhole)| format!("{time}: {}", of(pinhole))).collect();
+        let samples: Vec<String> = take
+            .samples
+            .iter()
+            .map(|(time, pinhole)| format!("{time}: {}", of(pinhole)))
+            .collect();
         samples.join(", ")
     };
     // Writing to a string cannot fail.
@@ -110,7 +159,10 @@ fn push_take(take: &Take<'_>, aperture_mm: f64, text: &mut String) {
 
 /// What stands between two texts.
 fn between<'a>(text: &'a str, from: &str, to: &str) -> Result<&'a str, Problem> {
-    let rest = text.split_once(from).ok_or_else(|| Problem::Missing(from.trim().to_owned()))?.1;
+    let rest = text
+        .split_once(from)
+        .ok_or_else(|| Problem::Missing(from.trim().to_owned()))?
+        .1;
     Ok(rest.split_once(to).map_or(rest, |(found, _)| found))
 }
 
@@ -124,12 +176,21 @@ fn single(what: &str, text: &str) -> Result<f64, Problem> {
 fn read_take(prim: &str, stage: &str) -> Result<Vec<FrameCamera>, Problem> {
     let name = prim.split('"').next().unwrap_or_default();
     let camera: String = serde_json::from_str(between(prim, "touchline:camera = ", "\n")?)
-        .map_err(|error| Problem::NotFormat { wanted: "a name of a camera", found: error.to_string() })?;
-    let sides =
-        numbers("the size", &between(stage, &format!("int2 {name}_image_size_px = ("), ")")?.replace(',', " "))?;
+        .map_err(|error| Problem::NotFormat {
+            wanted: "a name of a camera",
+            found: error.to_string(),
+        })?;
+    let sides = numbers(
+        "the size",
+        &between(stage, &format!("int2 {name}_image_size_px = ("), ")")?.replace(',', " "),
+    )?;
     let [width, height]: [f64; 2] = sides.try_into().map_err(|sides: Vec<f64>| {
         let (what, found) = ("sides of the picture".to_owned(), sides.len());
-        Problem::Count { what, wanted: 2, found }
+        Problem::Count {
+            what,
+            wanted: 2,
+            found,
+        }
     })?;
     let size = ImageSize::new(side_px("width", width)?, side_px("height", height)?);
     let lens = |what: &str| single(what, between(prim, &format!("float {what} = "), "\n")?);
@@ -146,7 +207,10 @@ fn read_take(prim: &str, stage: &str) -> Result<Vec<FrameCamera>, Problem> {
         let time = frame_number("the time", number("the time", time.trim())?)?;
         let entry = |index: usize| -> Result<f64, Problem> {
             let text = pose.get(index).copied().unwrap_or_default();
-            number("the pose", text.rsplit(':').next().unwrap_or_default().trim())
+            number(
+                "the pose",
+                text.rsplit(':').next().unwrap_or_default().trim(),
+            )
         };
         let m: Vec<f64> = (0..16).map(entry).collect::<Result<_, _>>()?;
         let axes = Mat3::from_fn(|row, column| m[4 * column + row]);
@@ -158,7 +222,10 @@ fn read_take(prim: &str, stage: &str) -> Result<Vec<FrameCamera>, Problem> {
             lens: Radial::default(),
         };
         let name = format!("{camera}@{time}");
-        Ok(FrameCamera { frame_index: Some(time), ..FrameCamera::new(&name, Some(size), Shown::Camera(pinhole)) })
+        Ok(FrameCamera {
+            frame_index: Some(time),
+            ..FrameCamera::new(&name, Some(size), Shown::Camera(pinhole))
+        })
     };
     lengths.zip(poses.chunks(16)).map(frame).collect()
 }
@@ -168,17 +235,34 @@ impl CameraFormat for Usda {
         RESOLUTION_PX
     }
 
-    fn hold(&self, frame: &FrameCamera, index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        index: usize,
+        _context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
         let (pinhole, _) = parts(frame)?;
         let camera = frame.camera.as_deref().unwrap_or_default();
         let time = frame.frame_index.unwrap_or(index as u64);
-        Ok(with(frame, format!("{camera}@{time}"), Pinhole { lens: Radial::default(), ..pinhole }))
+        Ok(with(
+            frame,
+            format!("{camera}@{time}"),
+            Pinhole {
+                lens: Radial::default(),
+                ..pinhole
+            },
+        ))
     }
 
     fn notes(&self, _frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
-        let mut notes = vec!["USD keeps focal lengths as 32-bit floats: readers are within about 1e-3 px".to_owned()];
+        let mut notes = vec![
+            "USD keeps focal lengths as 32-bit floats: readers are within about 1e-3 px".to_owned(),
+        ];
         if context.rate.is_none() {
-            notes.push("the frame rate is not known; time codes are frame numbers without one (--fps)".to_owned());
+            notes.push(
+                "the frame rate is not known; time codes are frame numbers without one (--fps)"
+                    .to_owned(),
+            );
         }
         if context.options.sensor_width_mm.is_none() {
             notes.push(format!(
@@ -188,9 +272,17 @@ impl CameraFormat for Usda {
         notes
     }
 
-    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         let takes = takes(held);
-        let times = || takes.iter().flat_map(|take| take.samples.iter().map(|(time, _)| *time));
+        let times = || {
+            takes
+                .iter()
+                .flat_map(|take| take.samples.iter().map(|(time, _)| *time))
+        };
         let (first, last) = (times().min().unwrap_or(0), times().max().unwrap_or(0));
         let rate = context.rate.map(|rate| {
             let rate = rate.per_second();
@@ -199,7 +291,10 @@ impl CameraFormat for Usda {
         let sizes: Vec<String> = takes
             .iter()
             .map(|take| {
-                format!("        int2 {}_image_size_px = ({}, {})\n", take.name, take.size.width, take.size.height)
+                format!(
+                    "        int2 {}_image_size_px = ({}, {})\n",
+                    take.name, take.size.width, take.size.height
+                )
             })
             .collect();
         let mut text = format!(
@@ -227,10 +322,17 @@ impl CameraFormat for Usda {
         has_ending(name, "usda")
     }
 
-    fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(
+        &self,
+        files: &Files,
+        _options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
         files.read_all(|_, bytes| {
             let stage = text(bytes)?;
-            let takes = stage.split("    def Camera \"").skip(1).map(|prim| read_take(prim, stage));
+            let takes = stage
+                .split("    def Camera \"")
+                .skip(1)
+                .map(|prim| read_take(prim, stage));
             Ok(takes.collect::<Result<Vec<_>, _>>()?.concat())
         })
     }
@@ -261,7 +363,11 @@ mod tests {
     #[test]
     fn what_is_written_is_read_again_as_32_bit_floats() {
         let exported = exported(&awkward(), Format::Usda);
-        assert!(exported.worst_px > 0.0 && exported.worst_px < 5e-4, "{}", exported.worst_px);
+        assert!(
+            exported.worst_px > 0.0 && exported.worst_px < 5e-4,
+            "{}",
+            exported.worst_px
+        );
     }
 
     #[test]
@@ -272,23 +378,33 @@ mod tests {
         document.cameras.push(other.into());
         document.frames[0].camera = "main2".into();
         let text = text_of(&exported(&document, Format::Usda).files, "camera.usda");
-        assert!(text.contains("def Camera \"main2\"") && text.contains("def Camera \"main\""), "{text}");
+        assert!(
+            text.contains("def Camera \"main2\"") && text.contains("def Camera \"main\""),
+            "{text}"
+        );
     }
 
     #[test]
     fn a_gap_begins_another_camera() {
         let mut document = awkward();
         for (index, frame) in document.frames.iter_mut().enumerate() {
-            frame.video.as_mut().unwrap().frame_index = if index < 5 { 100 } else { 200 } + index as u64;
+            frame.video.as_mut().unwrap().frame_index =
+                if index < 5 { 100 } else { 200 } + index as u64;
         }
         let text = text_of(&exported(&document, Format::Usda).files, "camera.usda");
         assert_eq!(text.matches("def Camera").count(), 2, "{text}");
         assert!(text.contains("def Camera \"main_take2\""), "{text}");
-        assert!(text.contains("startTimeCode = 100\n    endTimeCode = 211\n"), "{text}");
+        assert!(
+            text.contains("startTimeCode = 100\n    endTimeCode = 211\n"),
+            "{text}"
+        );
     }
 
     #[test]
     fn names_are_what_usd_accepts() {
-        assert_eq!([prim_name("main 2"), prim_name("2"), prim_name("")], ["main_2", "camera_2", "camera_"]);
+        assert_eq!(
+            [prim_name("main 2"), prim_name("2"), prim_name("")],
+            ["main_2", "camera_2", "camera_"]
+        );
     }
 }

@@ -14,7 +14,11 @@ pub fn side_px(what: &str, value: f64) -> Result<u32, Problem> {
     if ImageSize::is_side_px(value) && value.fract() == 0.0 {
         return Ok(value as u32);
     }
-    Err(Problem::OutOfRange { what: what.to_owned(), value, wanted: "a whole number from 1 to 65535" })
+    Err(Problem::OutOfRange {
+        what: what.to_owned(),
+        value,
+        wanted: "a whole number from 1 to 65535",
+    })
 }
 
 /// The number of a frame, counted from 0.
@@ -25,7 +29,11 @@ pub fn frame_number(what: &str, value: f64) -> Result<u64, Problem> {
     if (0.0..=MAX_FRAME).contains(&value) && value.fract() == 0.0 {
         return Ok(value as u64);
     }
-    Err(Problem::OutOfRange { what: what.to_owned(), value, wanted: "a whole number from 0 to 10^12" })
+    Err(Problem::OutOfRange {
+        what: what.to_owned(),
+        value,
+        wanted: "a whole number from 0 to 10^12",
+    })
 }
 
 /// The beginning of a text, for a message.
@@ -45,11 +53,17 @@ mod tests {
 
     #[test]
     fn what_is_no_side_or_number_is_refused() {
-        assert_eq!((side_px("w", 1.0), side_px("w", 65_535.0)), (Ok(1), Ok(65_535)));
+        assert_eq!(
+            (side_px("w", 1.0), side_px("w", 65_535.0)),
+            (Ok(1), Ok(65_535))
+        );
         for bad in [0.0, -1.0, 1.5, 65_536.0, f64::NAN, f64::INFINITY] {
             assert!(side_px("w", bad).is_err(), "{bad}");
         }
-        assert_eq!((frame_number("n", 0.0), frame_number("n", 1e12)), (Ok(0), Ok(1_000_000_000_000)));
+        assert_eq!(
+            (frame_number("n", 0.0), frame_number("n", 1e12)),
+            (Ok(0), Ok(1_000_000_000_000))
+        );
         for bad in [-1.0, 0.5, 1e13, f64::NAN] {
             assert!(frame_number("n", bad).is_err(), "{bad}");
         }

@@ -1,4 +1,5 @@
-//! Work packages on the disk: a folder each with a project and copies of its pictures, to be labelled on another machine.
+//! Work packages on the disk: a folder each with a project and copies of its pictures, to be
+//! labelled on another machine.
 //!
 //! | in a package | what |
 //! |---|---|
@@ -9,7 +10,9 @@
 
 use super::dataset::{OwnPlaces, with_templates};
 use super::error::ExchangeError;
-use crate::document::{Document, DocumentAt, Frame, document_to_string, restore_package, split_into_packages};
+use crate::document::{
+    Document, DocumentAt, Frame, document_to_string, restore_package, split_into_packages,
+};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;
@@ -17,11 +20,12 @@ use std::path::{Path, PathBuf};
 use touchline_core::files;
 use touchline_core::files::{PROJECT_FILE, folder_of, temporary_folder_in};
 
-/// Writes the document in packages of `count` frames each into a folder that is empty or not there; how many frames each has.
+/// Writes the document in packages of `count` frames each into a folder that is empty or not there;
+/// how many frames each has.
 ///
 /// # Errors
-/// The folder holds something, a picture lies outside of the project and `outside` was not given, or something cannot be read or written.
-/// Nothing is written then.
+/// The folder holds something, a picture lies outside of the project and `outside` was not given,
+/// or something cannot be read or written. Nothing is written then.
 pub fn write_packages(
     at: DocumentAt<'_>,
     count: usize,
@@ -29,12 +33,17 @@ pub fn write_packages(
     outside: bool,
 ) -> Result<Vec<usize>, ExchangeError> {
     if folder.is_file() || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) {
-        return Err(ExchangeError::NotEmpty { path: folder.to_path_buf() });
+        return Err(ExchangeError::NotEmpty {
+            path: folder.to_path_buf(),
+        });
     }
     if !outside {
         refuse_outside(at)?;
     }
-    let failed = |source| ExchangeError::Write { path: folder.to_path_buf(), source };
+    let failed = |source| ExchangeError::Write {
+        path: folder.to_path_buf(),
+        source,
+    };
     let (document, templates) = with_templates(at)?;
     let temporary = temporary_folder_in(folder_of(folder)).map_err(failed)?;
     let packages = split_into_packages(&document, count);
@@ -42,29 +51,41 @@ pub fn write_packages(
         let place = temporary.path().join(format!("package{:03}", index + 1));
         for (name, bytes) in &templates {
             let file = place.join(name);
-            fs::create_dir_all(folder_of(&file)).and_then(|()| fs::write(file, bytes)).map_err(failed)?;
+            fs::create_dir_all(folder_of(&file))
+                .and_then(|()| fs::write(file, bytes))
+                .map_err(failed)?;
         }
         let package = copy_pictures(package, at.folder, &place)?;
         fs::create_dir_all(&place).map_err(failed)?;
         fs::write(place.join(PROJECT_FILE), document_to_string(&package)?).map_err(failed)?;
     }
     files::replace_folder(temporary, folder, &|_, _| false)?;
-    Ok(packages.iter().map(|package| package.frames.len()).collect())
+    Ok(packages
+        .iter()
+        .map(|package| package.frames.len())
+        .collect())
 }
 
-/// A version of `base` as a whole document: what is missing in a package is taken from `base`, and pictures and templates of the
-/// user's own lie where `base` has them.
+/// A version of `base` as a whole document: what is missing in a package is taken from `base`, and
+/// pictures and templates of the user's own lie where `base` has them.
 ///
 /// # Errors
 /// A template of `base` cannot be read.
-pub fn restore_version(base: DocumentAt<'_>, version: &Document) -> Result<Document, ExchangeError> {
+pub fn restore_version(
+    base: DocumentAt<'_>,
+    version: &Document,
+) -> Result<Document, ExchangeError> {
     let mut whole = restore_package(base.document, version);
     let (packed, _) = with_templates(base)?;
     if whole.field == packed.field {
         whole.field = base.document.field.clone();
     }
     for camera in &mut whole.cameras {
-        let known = |document: &Document| document.camera(&camera.id).and_then(|camera| camera.field.clone());
+        let known = |document: &Document| {
+            document
+                .camera(&camera.id)
+                .and_then(|camera| camera.field.clone())
+        };
         if camera.field.is_some() && camera.field == known(&packed) {
             camera.field = known(base.document);
         }
@@ -82,7 +103,10 @@ fn refuse_outside(at: DocumentAt<'_>) -> Result<(), ExchangeError> {
         .filter(|file| !places.hold(file))
         .collect();
     match outside.first() {
-        Some(first) => Err(ExchangeError::Outside { count: outside.len(), first: first.clone() }),
+        Some(first) => Err(ExchangeError::Outside {
+            count: outside.len(),
+            first: first.clone(),
+        }),
         None => Ok(()),
     }
 }
@@ -94,7 +118,11 @@ fn files_of(frame: &Frame, folder: &Path) -> Vec<PathBuf> {
 }
 
 /// The package with copies of its pictures in its folder.
-fn copy_pictures(package: &Document, folder: &Path, place: &Path) -> Result<Document, ExchangeError> {
+fn copy_pictures(
+    package: &Document,
+    folder: &Path,
+    place: &Path,
+) -> Result<Document, ExchangeError> {
     let mut package = package.clone();
     let mut names = Names::default();
     for frame in &mut package.frames {
@@ -127,7 +155,10 @@ fn copy(from: &Path, to: &Path, as_link: bool) -> Result<(), ExchangeError> {
         }
         fs::copy(from, to).map(drop)
     };
-    write().map_err(|source| ExchangeError::Read { path: from.to_path_buf(), source })
+    write().map_err(|source| ExchangeError::Read {
+        path: from.to_path_buf(),
+        source,
+    })
 }
 
 /// What files are called in a package: as they are, with a number where two of them have one name.
@@ -142,17 +173,26 @@ impl Names {
         if let Some(known) = self.by_file.get(file) {
             return known.clone();
         }
-        let part = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+        let part = |part: Option<&std::ffi::OsStr>| {
+            part.unwrap_or_default().to_string_lossy().into_owned()
+        };
         let (stem, ending) = (part(file.file_stem()), part(file.extension()));
         loop {
             // Names that differ in case are one on many systems.
-            let number = self.taken.entry(format!("{stem}.{ending}").to_lowercase()).or_default();
+            let number = self
+                .taken
+                .entry(format!("{stem}.{ending}").to_lowercase())
+                .or_default();
             *number += 1;
             let name = match *number {
                 1 => format!("{folder}/{stem}.{ending}"),
                 number => format!("{folder}/{stem}-{number}.{ending}"),
             };
-            if !self.by_file.values().any(|known| known.eq_ignore_ascii_case(&name)) {
+            if !self
+                .by_file
+                .values()
+                .any(|known| known.eq_ignore_ascii_case(&name))
+            {
                 self.by_file.insert(file.to_path_buf(), name.clone());
                 return name;
             }
@@ -169,10 +209,18 @@ mod tests {
     /// A project of five frames, two of them with one name.
     fn project(folder: &Path) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        for name in ["images/1.jpg", "images/2.jpg", "more/2.jpg", "images/3.jpg", "images/4.jpg"] {
+        for name in [
+            "images/1.jpg",
+            "images/2.jpg",
+            "more/2.jpg",
+            "images/3.jpg",
+            "images/4.jpg",
+        ] {
             fs::create_dir_all(folder_of(&folder.join(name))).unwrap();
             fs::write(folder.join(name), name).unwrap();
-            document.frames.push(Frame::from_image(name, "main".into(), ImageSize::new(64, 48)).into());
+            document
+                .frames
+                .push(Frame::from_image(name, "main".into(), ImageSize::new(64, 48)).into());
         }
         document
     }
@@ -183,19 +231,37 @@ mod tests {
         let base = project(&place.path().join("project"));
         let at = base.at(&place.path().join("project")).folder.to_path_buf();
         let out = place.path().join("out");
-        assert_eq!(write_packages(base.at(&at), 3, &out, false).unwrap(), [3, 2]);
+        assert_eq!(
+            write_packages(base.at(&at), 3, &out, false).unwrap(),
+            [3, 2]
+        );
         let read = |number: usize| {
-            document_from_bytes(&fs::read(out.join(format!("package{number:03}/project.json"))).unwrap()).unwrap()
+            document_from_bytes(
+                &fs::read(out.join(format!("package{number:03}/project.json"))).unwrap(),
+            )
+            .unwrap()
         };
         let first = read(1);
-        let images: Vec<&str> = first.frames.iter().filter_map(|frame| frame.image.as_deref()).collect();
+        let images: Vec<&str> = first
+            .frames
+            .iter()
+            .filter_map(|frame| frame.image.as_deref())
+            .collect();
         assert_eq!(images, ["images/1.jpg", "images/2.jpg", "images/2-2.jpg"]);
-        assert_eq!(fs::read_to_string(out.join("package001/images/2-2.jpg")).unwrap(), "more/2.jpg");
+        assert_eq!(
+            fs::read_to_string(out.join("package001/images/2-2.jpg")).unwrap(),
+            "more/2.jpg"
+        );
         for package in [first, read(2)] {
             assert_eq!(restore_version(base.at(&at), &package).unwrap(), base);
         }
-        let again = write_packages(base.at(&at), 3, &out, false).unwrap_err().to_string();
-        assert!(again.ends_with("out holds something already; give an empty or a new folder"), "{again}");
+        let again = write_packages(base.at(&at), 3, &out, false)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            again.ends_with("out holds something already; give an empty or a new folder"),
+            "{again}"
+        );
     }
 
     #[test]
@@ -205,10 +271,20 @@ mod tests {
         let mut base = project(&folder);
         fs::write(place.path().join("private.jpg"), "private").unwrap();
         base.frames[1].image = Some("../private.jpg".to_owned());
-        let refused = write_packages(base.at(&folder), 5, &place.path().join("out"), false).unwrap_err().to_string();
-        assert!(refused.contains("1 pictures lie outside of the project, the first is "), "{refused}");
+        let refused = write_packages(base.at(&folder), 5, &place.path().join("out"), false)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            refused.contains("1 pictures lie outside of the project, the first is "),
+            "{refused}"
+        );
         assert!(!place.path().join("out").exists());
         write_packages(base.at(&folder), 5, &place.path().join("out"), true).unwrap();
-        assert!(place.path().join("out/package001/images/private.jpg").exists());
+        assert!(
+            place
+                .path()
+                .join("out/package001/images/private.jpg")
+                .exists()
+        );
     }
 }

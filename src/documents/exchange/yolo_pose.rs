@@ -1,11 +1,15 @@
-//! Keypoints for Ultralytics' pose models: `data.yaml`, and `labels/…/NAME.txt` for `images/…/NAME.jpg`.
+//! Keypoints for Ultralytics' pose models: `data.yaml`, and `labels/…/NAME.txt` for
+//! `images/…/NAME.jpg`.
 //!
-//! A line is `class cx cy w h (x y v)*`, all over the picture's width or height, counted from its corner: no half pixel. A point
-//! that is not there is `0 0 0`; a coordinate outside of 0 … 1 drops the whole picture, so points outside are left out. `flip_idx`
-//! says which points change places when a picture is mirrored.
+//! A line is `class cx cy w h (x y v)*`, all over the picture's width or height, counted from its
+//! corner: no half pixel. A point that is not there is `0 0 0`; a coordinate outside of 0 … 1 drops
+//! the whole picture, so points outside are left out. `flip_idx` says which points change places
+//! when a picture is mirrored.
 
 use super::camera_format::has_ending;
-use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed};
+use super::clicked_frame::{
+    ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
+};
 use super::coco::{in_order, is_keypoint};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, text};
@@ -28,14 +32,25 @@ const PADDING: f64 = 0.01;
 /// Where each keypoint comes to lie in a mirrored picture.
 fn flipped(names: &[String], field: &FieldModel) -> Vec<usize> {
     let twin = |name: &String| {
-        let there = field.landmark_element(name)?.twin(Symmetry::MirrorX, field)?.name(field)?.to_owned();
+        let there = field
+            .landmark_element(name)?
+            .twin(Symmetry::MirrorX, field)?
+            .name(field)?
+            .to_owned();
         names.iter().position(|other| *other == there)
     };
-    names.iter().enumerate().map(|(index, name)| twin(name).unwrap_or(index)).collect()
+    names
+        .iter()
+        .enumerate()
+        .map(|(index, name)| twin(name).unwrap_or(index))
+        .collect()
 }
 
 fn data_yaml(names: &[String], field: &FieldModel) -> String {
-    let flipped: Vec<String> = flipped(names, field).iter().map(ToString::to_string).collect();
+    let flipped: Vec<String> = flipped(names, field)
+        .iter()
+        .map(ToString::to_string)
+        .collect();
     format!(
         "# {}; split the labels into train and val, and put the pictures into images/ with the same folders\npath: .\n\
          train: images/train\nval: images/train\nkpt_shape: [{}, 3]\nflip_idx: [{}]\nnames: {{0: pitch}}\n\
@@ -58,11 +73,21 @@ fn label_line(frame: &ClickedFrame, names: &[String]) -> String {
         .collect();
     let range = |of: fn(&(f64, f64)) -> f64| {
         let range = (f64::INFINITY, f64::NEG_INFINITY);
-        let (low, high) = points.iter().flatten().map(of).fold(range, |(low, high), at| (low.min(at), high.max(at)));
+        let (low, high) = points
+            .iter()
+            .flatten()
+            .map(of)
+            .fold(range, |(low, high), at| (low.min(at), high.max(at)));
         ((low - PADDING).max(0.0), (high + PADDING).min(1.0))
     };
     let ((left, right), (top, bottom)) = (range(|point| point.0), range(|point| point.1));
-    let mut line = format!("0 {} {} {} {}", left.midpoint(right), top.midpoint(bottom), right - left, bottom - top);
+    let mut line = format!(
+        "0 {} {} {} {}",
+        left.midpoint(right),
+        top.midpoint(bottom),
+        right - left,
+        bottom - top
+    );
     for point in points {
         // Writing to a string cannot fail.
         let _ = match point {
@@ -80,7 +105,12 @@ fn names_of(yaml: &str) -> Option<Vec<String>> {
     let (_, list) = behind.split_once('[')?;
     let (list, _) = list.split_once(']')?;
     let clean = |name: &str| name.trim().trim_matches(['"', '\'']).to_owned();
-    Some(list.split(',').map(clean).filter(|name| !name.is_empty()).collect())
+    Some(
+        list.split(',')
+            .map(clean)
+            .filter(|name| !name.is_empty())
+            .collect(),
+    )
 }
 
 fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec<Mark>, Problem> {
@@ -89,21 +119,42 @@ fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec
     let wanted = 5 + 3 * names.map_or(count, <[String]>::len);
     if values.len() != wanted || values.len() < 5 {
         let what = "columns (class, box, and x y v for each keypoint)".to_owned();
-        return Err(Problem::Count { what, wanted: wanted.max(8), found: values.len() });
+        return Err(Problem::Count {
+            what,
+            wanted: wanted.max(8),
+            found: values.len(),
+        });
     }
-    let points = values[5..].chunks_exact(3).enumerate().filter(|(_, point)| point[2] != 0.0);
+    let points = values[5..]
+        .chunks_exact(3)
+        .enumerate()
+        .filter(|(_, point)| point[2] != 0.0);
     points
         .map(|(index, point)| {
             if ![1.0, 2.0].contains(&point[2]) {
                 let what = format!("the visibility of keypoint {index}");
-                return Err(Problem::OutOfRange { what, value: point[2], wanted: "0, 1 or 2" });
+                return Err(Problem::OutOfRange {
+                    what,
+                    value: point[2],
+                    wanted: "0, 1 or 2",
+                });
             }
-            if let Some(value) = point[..2].iter().find(|value| !(-0.01..=1.01).contains(*value)) {
+            if let Some(value) = point[..2]
+                .iter()
+                .find(|value| !(-0.01..=1.01).contains(*value))
+            {
                 let what = format!("keypoint {index}");
-                return Err(Problem::OutOfRange { what, value: *value, wanted: "between 0 and 1" });
+                return Err(Problem::OutOfRange {
+                    what,
+                    value: *value,
+                    wanted: "between 0 and 1",
+                });
             }
             let label = names.map_or_else(|| index.to_string(), |names| names[index].clone());
-            let image = ImagePoint::new(point[0] * f64::from(size.width), point[1] * f64::from(size.height));
+            let image = ImagePoint::new(
+                point[0] * f64::from(size.width),
+                point[1] * f64::from(size.height),
+            );
             Ok(Mark { label, image })
         })
         .collect()
@@ -116,19 +167,40 @@ impl ClickFormat for YoloPose {
     }
 
     fn name_of(&self, frame: &ClickedFrame) -> String {
-        frame.image.rsplit_once('.').map_or(frame.image.as_str(), |(stem, _)| stem).to_owned()
+        frame
+            .image
+            .rsplit_once('.')
+            .map_or(frame.image.as_str(), |(stem, _)| stem)
+            .to_owned()
     }
 
-    fn write(&self, frames: &[ClickedFrame], context: &ClickContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(
+        &self,
+        frames: &[ClickedFrame],
+        context: &ClickContext<'_>,
+    ) -> Result<Files, ExchangeError> {
         let names = keypoints(context.options.names, context.field);
         let mut files = Files::one(DATA, data_yaml(&names, context.field).into_bytes());
         for frame in frames {
-            if let Some(outside) = frame.clicks.iter().find(|click| !frame.size.contains(click.image)) {
-                let why =
-                    format!("({}, {}) lies outside of it, which Ultralytics drops", outside.image.x, outside.image.y);
-                return Err(ExchangeError::CannotHold { frame: frame.image.clone(), format: Format::YoloPose, why });
+            if let Some(outside) = frame
+                .clicks
+                .iter()
+                .find(|click| !frame.size.contains(click.image))
+            {
+                let why = format!(
+                    "({}, {}) lies outside of it, which Ultralytics drops",
+                    outside.image.x, outside.image.y
+                );
+                return Err(ExchangeError::CannotHold {
+                    frame: frame.image.clone(),
+                    format: Format::YoloPose,
+                    why,
+                });
             }
-            files.add(format!("labels/train/{}.txt", frame.name), label_line(frame, &names));
+            files.add(
+                format!("labels/train/{}.txt", frame.name),
+                label_line(frame, &names),
+            );
         }
         Ok(files)
     }
@@ -149,24 +221,44 @@ impl ClickFormat for YoloPose {
         options: &ImportOptions,
         sizes: &Sizes<'_>,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        let yaml = files.get(DATA).map(text).transpose().map_err(|problem| problem.within(DATA))?;
+        let yaml = files
+            .get(DATA)
+            .map(text)
+            .transpose()
+            .map_err(|problem| problem.within(DATA))?;
         let names = yaml.and_then(names_of);
         files.read_all(|file, bytes| {
             if !has_ending(file, "txt") {
                 return Ok(None);
             }
-            let stem = file.rsplit('/').next().and_then(|name| name.rsplit_once('.')).map_or(file, |(stem, _)| stem);
-            let at_image = file.rsplit_once('.').map_or(file, |(path, _)| path).replacen("labels/", "images/", 1);
+            let stem = file
+                .rsplit('/')
+                .next()
+                .and_then(|name| name.rsplit_once('.'))
+                .map_or(file, |(stem, _)| stem);
+            let at_image = file
+                .rsplit_once('.')
+                .map_or(file, |(path, _)| path)
+                .replacen("labels/", "images/", 1);
             let size = sizes(&at_image).or_else(|| sizes(stem)).or(options.size);
             let size = size.ok_or_else(|| size_needed(&at_image))?;
             // A picture without labels has an empty file.
             let lines = if bytes.is_empty() { "" } else { text(bytes)? };
             let mut marks = Vec::new();
-            for (index, line) in lines.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+            for (index, line) in lines
+                .lines()
+                .enumerate()
+                .filter(|(_, line)| !line.trim().is_empty())
+            {
                 let of_line = marks_of(line, names.as_deref(), size);
                 marks.extend(of_line.map_err(|problem| problem.at_line(index + 1))?);
             }
-            Ok(Some(LabelledFrame { name: stem.to_owned(), image: Some(at_image), size, marks }))
+            Ok(Some(LabelledFrame {
+                name: stem.to_owned(),
+                image: Some(at_image),
+                size,
+                marks,
+            }))
         })
     }
 }
@@ -190,7 +282,10 @@ mod tests {
 
     #[test]
     fn the_published_order_of_mirrored_points_follows_from_the_names() {
-        let options = ExportOptions { names: KeypointNames::Roboflow32, ..ExportOptions::default() };
+        let options = ExportOptions {
+            names: KeypointNames::Roboflow32,
+            ..ExportOptions::default()
+        };
         let exported = export(clicked().at(Path::new("/")), Format::YoloPose, &options).unwrap();
         let yaml = text_of(&exported.files, DATA);
         let published = "flip_idx: [24, 25, 26, 27, 28, 29, 22, 23, 21, 17, 18, 19, 20, 13, 14, 15, 16, 9, 10, 11, 12, 8, 6, 7, 0, \
@@ -202,21 +297,49 @@ mod tests {
     fn damaged_labels_are_named_in_one_line() {
         let with_names = Some(vec!["a".to_owned(), "b".to_owned()]);
         for (line, names, wanted) in [
-            ("0 0.5 0.5 1", None, "columns (class, box, and x y v for each keypoint): 8 are expected, found 4"),
-            ("0 0.5 0.5 1 1 0.2", None, "columns (class, box, and x y v for each keypoint): 8 are expected, found 6"),
+            (
+                "0 0.5 0.5 1",
+                None,
+                "columns (class, box, and x y v for each keypoint): 8 are expected, found 4",
+            ),
+            (
+                "0 0.5 0.5 1 1 0.2",
+                None,
+                "columns (class, box, and x y v for each keypoint): 8 are expected, found 6",
+            ),
             (
                 "0 0.5 0.5 1 1 0.2 0.3 2",
                 with_names,
                 "columns (class, box, and x y v for each keypoint): 11 are expected, found 8",
             ),
-            ("0 0.5 0.5 1 1 1.2 0.3 2", None, "keypoint 0 is 1.2, which must be between 0 and 1"),
-            ("0 0.5 0.5 1 1 x 0.3 2", None, "a column: a number is expected, found \"x\""),
-            ("0 0.5 0.5 1 1 nan 0.3 2", None, "a column is not a finite number"),
+            (
+                "0 0.5 0.5 1 1 1.2 0.3 2",
+                None,
+                "keypoint 0 is 1.2, which must be between 0 and 1",
+            ),
+            (
+                "0 0.5 0.5 1 1 x 0.3 2",
+                None,
+                "a column: a number is expected, found \"x\"",
+            ),
+            (
+                "0 0.5 0.5 1 1 nan 0.3 2",
+                None,
+                "a column is not a finite number",
+            ),
         ] {
-            assert_eq!(marks_of(line, names.as_deref(), SIZE).unwrap_err().to_string(), wanted);
+            assert_eq!(
+                marks_of(line, names.as_deref(), SIZE)
+                    .unwrap_err()
+                    .to_string(),
+                wanted
+            );
         }
         let files = Files::one("labels/a.txt", b"0 0.5 0.5 1 1 0.2 0.3 2\n".to_vec());
-        let error = YoloPose.read(&files, &ImportOptions::default(), &|_| None).unwrap_err().to_string();
+        let error = YoloPose
+            .read(&files, &ImportOptions::default(), &|_| None)
+            .unwrap_err()
+            .to_string();
         assert_eq!(
             error,
             "labels/a.txt: the size of \"images/a\" is not known; give --size WIDTHxHEIGHT or --images FOLDER"

@@ -34,10 +34,15 @@ impl Verdict {
     /// Confirmed if this holds.
     #[must_use]
     pub const fn of(holds: bool) -> Self {
-        if holds { Self::Confirmed } else { Self::Differs }
+        if holds {
+            Self::Confirmed
+        } else {
+            Self::Differs
+        }
     }
 
-    /// Confirmed if the whole interval of a measurement lies above a number, different if all of it lies below.
+    /// Confirmed if the whole interval of a measurement lies above a number, different if all of it
+    /// lies below.
     #[must_use]
     pub fn above(interval: [f64; 2], least: f64) -> Self {
         let [low, high] = interval;
@@ -54,11 +59,19 @@ impl Verdict {
     #[must_use]
     pub fn all(verdicts: impl IntoIterator<Item = Self>) -> Self {
         let rank = |verdict: &Self| {
-            [Self::Confirmed, Self::NotMeasured, Self::Undecided, Self::Differs]
-                .iter()
-                .position(|other| other == verdict)
+            [
+                Self::Confirmed,
+                Self::NotMeasured,
+                Self::Undecided,
+                Self::Differs,
+            ]
+            .iter()
+            .position(|other| other == verdict)
         };
-        verdicts.into_iter().max_by_key(rank).unwrap_or(Self::NotMeasured)
+        verdicts
+            .into_iter()
+            .max_by_key(rank)
+            .unwrap_or(Self::NotMeasured)
     }
 
     /// For people.
@@ -94,8 +107,14 @@ mod tests {
         assert_eq!(Verdict::above([-0.1, 0.3], 0.0), Verdict::Undecided);
         assert_eq!(Verdict::above([-0.3, -0.1], 0.0), Verdict::Differs);
         assert_eq!(Verdict::above([f64::NAN; 2], 0.0), Verdict::Undecided);
-        assert_eq!(Verdict::all([Verdict::Confirmed, Verdict::Undecided]), Verdict::Undecided);
-        assert_eq!(Verdict::all([Verdict::Differs, Verdict::Undecided]), Verdict::Differs);
+        assert_eq!(
+            Verdict::all([Verdict::Confirmed, Verdict::Undecided]),
+            Verdict::Undecided
+        );
+        assert_eq!(
+            Verdict::all([Verdict::Differs, Verdict::Undecided]),
+            Verdict::Differs
+        );
         assert_eq!(Verdict::all([Verdict::Confirmed; 2]), Verdict::Confirmed);
     }
 }

@@ -1,4 +1,5 @@
-//! A sheet of frames to look at: the picture with the lines of the estimate, and the field from above.
+//! A sheet of frames to look at: the picture with the lines of the estimate, and the field from
+//! above.
 
 use super::figure::{Anchor, Drawing, FigureError, Rgb, SCALE, Shape, painted};
 use image::RgbImage;
@@ -43,23 +44,36 @@ impl SheetFrame<'_> {
     }
 }
 
-/// The frames side by side as PNG, three in a row; none without frames. Tiles take their shape from the first frame.
+/// The frames side by side as PNG, three in a row; none without frames. Tiles take their shape from
+/// the first frame.
 ///
 /// # Errors
 /// The program's typeface cannot be read, or the PNG cannot be encoded.
 pub fn contact_sheet(frames: &[SheetFrame]) -> Result<Option<Vec<u8>>, FigureError> {
-    let Some(first) = frames.first() else { return Ok(None) };
+    let Some(first) = frames.first() else {
+        return Ok(None);
+    };
     let picture_height = TILE * f64::from(first.size().height) / f64::from(first.size().width);
-    let map_height = TILE * (first.field.width_m + 2.0 * AROUND_M) / (first.field.length_m + 2.0 * AROUND_M);
+    let map_height =
+        TILE * (first.field.width_m + 2.0 * AROUND_M) / (first.field.length_m + 2.0 * AROUND_M);
     let row_height = picture_height + CAPTION + map_height + GAP;
     let rows = frames.len().div_ceil(COLUMNS);
-    let mut drawing = Drawing { width: WIDTH, height: GAP + row_height * rows as f64, shapes: Vec::new() };
+    let mut drawing = Drawing {
+        width: WIDTH,
+        height: GAP + row_height * rows as f64,
+        shapes: Vec::new(),
+    };
     let mut pictures = Vec::with_capacity(frames.len());
     for (tile, frame) in frames.iter().enumerate() {
         let left = GAP + (TILE + GAP) * (tile % COLUMNS) as f64;
         let top = GAP + row_height * (tile / COLUMNS) as f64;
         let pixels = |length: f64| (length * SCALE).round() as u32;
-        let small = resize(&frame.picture, pixels(TILE), pixels(picture_height), FilterType::Triangle);
+        let small = resize(
+            &frame.picture,
+            pixels(TILE),
+            pixels(picture_height),
+            FilterType::Triangle,
+        );
         pictures.push((small, [pixels(left), pixels(top)]));
         add_lines_over_picture(&mut drawing.shapes, frame, [left, top]);
         drawing.shapes.push(Shape::Text {
@@ -69,7 +83,11 @@ pub fn contact_sheet(frames: &[SheetFrame]) -> Result<Option<Vec<u8>>, FigureErr
             anchor: Anchor::Middle,
             upright: false,
         });
-        add_field_from_above(&mut drawing.shapes, frame, [left, top + picture_height + CAPTION]);
+        add_field_from_above(
+            &mut drawing.shapes,
+            frame,
+            [left, top + picture_height + CAPTION],
+        );
     }
     let png = painted(&drawing, |canvas| {
         for (small, [x, y]) in &pictures {
@@ -81,12 +99,26 @@ pub fn contact_sheet(frames: &[SheetFrame]) -> Result<Option<Vec<u8>>, FigureErr
 
 /// The field's lines as the estimated camera projects them.
 fn add_lines_over_picture(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, top]: [f64; 2]) {
-    let Some(camera) = &frame.estimate else { return };
+    let Some(camera) = &frame.estimate else {
+        return;
+    };
     let scale = TILE / f64::from(frame.size().width);
-    let options = MarkingOptions { margin_px: 0.0, ..MarkingOptions::default() };
+    let options = MarkingOptions {
+        margin_px: 0.0,
+        ..MarkingOptions::default()
+    };
     for line in project_lines(frame.field, camera, frame.size(), &options) {
-        let points = line.points.iter().map(|point| [left + point.x * scale, top + point.y * scale]).collect();
-        shapes.push(Shape::Path { points, width: 0.8, colour: FOUND, dashes: &[] });
+        let points = line
+            .points
+            .iter()
+            .map(|point| [left + point.x * scale, top + point.y * scale])
+            .collect();
+        shapes.push(Shape::Path {
+            points,
+            width: 0.8,
+            colour: FOUND,
+            dashes: &[],
+        });
     }
 }
 
@@ -95,18 +127,40 @@ fn add_field_from_above(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, top]
     let field = frame.field;
     let scale = TILE / (field.length_m + 2.0 * AROUND_M);
     let place = |point: Vec2| {
-        let (right, down) = (point.x + 0.5 * field.length_m + AROUND_M, 0.5 * field.width_m + AROUND_M - point.y);
+        let (right, down) = (
+            point.x + 0.5 * field.length_m + AROUND_M,
+            0.5 * field.width_m + AROUND_M - point.y,
+        );
         [left + right * scale, top + down * scale]
     };
     for line in field.lines.iter().filter(|line| line.painted) {
-        let steps = if matches!(line.curve, Curve::Segment { .. }) { 1 } else { 24 };
-        let points = (0..=steps).map(|step| place(line.curve.point_at(f64::from(step) / f64::from(steps)).xy()));
-        shapes.push(Shape::Path { points: points.collect(), width: 0.6, colour: FIELD_LINE, dashes: &[] });
+        let steps = if matches!(line.curve, Curve::Segment { .. }) {
+            1
+        } else {
+            24
+        };
+        let points = (0..=steps)
+            .map(|step| place(line.curve.point_at(f64::from(step) / f64::from(steps)).xy()));
+        shapes.push(Shape::Path {
+            points: points.collect(),
+            width: 0.6,
+            colour: FIELD_LINE,
+            dashes: &[],
+        });
     }
     let mut outline = |camera: &PtzCamera, width: f64, colour: Rgb| {
         for ring in seen_field(field, camera, frame.size()) {
-            let points = ring.iter().chain(ring.first()).map(|point| place(*point)).collect();
-            shapes.push(Shape::Path { points, width, colour, dashes: &[] });
+            let points = ring
+                .iter()
+                .chain(ring.first())
+                .map(|point| place(*point))
+                .collect();
+            shapes.push(Shape::Path {
+                points,
+                width,
+                colour,
+                dashes: &[],
+            });
         }
     };
     outline(&frame.truth, 2.0, TRUE);

@@ -74,7 +74,11 @@ impl Report {
     /// An empty report.
     #[must_use]
     pub fn new(name: &str, title: &str) -> Self {
-        Self { name: name.to_owned(), title: title.to_owned(), ..Self::default() }
+        Self {
+            name: name.to_owned(),
+            title: title.to_owned(),
+            ..Self::default()
+        }
     }
 
     /// Adds Markdown text.
@@ -84,18 +88,32 @@ impl Report {
 
     /// Adds a table.
     pub fn table(&mut self, stem: &str, caption: &str, table: Table) {
-        self.blocks.push(Block::Table { stem: self.stem(stem), caption: caption.to_owned(), table });
+        self.blocks.push(Block::Table {
+            stem: self.stem(stem),
+            caption: caption.to_owned(),
+            table,
+        });
     }
 
     /// Adds a long table, which people find in a file of its own.
     pub fn data(&mut self, stem: &str, caption: &str, table: Table) {
-        self.blocks.push(Block::Data { stem: self.stem(stem), caption: caption.to_owned(), table });
+        self.blocks.push(Block::Data {
+            stem: self.stem(stem),
+            caption: caption.to_owned(),
+            table,
+        });
     }
 
     /// Adds what others state and what was measured.
     pub fn claim(&mut self, verdict: Verdict, stated: &str, measured: &str, reason: &str) {
         let [stated, measured, reason] = [stated, measured, reason].map(str::to_owned);
-        self.claims.push(Claim { stated, measured, verdict, reason, of_times: false });
+        self.claims.push(Claim {
+            stated,
+            measured,
+            verdict,
+            reason,
+            of_times: false,
+        });
     }
 
     /// The same of times, which depend on the machine.
@@ -108,22 +126,38 @@ impl Report {
 
     /// Adds a figure.
     pub fn figure(&mut self, stem: &str, caption: &str, figure: Figure) {
-        self.blocks.push(Block::Figure { stem: self.stem(stem), caption: caption.to_owned(), figure });
+        self.blocks.push(Block::Figure {
+            stem: self.stem(stem),
+            caption: caption.to_owned(),
+            figure,
+        });
     }
 
     /// Adds a picture.
     pub fn picture(&mut self, stem: &str, caption: &str, png: Vec<u8>) {
-        self.blocks.push(Block::Picture { stem: self.stem(stem), caption: caption.to_owned(), png });
+        self.blocks.push(Block::Picture {
+            stem: self.stem(stem),
+            caption: caption.to_owned(),
+            png,
+        });
     }
 
     /// Adds a table of what depends on the machine.
     pub fn time_table(&mut self, stem: &str, caption: &str, table: Table) {
-        self.times.push(Block::Table { stem: self.stem(stem), caption: caption.to_owned(), table });
+        self.times.push(Block::Table {
+            stem: self.stem(stem),
+            caption: caption.to_owned(),
+            table,
+        });
     }
 
     /// Adds a figure of what depends on the machine.
     pub fn time_figure(&mut self, stem: &str, caption: &str, figure: Figure) {
-        self.times.push(Block::Figure { stem: self.stem(stem), caption: caption.to_owned(), figure });
+        self.times.push(Block::Figure {
+            stem: self.stem(stem),
+            caption: caption.to_owned(),
+            figure,
+        });
     }
 
     fn stem(&self, stem: &str) -> String {
@@ -139,7 +173,10 @@ impl Report {
     /// The same of what depends on the machine.
     #[must_use]
     pub fn times_to_markdown(&self) -> String {
-        markdown(&format!("{}: times on this machine", self.title), &self.times)
+        markdown(
+            &format!("{}: times on this machine", self.title),
+            &self.times,
+        )
     }
 
     /// A report of its own file: what made it stands below.
@@ -150,20 +187,29 @@ impl Report {
         }
     }
 
-    /// Every file: the Markdown, all tables as JSON and CSV, figures as SVG and PNG; what depends on the machine in files of
-    /// its own, whose names end with `times`.
+    /// Every file: the Markdown, all tables as JSON and CSV, figures as SVG and PNG; what depends
+    /// on the machine in files of its own, whose names end with `times`.
     ///
     /// # Errors
     /// A figure cannot be drawn.
     pub fn files(&self) -> Result<Vec<ReportFile>, FigureError> {
         let mut files = vec![
-            (format!("{}.md", self.name), self.standing_alone(self.to_markdown()).into_bytes()),
-            (format!("{}.json", self.name), self.json(&self.blocks, false).into_bytes()),
+            (
+                format!("{}.md", self.name),
+                self.standing_alone(self.to_markdown()).into_bytes(),
+            ),
+            (
+                format!("{}.json", self.name),
+                self.json(&self.blocks, false).into_bytes(),
+            ),
         ];
         if !self.times.is_empty() {
             let times = self.standing_alone(self.times_to_markdown());
             files.push((format!("{}-times.md", self.name), times.into_bytes()));
-            files.push((format!("{}-times.json", self.name), self.json(&self.times, true).into_bytes()));
+            files.push((
+                format!("{}-times.json", self.name),
+                self.json(&self.times, true).into_bytes(),
+            ));
         }
         for block in self.blocks.iter().chain(&self.times) {
             match block {
@@ -175,7 +221,9 @@ impl Report {
                     files.push((format!("{stem}.svg"), figure.to_svg()?.into_bytes()));
                     files.push((format!("{stem}.png"), figure.to_png()?));
                 }
-                Block::Picture { stem, png, .. } => files.push((format!("{stem}.png"), png.clone())),
+                Block::Picture { stem, png, .. } => {
+                    files.push((format!("{stem}.png"), png.clone()))
+                }
             }
         }
         Ok(files)
@@ -192,7 +240,11 @@ impl Report {
         if let Some(provenance) = &self.provenance {
             whole["made_by"] = provenance.json();
         }
-        let claims: Vec<&Claim> = self.claims.iter().filter(|claim| claim.of_times == of_times).collect();
+        let claims: Vec<&Claim> = self
+            .claims
+            .iter()
+            .filter(|claim| claim.of_times == of_times)
+            .collect();
         if !claims.is_empty() {
             whole["claims"] = claims.into_iter().map(Claim::json).collect();
         }
@@ -206,10 +258,16 @@ fn markdown(title: &str, blocks: &[Block]) -> String {
         // Writing to a string cannot fail.
         let _ = match block {
             Block::Text(text) => writeln!(out, "\n{}", text.trim()),
-            Block::Table { caption, table, .. } => writeln!(out, "\n{caption}\n\n{}", table.to_markdown().trim_end()),
+            Block::Table { caption, table, .. } => {
+                writeln!(out, "\n{caption}\n\n{}", table.to_markdown().trim_end())
+            }
             Block::Data { stem, caption, .. } => writeln!(out, "\n{caption} File: `{stem}.csv`."),
-            Block::Figure { stem, caption, .. } => writeln!(out, "\n![{caption}]({stem}.svg)\n\n{caption}"),
-            Block::Picture { stem, caption, .. } => writeln!(out, "\n![{caption}]({stem}.png)\n\n{caption}"),
+            Block::Figure { stem, caption, .. } => {
+                writeln!(out, "\n![{caption}]({stem}.svg)\n\n{caption}")
+            }
+            Block::Picture { stem, caption, .. } => {
+                writeln!(out, "\n![{caption}]({stem}.png)\n\n{caption}")
+            }
         };
     }
     out

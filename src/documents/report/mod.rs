@@ -1,4 +1,5 @@
-//! Tables, figures, contact sheets and Markdown reports: what a measurement is shown with, whatever it measured.
+//! Tables, figures, contact sheets and Markdown reports: what a measurement is shown with, whatever
+//! it measured.
 //!
 //! | what | where |
 //! |---|---|

@@ -21,7 +21,12 @@ impl Provenance {
     /// For people: one sentence or two.
     #[must_use]
     pub fn describe(&self) -> String {
-        let commit = self.commit.as_ref().map_or("commit not stated".to_owned(), |commit| format!("commit {commit}"));
+        let commit = self
+            .commit
+            .as_ref()
+            .map_or("commit not stated".to_owned(), |commit| {
+                format!("commit {commit}")
+            });
         let seeds: Vec<String> = self.seeds.iter().map(ToString::to_string).collect();
         let seeds = match &seeds[..] {
             [one] => format!("seed {one}"),
@@ -32,7 +37,10 @@ impl Provenance {
         } else {
             ""
         };
-        format!("Made by `{}` ({}, {commit}), {seeds}.{quick}", self.command, self.program)
+        format!(
+            "Made by `{}` ({}, {commit}), {seeds}.{quick}",
+            self.command, self.program
+        )
     }
 
     pub(super) fn json(&self) -> Value {

@@ -26,7 +26,10 @@ impl Column {
     /// A column by its key and its heading.
     #[must_use]
     pub fn new(key: &str, label: &str) -> Self {
-        Self { key: key.to_owned(), label: label.to_owned() }
+        Self {
+            key: key.to_owned(),
+            label: label.to_owned(),
+        }
     }
 }
 
@@ -89,7 +92,8 @@ impl fmt::Display for Cell {
 }
 
 impl Cell {
-    /// For CSV: the shortest that reads back to the last digit; words that no spreadsheet calculates.
+    /// For CSV: the shortest that reads back to the last digit; words that no spreadsheet
+    /// calculates.
     fn exact(&self) -> String {
         match self {
             Self::Empty => String::new(),
@@ -118,7 +122,11 @@ impl Cell {
 #[must_use]
 pub fn significant(number: f64) -> String {
     if !number.is_finite() {
-        return if number.is_nan() { "–".to_owned() } else { "∞".to_owned() };
+        return if number.is_nan() {
+            "–".to_owned()
+        } else {
+            "∞".to_owned()
+        };
     }
     let magnitude = number.abs();
     if magnitude == 0.0 {
@@ -135,7 +143,13 @@ impl Table {
     /// An empty table with these columns.
     #[must_use]
     pub fn new(columns: &[(&str, &str)]) -> Self {
-        Self { columns: columns.iter().map(|(key, label)| Column::new(key, label)).collect(), rows: Vec::new() }
+        Self {
+            columns: columns
+                .iter()
+                .map(|(key, label)| Column::new(key, label))
+                .collect(),
+            rows: Vec::new(),
+        }
     }
 
     /// Adds a row.
@@ -146,7 +160,12 @@ impl Table {
 
     /// The same with one more column on the right; a cell for each row.
     #[must_use]
-    pub fn with_column(mut self, key: &str, label: &str, cells: impl IntoIterator<Item = Cell>) -> Self {
+    pub fn with_column(
+        mut self,
+        key: &str,
+        label: &str,
+        cells: impl IntoIterator<Item = Cell>,
+    ) -> Self {
         self.columns.push(Column::new(key, label));
         let mut cells = cells.into_iter();
         for row in &mut self.rows {
@@ -158,21 +177,36 @@ impl Table {
     /// Aligned columns for a terminal.
     #[must_use]
     pub fn to_text(&self) -> String {
-        let cells: Vec<Vec<String>> =
-            self.rows.iter().map(|row| row.iter().map(ToString::to_string).collect()).collect();
+        let cells: Vec<Vec<String>> = self
+            .rows
+            .iter()
+            .map(|row| row.iter().map(ToString::to_string).collect())
+            .collect();
         let width = |column: usize| {
-            let longest = cells.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+            let longest = cells
+                .iter()
+                .map(|row| row[column].chars().count())
+                .max()
+                .unwrap_or(0);
             longest.max(self.columns[column].label.chars().count())
         };
         let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
         let line = |texts: &[String]| {
             let padded = texts.iter().enumerate().map(|(column, text)| {
                 let fill = " ".repeat(widths[column].saturating_sub(text.chars().count()));
-                if self.is_right(column) { format!("{fill}{text}") } else { format!("{text}{fill}") }
+                if self.is_right(column) {
+                    format!("{fill}{text}")
+                } else {
+                    format!("{text}{fill}")
+                }
             });
             padded.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
         };
-        let labels: Vec<String> = self.columns.iter().map(|column| column.label.clone()).collect();
+        let labels: Vec<String> = self
+            .columns
+            .iter()
+            .map(|column| column.label.clone())
+            .collect();
         line(&labels) + &cells.iter().map(|row| line(row)).collect::<String>()
     }
 
@@ -181,24 +215,36 @@ impl Table {
     pub fn to_markdown(&self) -> String {
         let escaped = |text: &str| text.replace('|', "\\|");
         let line = |texts: Vec<String>| format!("| {} |\n", texts.join(" | "));
-        let mut out = line(self.columns.iter().map(|column| escaped(&column.label)).collect());
-        let rules = (0..self.columns.len()).map(|column| if self.is_right(column) { "--:" } else { "---" });
+        let mut out = line(
+            self.columns
+                .iter()
+                .map(|column| escaped(&column.label))
+                .collect(),
+        );
+        let rules =
+            (0..self.columns.len()).map(|column| if self.is_right(column) { "--:" } else { "---" });
         // Writing to a string cannot fail.
         let _ = writeln!(out, "|{}|", rules.collect::<Vec<_>>().join("|"));
         for row in &self.rows {
-            out.push_str(&line(row.iter().map(|cell| escaped(&cell.to_string())).collect()));
+            out.push_str(&line(
+                row.iter().map(|cell| escaped(&cell.to_string())).collect(),
+            ));
         }
         out
     }
 
-    /// Comma-separated values (RFC 4180), keys in the first line; an empty cell where nothing was measured, `inf` for what was
-    /// not found.
+    /// Comma-separated values (RFC 4180), keys in the first line; an empty cell where nothing was
+    /// measured, `inf` for what was not found.
     #[must_use]
     pub fn to_csv(&self) -> String {
         let mut out = String::new();
         let mut line = |cells: &mut dyn Iterator<Item = String>| {
             let quoted = cells.map(|text| {
-                if text.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
+                if text.contains(['"', ',', '\n', '\r']) {
+                    format!("\"{}\"", text.replace('"', "\"\""))
+                } else {
+                    text
+                }
             });
             let _ = writeln!(out, "{}", quoted.collect::<Vec<_>>().join(","));
         };
@@ -213,8 +259,16 @@ impl Table {
     #[must_use]
     pub fn to_json(&self) -> Value {
         let object = |row: &Vec<Cell>| {
-            let filled = self.columns.iter().zip(row).filter(|(_, cell)| **cell != Cell::Empty);
-            Value::Object(filled.map(|(column, cell)| (column.key.clone(), cell.value())).collect::<Map<_, _>>())
+            let filled = self
+                .columns
+                .iter()
+                .zip(row)
+                .filter(|(_, cell)| **cell != Cell::Empty);
+            Value::Object(
+                filled
+                    .map(|(column, cell)| (column.key.clone(), cell.value()))
+                    .collect::<Map<_, _>>(),
+            )
         };
         Value::Array(self.rows.iter().map(object).collect())
     }
@@ -230,7 +284,11 @@ mod tests {
     use super::*;
 
     fn table() -> Table {
-        let mut table = Table::new(&[("name", "Name"), ("error_px", "Error (px)"), ("count", "Frames")]);
+        let mut table = Table::new(&[
+            ("name", "Name"),
+            ("error_px", "Error (px)"),
+            ("count", "Frames"),
+        ]);
         table.push(vec!["a, \"b\"".into(), 0.012_345_678.into(), 3.into()]);
         table.push(vec!["c|d".into(), Cell::Empty, 12.into()]);
         table
@@ -252,7 +310,10 @@ mod tests {
 
     #[test]
     fn files_keep_every_digit() {
-        assert_eq!(table().to_csv(), "name,error_px,count\n\"a, \"\"b\"\"\",0.012345678,3\nc|d,,12\n");
+        assert_eq!(
+            table().to_csv(),
+            "name,error_px,count\n\"a, \"\"b\"\"\",0.012345678,3\nc|d,,12\n"
+        );
         assert_eq!(
             table().to_json(),
             serde_json::json!([{ "name": "a, \"b\"", "error_px": 0.012345678, "count": 3 }, { "name": "c|d", "count": 12 }])
@@ -263,13 +324,35 @@ mod tests {
     fn decimals_are_for_people_and_a_column_is_added_to_every_row() {
         let cells = [Cell::Fixed(0.123_456, 2), Cell::Fixed(f64::NAN, 2)];
         let table = table().with_column("share", "Share", cells);
-        assert!(table.to_markdown().contains("| 3 | 0.12 |") && table.to_markdown().contains("| 12 | – |"));
-        assert!(table.to_csv().contains(",3,0.123456\n") && table.to_csv().starts_with("name,error_px,count,share\n"));
+        assert!(
+            table.to_markdown().contains("| 3 | 0.12 |")
+                && table.to_markdown().contains("| 12 | – |")
+        );
+        assert!(
+            table.to_csv().contains(",3,0.123456\n")
+                && table.to_csv().starts_with("name,error_px,count,share\n")
+        );
     }
 
     #[test]
     fn four_digits_for_people() {
-        let shown = [0.0, 1.0, 12.3456, 1234.5, 99_999.4, 0.001_234_56, -0.5, 1e-9, f64::INFINITY].map(significant);
-        assert_eq!(shown, ["0", "1.000", "12.35", "1234", "99999", "0.001235", "-0.5000", "1.000e-9", "∞"]);
+        let shown = [
+            0.0,
+            1.0,
+            12.3456,
+            1234.5,
+            99_999.4,
+            0.001_234_56,
+            -0.5,
+            1e-9,
+            f64::INFINITY,
+        ]
+        .map(significant);
+        assert_eq!(
+            shown,
+            [
+                "0", "1.000", "12.35", "1234", "99999", "0.001235", "-0.5000", "1.000e-9", "∞"
+            ]
+        );
     }
 }

@@ -6,8 +6,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 pub(super) use touchline_core::files::folder_of;
 
-/// Writes a file so that a crash or a full disk at any moment leaves the old content or the new one: a temporary file in
-/// the same folder, flushed, renamed, and the folder flushed. The permissions of a file that is replaced are kept.
+/// Writes a file so that a crash or a full disk at any moment leaves the old content or the new
+/// one: a temporary file in the same folder, flushed, renamed, and the folder flushed. The
+/// permissions of a file that is replaced are kept.
 ///
 /// # Errors
 /// The folder is missing or not writable, or the disk is full; the old file is untouched.
@@ -15,12 +16,17 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_whole(path, bytes, true, &|| false).map(drop)
 }
 
-/// Writes a file as [`write_atomically`] does, unless another program has replaced the old one meanwhile: that is asked last of all,
-/// as flushing takes long enough for a sync client to come between. Whether it was written.
+/// Writes a file as [`write_atomically`] does, unless another program has replaced the old one
+/// meanwhile: that is asked last of all, as flushing takes long enough for a sync client to come
+/// between. Whether it was written.
 ///
 /// # Errors
 /// As [`write_atomically`].
-pub(super) fn write_unless_replaced(path: &Path, bytes: &[u8], is_replaced: &dyn Fn() -> bool) -> io::Result<bool> {
+pub(super) fn write_unless_replaced(
+    path: &Path,
+    bytes: &[u8],
+    is_replaced: &dyn Fn() -> bool,
+) -> io::Result<bool> {
     write_whole(path, bytes, true, is_replaced)
 }
 
@@ -32,7 +38,12 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_whole(path, bytes, false, &|| false).map(drop)
 }
 
-fn write_whole(path: &Path, bytes: &[u8], replace: bool, is_replaced: &dyn Fn() -> bool) -> io::Result<bool> {
+fn write_whole(
+    path: &Path,
+    bytes: &[u8],
+    replace: bool,
+    is_replaced: &dyn Fn() -> bool,
+) -> io::Result<bool> {
     let folder = folder_of(path);
     let mut file = calls::temporary_in(folder)?;
     calls::write_all(file.as_file_mut(), bytes)?;
@@ -48,8 +59,9 @@ fn write_whole(path: &Path, bytes: &[u8], replace: bool, is_replaced: &dyn Fn() 
     Ok(true)
 }
 
-/// Writes a result to the place that a user named. A regular file is replaced as by [`write_atomically`], one behind a link
-/// without touching the link; a pipe or a device is written to.
+/// Writes a result to the place that a user named. A regular file is replaced as by
+/// [`write_atomically`], one behind a link without touching the link; a pipe or a device is written
+/// to.
 ///
 /// # Errors
 /// As [`write_atomically`], or the pipe or device takes no bytes.
@@ -68,7 +80,8 @@ pub(super) fn is_pipe_or_device(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
-/// Keeps the file at `path` as `backup` as well, in place of an older backup; nothing happens where there is no file.
+/// Keeps the file at `path` as `backup` as well, in place of an older backup; nothing happens where
+/// there is no file.
 pub(super) fn keep_backup(path: &Path, backup: &Path) -> io::Result<()> {
     if !path.exists() {
         return Ok(());
@@ -105,7 +118,12 @@ fn copy_new(path: &Path, to: &Path) -> io::Result<()> {
 }
 
 /// Writes a new file under the first free name of `path.WORD-1ENDING`, `path.WORD-2ENDING`, ….
-pub(super) fn write_new_as(path: &Path, word: &str, ending: &str, bytes: &[u8]) -> io::Result<PathBuf> {
+pub(super) fn write_new_as(
+    path: &Path,
+    word: &str,
+    ending: &str,
+    bytes: &[u8],
+) -> io::Result<PathBuf> {
     let free = free_name(path, word, ending);
     write_atomically(&free, bytes)?;
     Ok(free)
@@ -131,7 +149,10 @@ pub(super) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 
 /// The name of a file, without its folder.
 pub(super) fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    path.file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
 }
 
 #[cfg(test)]
@@ -143,9 +164,16 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("new");
         write_new(&path, b"first").unwrap();
-        assert_eq!(write_new(&path, b"second").unwrap_err().kind(), io::ErrorKind::AlreadyExists);
+        assert_eq!(
+            write_new(&path, b"second").unwrap_err().kind(),
+            io::ErrorKind::AlreadyExists
+        );
         assert_eq!(fs::read(&path).unwrap(), b"first");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+        assert_eq!(
+            fs::read_dir(folder.path()).unwrap().count(),
+            1,
+            "no temporary file is left"
+        );
     }
 
     #[test]
@@ -163,9 +191,16 @@ mod tests {
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
-            assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+            assert_eq!(
+                fs::metadata(&path).unwrap().permissions().mode() & 0o777,
+                0o640
+            );
         }
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+        assert_eq!(
+            fs::read_dir(folder.path()).unwrap().count(),
+            1,
+            "no temporary file is left"
+        );
     }
 
     #[cfg(unix)]
@@ -175,13 +210,28 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::write(at("target"), "old").unwrap();
-        for (link, target) in [("link", at("target")), ("ahead", at("to come")), ("null", "/dev/null".into())] {
+        for (link, target) in [
+            ("link", at("target")),
+            ("ahead", at("to come")),
+            ("null", "/dev/null".into()),
+        ] {
             symlink(target, at(link)).unwrap();
             write_output(&at(link), b"new").unwrap();
             assert!(at(link).is_symlink(), "{link} was replaced");
         }
-        assert_eq!((fs::read(at("target")).unwrap(), fs::read(at("to come")).unwrap()), (b"new".into(), b"new".into()));
-        assert!(fs::metadata(at("null")).unwrap().file_type().is_char_device());
+        assert_eq!(
+            (
+                fs::read(at("target")).unwrap(),
+                fs::read(at("to come")).unwrap()
+            ),
+            (b"new".into(), b"new".into())
+        );
+        assert!(
+            fs::metadata(at("null"))
+                .unwrap()
+                .file_type()
+                .is_char_device()
+        );
     }
 
     #[test]
@@ -191,7 +241,11 @@ mod tests {
         fs::create_dir(&path).unwrap();
         assert!(write_atomically(&path, b"x").is_err());
         assert!(write_atomically(&folder.path().join("missing/a.json"), b"x").is_err());
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+        assert_eq!(
+            fs::read_dir(folder.path()).unwrap().count(),
+            1,
+            "no temporary file is left"
+        );
     }
 
     #[test]
@@ -202,7 +256,13 @@ mod tests {
             fs::write(&path, content).unwrap();
             set_aside(&path, &path, "orphan").unwrap();
         }
-        assert_eq!(fs::read_to_string(folder.path().join("a.orphan-1")).unwrap(), "1");
-        assert_eq!(fs::read_to_string(folder.path().join("a.orphan-2")).unwrap(), "2");
+        assert_eq!(
+            fs::read_to_string(folder.path().join("a.orphan-1")).unwrap(),
+            "1"
+        );
+        assert_eq!(
+            fs::read_to_string(folder.path().join("a.orphan-2")).unwrap(),
+            "2"
+        );
     }
 }

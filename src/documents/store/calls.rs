@@ -1,4 +1,5 @@
-//! The calls by which the store changes the disk: each passes one place, where its tests let it fail.
+//! The calls by which the store changes the disk: each passes one place, where its tests let it
+//! fail.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek as _, SeekFrom, Write as _};
@@ -18,7 +19,8 @@ fn tried<T>(call: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     }
 }
 
-/// Carries out a call that flushes what is at a path; in the store's tests it is noted what outlives a power cut.
+/// Carries out a call that flushes what is at a path; in the store's tests it is noted what
+/// outlives a power cut.
 fn flushed(path: &Path, call: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
     tried(call)?;
     #[cfg(test)]
@@ -71,7 +73,13 @@ pub(super) fn flush_data(file: &File, path: &Path) -> io::Result<()> {
 
 /// Flushes a folder's entries; only Unix can.
 pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
-    flushed(folder, || if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) })
+    flushed(folder, || {
+        if cfg!(unix) {
+            File::open(folder)?.sync_all()
+        } else {
+            Ok(())
+        }
+    })
 }
 
 /// Gives a temporary file its name, in the place of what is there or only where nothing is.
@@ -81,10 +89,12 @@ pub(super) fn persist(file: NamedTempFile, path: &Path, replace: bool) -> io::Re
             return file.persist(path).map(drop);
         }
         // Some file systems cannot rename without replacing.
-        file.persist_noclobber(path).map(drop).or_else(|refused| match refused.error.kind() {
-            io::ErrorKind::AlreadyExists => Err(refused),
-            _ => refused.file.persist(path).map(drop),
-        })
+        file.persist_noclobber(path)
+            .map(drop)
+            .or_else(|refused| match refused.error.kind() {
+                io::ErrorKind::AlreadyExists => Err(refused),
+                _ => refused.file.persist(path).map(drop),
+            })
     };
     tried(|| persist().map_err(|refused| refused.error))
 }

@@ -1,8 +1,9 @@
-//! A document on disk: opened with what its journal holds, journaled edit by edit, written whole and atomically.
+//! A document on disk: opened with what its journal holds, journaled edit by edit, written whole
+//! and atomically.
 
 use super::atomic::{
-    copy_aside, is_pipe_or_device, keep_backup, set_aside, write_atomically, write_new, write_output,
-    write_unless_replaced,
+    copy_aside, is_pipe_or_device, keep_backup, set_aside, write_atomically, write_new,
+    write_output, write_unless_replaced,
 };
 use super::calls;
 use super::history_file::{self, HistoryFile, HistoryLeftOut};
@@ -11,14 +12,17 @@ use super::lock::{Lock, lock};
 use super::own_version::OwnVersion;
 use super::replay::Replay;
 use super::{DocumentStore, Location, Orphan, Others, Outside, ReadOnly, StoreError};
-use crate::document::{Document, Edit, History, common_base, document_from_bytes, document_to_string};
+use crate::document::{
+    Document, Edit, History, common_base, document_from_bytes, document_to_string,
+};
 use std::fmt::Write as _;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use touchline_core::files::{read_regular, read_regular_within, remove_stray_files};
 
-/// How often a document and its journal are read again when another program replaces them in between.
+/// How often a document and its journal are read again when another program replaces them in
+/// between.
 const READ_ATTEMPTS: usize = 3;
 
 /// A document as it was opened.
@@ -28,7 +32,8 @@ pub struct Opened {
     pub location: Location,
     /// The document, with every edit that its journal held.
     pub document: Document,
-    /// The steps of earlier sessions that can be undone and redone; none where the document is read-only.
+    /// The steps of earlier sessions that can be undone and redone; none where the document is
+    /// read-only.
     pub history: History<Document>,
     /// The way to write it, or why there is none.
     pub access: Access,
@@ -38,7 +43,10 @@ pub struct Opened {
 
 /// Whether an opened document may be written.
 #[derive(Debug)]
-#[allow(clippy::large_enum_variant, reason = "there is one for each document that is open")]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one for each document that is open"
+)]
 pub enum Access {
     /// By this program alone.
     Writable(Store),
@@ -53,7 +61,8 @@ pub struct Recovery {
     pub edits: Vec<String>,
     /// How many bytes at the journal's end were unreadable.
     pub lost_bytes: u64,
-    /// The first edit that does not fit the document, and how many the journal holds from there on: they are not in it.
+    /// The first edit that does not fit the document, and how many the journal holds from there on:
+    /// they are not in it.
     pub misfit: Option<(String, usize)>,
     /// A journal with edits of another document, or a damaged one: it was kept under this name.
     pub set_aside: Option<PathBuf>,
@@ -76,14 +85,20 @@ impl Recovery {
         let mut text = match &self.edits[..] {
             [] => String::new(),
             [one] => format!("Recovered 1 edit: {one}."),
-            [.., last] => format!("Recovered {} edits, the last one: {last}.", self.edits.len()),
+            [.., last] => format!(
+                "Recovered {} edits, the last one: {last}.",
+                self.edits.len()
+            ),
         };
         let mut say = |sentence: std::fmt::Arguments| {
             text.push_str(if text.is_empty() { "" } else { " " });
             let _ = text.write_fmt(sentence);
         };
         if self.lost_bytes > 0 {
-            say(format_args!("The journal is incomplete: its last {} bytes are unreadable.", self.lost_bytes));
+            say(format_args!(
+                "The journal is incomplete: its last {} bytes are unreadable.",
+                self.lost_bytes
+            ));
         }
         if let Some((name, left_out)) = &self.misfit {
             let others = match left_out - 1 {
@@ -91,17 +106,28 @@ impl Recovery {
                 1 => "it and 1 edit after it are".to_owned(),
                 others => format!("it and {others} edits after it are"),
             };
-            say(format_args!("The edit {name:?} does not apply to the document: {others} left out."));
+            say(format_args!(
+                "The edit {name:?} does not apply to the document: {others} left out."
+            ));
         }
         if self.foreign_edits > 0 {
-            let edits = if self.foreign_edits == 1 { "edit is" } else { "edits are" };
-            say(format_args!("Another program changed the document: {} {edits} not in it.", self.foreign_edits));
+            let edits = if self.foreign_edits == 1 {
+                "edit is"
+            } else {
+                "edits are"
+            };
+            say(format_args!(
+                "Another program changed the document: {} {edits} not in it.",
+                self.foreign_edits
+            ));
         }
         if let Some(path) = &self.set_aside {
             say(format_args!("The journal is kept as {}.", path.display()));
         }
         if let Some(left_out) = &self.history {
-            say(format_args!("Steps of earlier sessions cannot be undone: {left_out}."));
+            say(format_args!(
+                "Steps of earlier sessions cannot be undone: {left_out}."
+            ));
         }
         (!text.is_empty()).then_some(text)
     }
@@ -114,15 +140,18 @@ pub struct Store {
     journal: Journal,
     /// The document's file as it was last read or written; none where there was no file.
     written: Option<(Document, DocumentHash)>,
-    /// The document's file as it was opened, or as another program left it when this program last wrote over it.
+    /// The document's file as it was opened, or as another program left it when this program last
+    /// wrote over it.
     opened: Option<Document>,
     /// What the window holds, kept beside the version of another program.
     own: Option<OwnVersion>,
-    /// The document that was to be written last. Where that failed at the very end, it is there already.
+    /// The document that was to be written last. Where that failed at the very end, it is there
+    /// already.
     announced: Option<DocumentHash>,
     /// The journal holds edits that the document's file lacks.
     behind: bool,
-    /// The journal was lost with the edits in it: nothing is journaled before the document is written whole.
+    /// The journal was lost with the edits in it: nothing is journaled before the document is
+    /// written whole.
     needs_whole: bool,
     lock: Lock,
 }
@@ -136,13 +165,29 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
     let lock = match lock(&location) {
         Ok(lock) => lock,
         Err(reason) => {
-            let Contents { document, recovery, .. } = read_contents(&location, Steps::Ignored)?;
+            let Contents {
+                document, recovery, ..
+            } = read_contents(&location, Steps::Ignored)?;
             let history = History::default();
-            return Ok(Opened { location, document, history, access: Access::ReadOnly(reason), recovery });
+            return Ok(Opened {
+                location,
+                document,
+                history,
+                access: Access::ReadOnly(reason),
+                recovery,
+            });
         }
     };
     let contents = read_contents(&location, Steps::Wanted)?;
-    let Contents { document, history, written, hash, mut recovery, whole_bytes, damage } = contents;
+    let Contents {
+        document,
+        history,
+        written,
+        hash,
+        mut recovery,
+        whole_bytes,
+        damage,
+    } = contents;
     remove_stray_files(location.folder());
     let path = location.journal();
     let io = |source| StoreError::from_io("write", &path, source);
@@ -162,7 +207,13 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
     } else {
         store.behind = true;
     }
-    Ok(Opened { location, document, history, access: Access::Writable(store), recovery })
+    Ok(Opened {
+        location,
+        document,
+        history,
+        access: Access::Writable(store),
+        recovery,
+    })
 }
 
 /// Reads a document with the edits that its journal holds, and writes nothing.
@@ -171,49 +222,71 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
 /// There is no document, it cannot be read, or it is not one.
 pub fn read(path: &Path) -> Result<(Location, Document, Recovery), StoreError> {
     let location = Location::find(path)?;
-    let Contents { document, recovery, .. } = read_contents(&location, Steps::Ignored)?;
+    let Contents {
+        document, recovery, ..
+    } = read_contents(&location, Steps::Ignored)?;
     Ok((location, document, recovery))
 }
 
 /// Writes a document that is not open anywhere: a command's result, a dataset, a new project.
 ///
-/// Where a project has been edited, its last version and the edits that only its journal holds are kept beside.
+/// Where a project has been edited, its last version and the edits that only its journal holds are
+/// kept beside.
 ///
 /// # Errors
 /// Something is there and `replace` is false, another program has it open, or it cannot be written.
-pub fn write_document(location: &Location, document: &Document, replace: bool) -> Result<(), StoreError> {
+pub fn write_document(
+    location: &Location,
+    document: &Document,
+    replace: bool,
+) -> Result<(), StoreError> {
     let path = location.file();
     if path.exists() && !replace {
-        return Err(StoreError::Exists { path: path.to_path_buf() });
+        return Err(StoreError::Exists {
+            path: path.to_path_buf(),
+        });
     }
     if location.journal().exists() || location.lock().exists() {
         return Store::replace(location, document).map(drop);
     }
-    let text = document_to_string(document).map_err(|source| StoreError::Write { path: path.to_path_buf(), source })?;
+    let text = document_to_string(document).map_err(|source| StoreError::Write {
+        path: path.to_path_buf(),
+        source,
+    })?;
     if is_pipe_or_device(path) {
-        return write_output(path, text.as_bytes()).map_err(|source| StoreError::from_io("write", path, source));
+        return write_output(path, text.as_bytes())
+            .map_err(|source| StoreError::from_io("write", path, source));
     }
     if !replace && !path.is_symlink() {
         return write_new(path, text.as_bytes()).map_err(|source| match source.kind() {
-            io::ErrorKind::AlreadyExists => StoreError::Exists { path: path.to_path_buf() },
+            io::ErrorKind::AlreadyExists => StoreError::Exists {
+                path: path.to_path_buf(),
+            },
             _ => StoreError::from_io("write", path, source),
         });
     }
     let backup = location.backup();
     keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
-    write_atomically(path, text.as_bytes()).map_err(|source| StoreError::from_io("write", path, source))
+    write_atomically(path, text.as_bytes())
+        .map_err(|source| StoreError::from_io("write", path, source))
 }
 
-/// Refuses a document that another program has open; to be asked before the work begins whose result is to replace it.
+/// Refuses a document that another program has open; to be asked before the work begins whose
+/// result is to replace it.
 ///
 /// # Errors
 /// It is open elsewhere, or cannot be written.
 pub fn refuse_open(path: &Path) -> Result<(), StoreError> {
-    let Ok(location) = Location::find(path) else { return Ok(()) };
+    let Ok(location) = Location::find(path) else {
+        return Ok(());
+    };
     if !location.lock().exists() {
         return Ok(());
     }
-    let read_only = |reason| StoreError::ReadOnly { path: location.file().to_path_buf(), reason };
+    let read_only = |reason| StoreError::ReadOnly {
+        path: location.file().to_path_buf(),
+        reason,
+    };
     lock(&location).map(drop).map_err(read_only)
 }
 
@@ -225,7 +298,8 @@ fn set_orphan_aside(path: &Path) -> Result<(), StoreError> {
         Err(source) => return Err(StoreError::from_io("read", path, source)),
     };
     if holds_edits {
-        set_aside(path, path, "orphan").map_err(|source| StoreError::from_io("write", path, source))?;
+        set_aside(path, path, "orphan")
+            .map_err(|source| StoreError::from_io("write", path, source))?;
     }
     Ok(())
 }
@@ -264,7 +338,8 @@ fn read_contents(location: &Location, steps: Steps) -> Result<Contents, StoreErr
     let mut attempt = 1;
     loop {
         let contents = read_contents_once(location, steps)?;
-        // A journal of another document may be one of a document that was replaced between the two readings.
+        // A journal of another document may be one of a document that was replaced between the two
+        // readings.
         if contents.recovery.foreign_edits == 0 || attempt == READ_ATTEMPTS {
             return Ok(contents);
         }
@@ -284,9 +359,19 @@ fn read_contents_once(location: &Location, steps: Steps) -> Result<Contents, Sto
     let content = JournalContent::parse(&bytes);
     let (whole_bytes, lost_bytes) = (content.whole_bytes, content.lost_bytes);
     let lost = &bytes[whole_bytes as usize..];
-    let goes_on = lost.iter().position(|byte| *byte == b'\n').is_some_and(|end| end + 1 < lost.len());
-    let mut damage = if goes_on { Damage::Unreadable } else { Damage::None };
-    let mut recovery = Recovery { lost_bytes, ..Recovery::default() };
+    let goes_on = lost
+        .iter()
+        .position(|byte| *byte == b'\n')
+        .is_some_and(|end| end + 1 < lost.len());
+    let mut damage = if goes_on {
+        Damage::Unreadable
+    } else {
+        Damage::None
+    };
+    let mut recovery = Recovery {
+        lost_bytes,
+        ..Recovery::default()
+    };
     let file = match steps {
         Steps::Wanted => HistoryFile::read(&location.history()).unwrap_or_else(|left_out| {
             replay.left_out = Some(left_out);
@@ -298,7 +383,9 @@ fn read_contents_once(location: &Location, steps: Steps) -> Result<Contents, Sto
         Pending::Newer { version } => return Err(StoreError::NewerJournal { path, version }),
         Pending::OtherDocument { edits } => {
             recovery.foreign_edits = edits;
-            replay.left_out = replay.left_out.or(file.map(|_| HistoryLeftOut::OtherDocument));
+            replay.left_out = replay
+                .left_out
+                .or(file.map(|_| HistoryLeftOut::OtherDocument));
         }
         Pending::Edits(pending) => {
             let count = pending.edits.len();
@@ -309,9 +396,23 @@ fn read_contents_once(location: &Location, steps: Steps) -> Result<Contents, Sto
             }
         }
     }
-    let Replay { document, history, edits, left_out, .. } = replay;
+    let Replay {
+        document,
+        history,
+        edits,
+        left_out,
+        ..
+    } = replay;
     (recovery.edits, recovery.history) = (edits, left_out);
-    Ok(Contents { document, history, written, hash, recovery, whole_bytes, damage })
+    Ok(Contents {
+        document,
+        history,
+        written,
+        hash,
+        recovery,
+        whole_bytes,
+        damage,
+    })
 }
 
 /// The largest document that is read: a million solved frames.
@@ -323,7 +424,11 @@ fn read_document(location: &Location) -> Result<(Document, DocumentHash), StoreE
     let bytes = bytes.map_err(|source| StoreError::from_io("read", path, source))?;
     let document = document_from_bytes(&bytes).map_err(|source| {
         let backup = Some(location.backup()).filter(|backup| backup.exists());
-        StoreError::Read { path: path.to_path_buf(), source, backup }
+        StoreError::Read {
+            path: path.to_path_buf(),
+            source,
+            backup,
+        }
     })?;
     Ok((document, hash_of(&bytes)))
 }
@@ -335,18 +440,23 @@ impl Store {
     /// Something is there already, or it cannot be written.
     pub fn create(location: &Location, document: &Document) -> Result<Self, StoreError> {
         if location.file().exists() {
-            return Err(StoreError::Exists { path: location.file().to_path_buf() });
+            return Err(StoreError::Exists {
+                path: location.file().to_path_buf(),
+            });
         }
         Self::replace(location, document)
     }
 
-    /// Writes a document to a place, whatever document is there; that one is kept as the backup, and a journal with
-    /// edits that are not in it is set aside.
+    /// Writes a document to a place, whatever document is there; that one is kept as the backup,
+    /// and a journal with edits that are not in it is set aside.
     ///
     /// # Errors
     /// Another program has it open, or it cannot be written.
     pub fn replace(location: &Location, document: &Document) -> Result<Self, StoreError> {
-        let read_only = |reason| StoreError::ReadOnly { path: location.file().to_path_buf(), reason };
+        let read_only = |reason| StoreError::ReadOnly {
+            path: location.file().to_path_buf(),
+            reason,
+        };
         let lock = lock(location).map_err(read_only)?;
         let path = location.journal();
         let io = |source| StoreError::from_io("write", &path, source);
@@ -359,10 +469,25 @@ impl Store {
     }
 
     /// A store whose journal holds no edit that the file lacks.
-    fn begun(location: Location, journal: Journal, written: Option<(Document, DocumentHash)>, lock: Lock) -> Self {
+    fn begun(
+        location: Location,
+        journal: Journal,
+        written: Option<(Document, DocumentHash)>,
+        lock: Lock,
+    ) -> Self {
         let opened = written.as_ref().map(|(document, _)| document.clone());
         let (own, announced) = (None, None);
-        Self { location, journal, written, opened, own, announced, behind: false, needs_whole: false, lock }
+        Self {
+            location,
+            journal,
+            written,
+            opened,
+            own,
+            announced,
+            behind: false,
+            needs_whole: false,
+            lock,
+        }
     }
 
     /// Where the document lies.
@@ -371,20 +496,28 @@ impl Store {
         &self.location
     }
 
-    /// Writes the document with its history, keeps the version before as the backup, and restarts the journal.
+    /// Writes the document with its history, keeps the version before as the backup, and restarts
+    /// the journal.
     ///
     /// # Errors
-    /// Another program changed the file since, or it cannot be written. Whatever fails, the file on disk is whole and the
-    /// journal still holds every edit.
-    pub fn save(&mut self, document: &Document, history: &History<Document>) -> Result<(), StoreError> {
+    /// Another program changed the file since, or it cannot be written. Whatever fails, the file on
+    /// disk is whole and the journal still holds every edit.
+    pub fn save(
+        &mut self,
+        document: &Document,
+        history: &History<Document>,
+    ) -> Result<(), StoreError> {
         let on_disk = self.hash_on_disk()?;
         if self.is_of_others(on_disk.as_ref()) {
-            return Err(StoreError::ChangedOutside { path: self.location.file().to_path_buf() });
+            return Err(StoreError::ChangedOutside {
+                path: self.location.file().to_path_buf(),
+            });
         }
         self.write(document, Some(history), on_disk.as_ref())
     }
 
-    /// Writes the document although another program changed the file; that version is set aside, and its name returned.
+    /// Writes the document although another program changed the file; that version is set aside,
+    /// and its name returned.
     ///
     /// # Errors
     /// It cannot be written.
@@ -398,7 +531,10 @@ impl Store {
         let on_disk = self.hash_on_disk()?;
         if self.is_of_others(on_disk.as_ref()) {
             theirs = read_document(&self.location).ok();
-            kept = Some(copy_aside(&path, "outside").map_err(|source| StoreError::from_io("copy", &path, source))?);
+            kept = Some(
+                copy_aside(&path, "outside")
+                    .map_err(|source| StoreError::from_io("copy", &path, source))?,
+            );
         }
         self.write(document, Some(history), on_disk.as_ref())?;
         if let Some((theirs, _)) = theirs {
@@ -425,18 +561,22 @@ impl Store {
         }
     }
 
-    /// Whether a file was written by another program. One that is gone counts as ours: there is nothing to lose.
+    /// Whether a file was written by another program. One that is gone counts as ours: there is
+    /// nothing to lose.
     fn is_of_others(&self, on_disk: Option<&DocumentHash>) -> bool {
         on_disk.is_some_and(|hash| !self.has_written(hash) && self.announced.as_ref() != Some(hash))
     }
 
     /// Whether the document of this hash is what was last read or written here.
     fn has_written(&self, hash: &DocumentHash) -> bool {
-        self.written.as_ref().is_some_and(|(_, written)| written == hash)
+        self.written
+            .as_ref()
+            .is_some_and(|(_, written)| written == hash)
     }
 
-    /// Writes the document in place of the file of the hash `on_disk`, and not of another that came meanwhile. A history that is given
-    /// is written just before it, so that after a crash between the two it belongs to what the journal leads to.
+    /// Writes the document in place of the file of the hash `on_disk`, and not of another that came
+    /// meanwhile. A history that is given is written just before it, so that after a crash between
+    /// the two it belongs to what the journal leads to.
     fn write(
         &mut self,
         document: &Document,
@@ -445,70 +585,100 @@ impl Store {
     ) -> Result<(), StoreError> {
         self.settle_again()?;
         let path = self.location.file();
-        let text =
-            document_to_string(document).map_err(|source| StoreError::Write { path: path.to_path_buf(), source })?;
+        let text = document_to_string(document).map_err(|source| StoreError::Write {
+            path: path.to_path_buf(),
+            source,
+        })?;
         let hash = hash_of(text.as_bytes());
         // The file is asked and not what is remembered of it: another program may have replaced it.
         let is_there = on_disk == Some(&hash);
         let changes = !is_there || !self.has_written(&hash);
         if changes {
-            self.journal.announce(&hash).map_err(|source| self.journal_error(source))?;
+            self.journal
+                .announce(&hash)
+                .map_err(|source| self.journal_error(source))?;
             self.announced = Some(hash.clone());
         }
         if let Some(history) = history {
             let path = self.location.history();
             if let Err(error) = history_file::write(&path, &hash, document, history) {
-                log::warn!("{}: {error}; after closing, these steps cannot be undone", path.display());
+                log::warn!(
+                    "{}: {error}; after closing, these steps cannot be undone",
+                    path.display()
+                );
             }
         }
         if is_there && changes {
             // Writing failed at its very end, and the version before it is the backup.
-            calls::flush_folder(self.location.folder()).map_err(|source| StoreError::from_io("write", path, source))?;
+            calls::flush_folder(self.location.folder())
+                .map_err(|source| StoreError::from_io("write", path, source))?;
         } else if changes {
             let backup = self.location.backup();
-            keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
-            let is_written = self.write_text(&text, &|| self.hash_on_disk().ok().flatten().as_ref() != on_disk);
+            keep_backup(path, &backup)
+                .map_err(|source| StoreError::from_io("write", &backup, source))?;
+            let is_written = self.write_text(&text, &|| {
+                self.hash_on_disk().ok().flatten().as_ref() != on_disk
+            });
             if !is_written.map_err(|source| StoreError::from_io("write", path, source))? {
-                return Err(StoreError::ChangedOutside { path: path.to_path_buf() });
+                return Err(StoreError::ChangedOutside {
+                    path: path.to_path_buf(),
+                });
             }
         }
         self.opened.get_or_insert_with(|| document.clone());
         self.written = Some((document.clone(), hash.clone()));
         (self.behind, self.needs_whole) = (false, false);
-        // The document holds everything now. A journal that cannot be restarted still says so by the announcement.
-        self.journal.restart(&hash).map_err(|source| self.journal_error(source))
+        // The document holds everything now. A journal that cannot be restarted still says so by
+        // the announcement.
+        self.journal
+            .restart(&hash)
+            .map_err(|source| self.journal_error(source))
     }
 
-    /// Writes the document's file, unless another program replaces it meanwhile. On a full disk the history gives way to it.
+    /// Writes the document's file, unless another program replaces it meanwhile. On a full disk the
+    /// history gives way to it.
     fn write_text(&self, text: &str, is_replaced: &dyn Fn() -> bool) -> io::Result<bool> {
         let path = self.location.file();
-        let is_full =
-            |error: &io::Error| matches!(error.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded);
+        let is_full = |error: &io::Error| {
+            matches!(
+                error.kind(),
+                io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded
+            )
+        };
         match write_unless_replaced(path, text.as_bytes(), is_replaced) {
-            Err(error) if is_full(&error) && history_file::remove(&self.location.history()).is_ok() => {
+            Err(error)
+                if is_full(&error) && history_file::remove(&self.location.history()).is_ok() =>
+            {
                 write_unless_replaced(path, text.as_bytes(), is_replaced)
             }
             written => written,
         }
     }
 
-    /// Makes journal and lock anew where they were deleted, or where the folder was taken away and is there again.
+    /// Makes journal and lock anew where they were deleted, or where the folder was taken away and
+    /// is there again.
     fn settle_again(&mut self) -> Result<(), StoreError> {
         if self.journal.is_in_place() {
             return Ok(());
         }
         let folder = self.location.folder();
         if !folder.is_dir() {
-            return Err(StoreError::Gone { path: folder.to_path_buf() });
+            return Err(StoreError::Gone {
+                path: folder.to_path_buf(),
+            });
         }
         if !self.lock.is_in_place() {
-            let read_only = |reason| StoreError::ReadOnly { path: self.location.file().to_path_buf(), reason };
+            let read_only = |reason| StoreError::ReadOnly {
+                path: self.location.file().to_path_buf(),
+                reason,
+            };
             self.lock = lock(&self.location).map_err(read_only)?;
         }
         let path = self.location.journal();
         set_orphan_aside(&path)?;
         self.needs_whole = true;
-        self.journal = Journal::open(&path, 0).map_err(|source| StoreError::from_io("write", &path, source))?;
+        self.journal = Journal::open(&path, 0)
+            .map_err(|source| StoreError::from_io("write", &path, source))?;
         Ok(())
     }
 
@@ -518,7 +688,13 @@ impl Store {
             return StoreError::from_io("write", &path, source);
         }
         let folder = self.location.folder();
-        StoreError::Gone { path: if folder.is_dir() { path } else { folder.to_path_buf() } }
+        StoreError::Gone {
+            path: if folder.is_dir() {
+                path
+            } else {
+                folder.to_path_buf()
+            },
+        }
     }
 }
 
@@ -529,9 +705,13 @@ impl DocumentStore for Store {
 
     fn append(&mut self, edits: &[Edit]) -> Result<(), StoreError> {
         if self.needs_whole {
-            return Err(StoreError::Gone { path: self.location.journal() });
+            return Err(StoreError::Gone {
+                path: self.location.journal(),
+            });
         }
-        self.journal.append(edits).map_err(|source| self.journal_error(source))?;
+        self.journal
+            .append(edits)
+            .map_err(|source| self.journal_error(source))?;
         self.behind = true;
         if let Some(own) = &mut self.own {
             own.is_whole = false;
@@ -555,17 +735,27 @@ impl DocumentStore for Store {
         let base = match self.since() {
             Ok(None) => return Ok(None),
             Ok(Some(Outside { mut base, theirs })) => {
-                // Revisions cannot tell a later state from a fork of an earlier one with as many edits: what theirs lacks is kept.
-                base.frames = base.frames.iter().filter(|frame| !frame.gives_way_in(&theirs)).cloned().collect();
+                // Revisions cannot tell a later state from a fork of an earlier one with as many
+                // edits: what theirs lacks is kept.
+                base.frames = base
+                    .frames
+                    .iter()
+                    .filter(|frame| !frame.gives_way_in(&theirs))
+                    .cloned()
+                    .collect();
                 base
             }
             // What is no document takes nothing from what is held here.
             Err(error) => self.opened.clone().ok_or(error)?,
         };
         let version = OwnVersion::write(self.own.take(), &self.location, &base, own)?;
-        let Some(version) = version else { return Ok(None) };
+        let Some(version) = version else {
+            return Ok(None);
+        };
         // Edits from here on start from it: should they be set aside, too, they find it.
-        self.journal.announce(version.hash()).map_err(|source| self.journal_error(source))?;
+        self.journal
+            .announce(version.hash())
+            .map_err(|source| self.journal_error(source))?;
         let orphan = version.as_orphan();
         self.own = Some(version);
         Ok(Some(orphan))

@@ -114,11 +114,17 @@ impl StoreError {
                 Self::NoWorkingFolder { path }
             }
             io::ErrorKind::NotFound if action == "find" => Self::NotFound { path },
-            _ => Self::Io { action, path, source },
+            _ => Self::Io {
+                action,
+                path,
+                source,
+            },
         }
     }
 }
 
 fn backup_hint(backup: Option<&Path>) -> String {
-    backup.map_or_else(String::new, |path| format!("; the version before it is {}", path.display()))
+    backup.map_or_else(String::new, |path| {
+        format!("; the version before it is {}", path.display())
+    })
 }

@@ -1,5 +1,5 @@
-//! Faults under the store's calls: any one of them fails, before or after it did its work, or all do from one on; and what
-//! is left of a folder when the power goes.
+//! Faults under the store's calls: any one of them fails, before or after it did its work, or all
+//! do from one on; and what is left of a folder when the power goes.
 
 use super::{Access, DocumentStore as _, Location, Opened, Store, StoreError, open, read};
 use crate::document::{Click, Document, Edit, FieldSpec, Frame, History, Step};
@@ -99,8 +99,12 @@ pub(super) fn note_flushed(path: &Path) {
         let id = |path: &Path| fs::metadata(path).map(|metadata| metadata.ino());
         if path.is_dir() {
             let entries = fs::read_dir(path).into_iter().flatten().flatten();
-            let named =
-                entries.filter_map(|entry| Some((entry.file_name().into_string().ok()?, id(&entry.path()).ok()?)));
+            let named = entries.filter_map(|entry| {
+                Some((
+                    entry.file_name().into_string().ok()?,
+                    id(&entry.path()).ok()?,
+                ))
+            });
             plan.durable.names = named.collect();
         } else if let (Ok(id), Ok(bytes)) = (id(path), fs::read(path)) {
             plan.durable.contents.insert(id, bytes);
@@ -118,7 +122,8 @@ fn all_flushed(folder: &Path) {
     }
 }
 
-/// What is there after the power went: names and contents as they were flushed, nothing where that never happened.
+/// What is there after the power went: names and contents as they were flushed, nothing where that
+/// never happened.
 fn after_power_cut() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     PLAN.with_borrow(|plan| {
@@ -144,7 +149,14 @@ const STEPS: usize = 7;
 
 fn start() -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
-    let frame = |index| Frame::from_image(&format!("{index}.jpg"), "main".into(), ImageSize::new(1280, 720)).into();
+    let frame = |index| {
+        Frame::from_image(
+            &format!("{index}.jpg"),
+            "main".into(),
+            ImageSize::new(1280, 720),
+        )
+        .into()
+    };
     document.frames = (0..2).map(frame).collect();
     document
 }
@@ -152,7 +164,9 @@ fn start() -> Document {
 fn clicked(before: &Document, number: usize) -> Document {
     let mut after = before.clone();
     let frame = &mut after.frames[number % 2];
-    frame.clicks.push(Click::unnamed(ImagePoint::new(number as f64, 0.5)));
+    frame
+        .clicks
+        .push(Click::unnamed(ImagePoint::new(number as f64, 0.5)));
     frame.revision += 1;
     after
 }
@@ -172,13 +186,20 @@ fn clicks(document: &Document) -> usize {
     document.frames.iter().map(|frame| frame.clicks.len()).sum()
 }
 
-/// A message says what and where in one line, without names that nobody gave, and the way out where there is one.
+/// A message says what and where in one line, without names that nobody gave, and the way out where
+/// there is one.
 fn assert_said(error: &StoreError, folder: &Path) {
     let said = error.to_string();
     let place = folder.to_string_lossy();
-    assert!(said.contains(&*place) && !said.contains('\n') && !said.contains(".touchline-"), "{said}");
+    assert!(
+        said.contains(&*place) && !said.contains('\n') && !said.contains(".touchline-"),
+        "{said}"
+    );
     if said.contains("no storage space") {
-        assert!(said.contains("free some space") || said.contains("save a copy elsewhere"), "{said}");
+        assert!(
+            said.contains("free some space") || said.contains("save a copy elsewhere"),
+            "{said}"
+        );
     }
 }
 
@@ -192,9 +213,14 @@ struct Session {
     refused: usize,
 }
 
-/// Somebody opens a project, clicks, saves now and then, and closes it. What fails is tried `again`, or is the end.
+/// Somebody opens a project, clicks, saves now and then, and closes it. What fails is tried
+/// `again`, or is the end.
 fn session(folder: &Path, again: bool) -> Session {
-    let mut session = Session { acknowledged: 0, made: 0, refused: 0 };
+    let mut session = Session {
+        acknowledged: 0,
+        made: 0,
+        refused: 0,
+    };
     let _ = try_session(folder, again, &mut session);
     session
 }
@@ -221,10 +247,15 @@ fn with_retry<T>(
 fn try_session(folder: &Path, again: bool, session: &mut Session) -> Option<()> {
     let file = folder.join("project.json");
     let (store, mut document) = with_retry(folder, again, session, || {
-        let Opened { document, access, .. } = open(&file)?;
+        let Opened {
+            document, access, ..
+        } = open(&file)?;
         match access {
             Access::Writable(store) => Ok((store, document)),
-            Access::ReadOnly(reason) => Err(StoreError::ReadOnly { path: file.clone(), reason }),
+            Access::ReadOnly(reason) => Err(StoreError::ReadOnly {
+                path: file.clone(),
+                reason,
+            }),
         }
     })?;
     // A program that dies closes nothing.
@@ -236,7 +267,9 @@ fn try_session(folder: &Path, again: bool, session: &mut Session) -> Option<()> 
         history.commit(&after);
         let edit = Edit::between(&document, &after, "Click");
         session.made = number + 1;
-        with_retry(folder, again, session, || store.append(std::slice::from_ref(&edit)))?;
+        with_retry(folder, again, session, || {
+            store.append(std::slice::from_ref(&edit))
+        })?;
         (document, session.acknowledged) = (after, number + 1);
         if number % 3 == 1 {
             with_retry(folder, again, session, || store.save(&document, &history))?;
@@ -272,7 +305,11 @@ fn assert_kept(left: &Path, session: &Session, what: &str) {
         session.acknowledged
     );
     assert_eq!(document.frames, states[found].frames, "{what}");
-    assert_eq!((recovery.foreign_edits, recovery.misfit), (0, None), "{what}");
+    assert_eq!(
+        (recovery.foreign_edits, recovery.misfit),
+        (0, None),
+        "{what}"
+    );
     // It opens for writing, and the next session goes on to the end.
     let next = self::session(&fs::canonicalize(left).unwrap(), false);
     assert_eq!(next.refused, 0, "{what}");
@@ -307,13 +344,21 @@ fn whichever_call_fails_nothing_acknowledged_is_lost_and_the_retry_works() {
             }
         }
     }
-    assert!(refused > 2 * count, "most failures are said: {refused} of {}", 4 * count);
+    assert!(
+        refused > 2 * count,
+        "most failures are said: {refused} of {}",
+        4 * count
+    );
 }
 
 #[test]
 fn a_program_that_dies_at_any_call_keeps_what_it_acknowledged() {
     for failing in 0..calls_of_a_session() {
-        for fault in [Fault::From(failing), Fault::Before(failing), Fault::After(failing)] {
+        for fault in [
+            Fault::From(failing),
+            Fault::Before(failing),
+            Fault::After(failing),
+        ] {
             let folder = project();
             plan(fault, Refusal::Broken);
             let session = session(&fs::canonicalize(folder.path()).unwrap(), false);
@@ -333,7 +378,11 @@ fn a_power_cut_at_any_call_keeps_what_was_acknowledged() {
         let session = session(&fs::canonicalize(folder.path()).unwrap(), false);
         let left = after_power_cut();
         plan(Fault::None, Refusal::Broken);
-        assert_kept(left.path(), &session, &format!("power cut at call {failing}"));
+        assert_kept(
+            left.path(),
+            &session,
+            &format!("power cut at call {failing}"),
+        );
     }
 }
 
@@ -345,12 +394,20 @@ fn after_a_journal_is_lost_nothing_is_acknowledged_before_the_document_is_whole(
     for failing in 0..30 {
         let folder = project();
         let place = fs::canonicalize(folder.path()).unwrap();
-        let Opened { access: Access::Writable(mut store), location, .. } = open(&place).unwrap() else {
+        let Opened {
+            access: Access::Writable(mut store),
+            location,
+            ..
+        } = open(&place).unwrap()
+        else {
             panic!("read-only")
         };
         store.append(&[edit(1)]).unwrap();
         fs::remove_file(location.journal()).unwrap();
-        assert!(matches!(store.append(&[edit(2)]), Err(StoreError::Gone { .. })));
+        assert!(matches!(
+            store.append(&[edit(2)]),
+            Err(StoreError::Gone { .. })
+        ));
         // The disk is full when the document is to be written in its stead.
         plan(Fault::From(failing), Refusal::NoSpace);
         let saved = store.save(&states[2], &History::default());
@@ -358,13 +415,20 @@ fn after_a_journal_is_lost_nothing_is_acknowledged_before_the_document_is_whole(
         match store.append(&[edit(3)]) {
             Ok(()) => saved_early += 1,
             Err(error) => {
-                assert!(saved.is_err() && matches!(error, StoreError::Gone { .. }), "failing from {failing}: {error}");
+                assert!(
+                    saved.is_err() && matches!(error, StoreError::Gone { .. }),
+                    "failing from {failing}: {error}"
+                );
                 store.save(&states[2], &History::default()).unwrap();
                 store.append(&[edit(3)]).unwrap();
             }
         }
         let left = after_kill(&place);
-        assert_eq!(read(left.path()).unwrap().1.frames, states[3].frames, "failing from {failing}");
+        assert_eq!(
+            read(left.path()).unwrap().1.frames,
+            states[3].frames,
+            "failing from {failing}"
+        );
     }
     assert!((1..30).contains(&saved_early), "{saved_early}");
 }

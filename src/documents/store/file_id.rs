@@ -1,4 +1,5 @@
-//! Which file a path leads to: what tells a file that is still in its place from one that was moved or replaced.
+//! Which file a path leads to: what tells a file that is still in its place from one that was moved
+//! or replaced.
 
 #[cfg(unix)]
 use std::fs::Metadata;

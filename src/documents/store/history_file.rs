@@ -1,11 +1,13 @@
-//! The file beside a saved document with the steps that can be undone and redone: undo survives closing and opening.
+//! The file beside a saved document with the steps that can be undone and redone: undo survives
+//! closing and opening.
 //!
-//! Checksummed lines (see [`lines`](super::lines)): the first names the document that the steps start from (its SHA-256) and
-//! counts them, then one line a step, as an edit by frame id: undo from the last step back, then redo from the next step on.
-//! The file is written whole just before its document is, so that it belongs to that document or to what the journal leads to.
-//! It holds at most [`History::DEFAULT_LIMIT`] steps and [`MOST_BYTES`] in each direction; the farthest steps are left out.
-//! It is a convenience: one that does not belong to the document, or is damaged, is left out and said so, and what cannot
-//! be written keeps no document from being saved.
+//! Checksummed lines (see [`lines`](super::lines)): the first names the document that the steps
+//! start from (its SHA-256) and counts them, then one line a step, as an edit by frame id: undo
+//! from the last step back, then redo from the next step on. The file is written whole just before
+//! its document is, so that it belongs to that document or to what the journal leads to. It holds
+//! at most [`History::DEFAULT_LIMIT`] steps and [`MOST_BYTES`] in each direction; the farthest
+//! steps are left out. It is a convenience: one that does not belong to the document, or is
+//! damaged, is left out and said so, and what cannot be written keeps no document from being saved.
 
 use super::atomic::write_atomically;
 use super::calls;
@@ -21,8 +23,8 @@ use touchline_core::files::open_regular;
 
 /// The version of the file that this program writes and reads.
 const VERSION: u32 = 1;
-/// The most bytes of steps to undo, and of steps to redo. A step that changed one frame has a few kilobytes; one that moved
-/// the base changed every solved frame.
+/// The most bytes of steps to undo, and of steps to redo. A step that changed one frame has a few
+/// kilobytes; one that moved the base changed every solved frame.
 pub(super) const MOST_BYTES: usize = 32 << 20;
 /// A file of more bytes was not written by this program.
 const MOST_FILE_BYTES: u64 = 2 * MOST_BYTES as u64 + 1024;
@@ -92,7 +94,9 @@ pub(super) struct HistoryFile {
 impl HistoryFile {
     /// Reads the file at a path; none where there is none.
     pub fn read(path: &Path) -> Result<Option<Self>, HistoryLeftOut> {
-        let unreadable = |error: io::Error| HistoryLeftOut::Unreadable { reason: error.to_string() };
+        let unreadable = |error: io::Error| HistoryLeftOut::Unreadable {
+            reason: error.to_string(),
+        };
         let file = match open_regular(path, OpenOptions::new().read(true)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             other => other.map_err(unreadable)?,
@@ -102,19 +106,26 @@ impl HistoryFile {
             return Err(HistoryLeftOut::TooLarge { bytes });
         }
         let mut bytes = Vec::new();
-        file.take(MOST_FILE_BYTES).read_to_end(&mut bytes).map_err(unreadable)?;
+        file.take(MOST_FILE_BYTES)
+            .read_to_end(&mut bytes)
+            .map_err(unreadable)?;
         Self::parse(bytes).map(Some)
     }
 
     fn parse(mut bytes: Vec<u8>) -> Result<Self, HistoryLeftOut> {
-        let Some((json, length)) = first_line(&bytes) else { return Err(HistoryLeftOut::Damaged) };
+        let Some((json, length)) = first_line(&bytes) else {
+            return Err(HistoryLeftOut::Damaged);
+        };
         // Of a newer version not more may be known than its number.
         let header: Option<serde_json::Value> = serde_json::from_slice(json).ok();
-        let version = header.and_then(|header| u32::try_from(header["history"]["version"].as_u64()?).ok());
+        let version =
+            header.and_then(|header| u32::try_from(header["history"]["version"].as_u64()?).ok());
         if let Some(version) = version.filter(|version| *version > VERSION) {
             return Err(HistoryLeftOut::Newer { version });
         }
-        let Ok(Record::History(header)) = serde_json::from_slice(json) else { return Err(HistoryLeftOut::Damaged) };
+        let Ok(Record::History(header)) = serde_json::from_slice(json) else {
+            return Err(HistoryLeftOut::Damaged);
+        };
         let steps = bytes.split_off(length);
         Ok(Self { header, steps })
     }
@@ -152,7 +163,8 @@ impl HistoryFile {
     }
 }
 
-/// Writes the steps before and after a document of this hash; where there are none, a file of earlier ones goes.
+/// Writes the steps before and after a document of this hash; where there are none, a file of
+/// earlier ones goes.
 pub(super) fn write(
     path: &Path,
     hash: &DocumentHash,
@@ -178,12 +190,21 @@ pub(super) fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
-fn bytes(hash: &DocumentHash, document: &Document, history: &History<Document>) -> io::Result<Vec<u8>> {
+fn bytes(
+    hash: &DocumentHash,
+    document: &Document,
+    history: &History<Document>,
+) -> io::Result<Vec<u8>> {
     // Undo goes back and forth in what people did, without what is suggested.
     let edited = document.without_suggestions();
     let (undo_lines, undo) = lines(history.undo_edits(&edited).map(Record::Undo))?;
     let (redo_lines, redo) = lines(history.redo_edits(&edited).map(Record::Redo))?;
-    let header = Header { version: VERSION, document_sha256: hash.clone(), undo, redo };
+    let header = Header {
+        version: VERSION,
+        document_sha256: hash.clone(),
+        undo,
+        redo,
+    };
     let mut bytes = line(&Record::History(header))?.into_bytes();
     bytes.extend(undo_lines);
     bytes.extend(redo_lines);
@@ -194,7 +215,9 @@ fn bytes(hash: &DocumentHash, document: &Document, history: &History<Document>) 
 fn lines(steps: impl Iterator<Item = Record>) -> io::Result<(Vec<u8>, usize)> {
     let (mut bytes, mut count) = (Vec::new(), 0);
     for step in steps {
-        let Some(line) = line_within(&step, MOST_BYTES - bytes.len())? else { break };
+        let Some(line) = line_within(&step, MOST_BYTES - bytes.len())? else {
+            break;
+        };
         bytes.extend(line);
         count += 1;
     }
@@ -210,7 +233,9 @@ mod tests {
     /// A document with three steps before it and two after.
     fn document_with_history() -> (Document, History<Document>) {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame = |index: i32| Frame::from_image(&index.to_string(), "main".into(), ImageSize::new(64, 48)).into();
+        let frame = |index: i32| {
+            Frame::from_image(&index.to_string(), "main".into(), ImageSize::new(64, 48)).into()
+        };
         document.frames.extend((0..4).map(frame));
         let mut history = History::default();
         for index in 0..5 {
@@ -276,7 +301,9 @@ mod tests {
         let (found, left_out) = HistoryFile::parse(bytes).unwrap().history(&other);
         assert_eq!(found.next_undo(), history.next_undo());
         assert_eq!(found.undo_edits(&other).count(), 1);
-        assert!(matches!(left_out, Some(HistoryLeftOut::Misfit(misfit)) if misfit.name == "Step 1"));
+        assert!(
+            matches!(left_out, Some(HistoryLeftOut::Misfit(misfit)) if misfit.name == "Step 1")
+        );
     }
 
     #[test]
@@ -290,7 +317,13 @@ mod tests {
         }
         // Taking the small step back brings the large comment.
         let bytes_of_none = bytes(&"a".to_owned(), &document, &history).unwrap();
-        assert!(HistoryFile::parse(bytes_of_none).unwrap().history(&document).0.is_empty());
+        assert!(
+            HistoryFile::parse(bytes_of_none)
+                .unwrap()
+                .history(&document)
+                .0
+                .is_empty()
+        );
         history.begin(&document, Step::on_document("Last"));
         document.frames[1].comment = None;
         document.frames[1].revision += 1;

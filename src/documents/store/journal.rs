@@ -1,8 +1,10 @@
-//! The journal: every edit since the document was last written, one checksummed line each, flushed to disk.
+//! The journal: every edit since the document was last written, one checksummed line each, flushed
+//! to disk.
 //!
-//! The first line (see [`lines`](super::lines)) names the document that the edits start from (its SHA-256); before the
-//! document is replaced, a line names the one to come. Whatever happens between the two, a reader finds the edits that are not
-//! yet in the document it sees. A journal that breaks off in a line is read up to that line.
+//! The first line (see [`lines`](super::lines)) names the document that the edits start from (its
+//! SHA-256); before the document is replaced, a line names the one to come. Whatever happens
+//! between the two, a reader finds the edits that are not yet in the document it sees. A journal
+//! that breaks off in a line is read up to that line.
 
 use super::atomic::folder_of;
 use super::calls;
@@ -31,7 +33,10 @@ pub(super) fn hash_of(document: &[u8]) -> DocumentHash {
 #[serde(rename_all = "snake_case")]
 enum Record {
     /// Opens a journal: the edits after it start from this document.
-    Journal { version: u32, document_sha256: DocumentHash },
+    Journal {
+        version: u32,
+        document_sha256: DocumentHash,
+    },
     /// An edit.
     Edit(Edit),
     /// The document of this hash, which is about to replace the old one, holds every edit above.
@@ -42,7 +47,10 @@ impl Record {
     /// The edits after it start from the document of this hash.
     fn starts_from(&self, document: &DocumentHash) -> bool {
         match self {
-            Self::Journal { document_sha256, .. } | Self::Saving { document_sha256 } => document_sha256 == document,
+            Self::Journal {
+                document_sha256, ..
+            }
+            | Self::Saving { document_sha256 } => document_sha256 == document,
             Self::Edit(_) => false,
         }
     }
@@ -79,7 +87,8 @@ pub(super) enum Pending {
 #[derive(Debug, Default)]
 pub(super) struct PendingEdits {
     pub edits: Vec<Edit>,
-    /// The documents that were about to be written between them: each with how many of the edits it holds.
+    /// The documents that were about to be written between them: each with how many of the edits it
+    /// holds.
     pub announced: Vec<(usize, DocumentHash)>,
 }
 
@@ -89,7 +98,9 @@ impl JournalContent {
         let mut content = Self::default();
         let mut rest = bytes;
         while let Some((json, length)) = first_line(rest) {
-            let Ok(record) = serde_json::from_slice::<Record>(json) else { break };
+            let Ok(record) = serde_json::from_slice::<Record>(json) else {
+                break;
+            };
             content.records.push(record);
             rest = &rest[length..];
         }
@@ -122,7 +133,9 @@ impl JournalContent {
 
     /// Whether edits of it start from the document of this hash.
     pub fn knows(&self, document: &DocumentHash) -> bool {
-        self.records.iter().any(|record| record.starts_from(document))
+        self.records
+            .iter()
+            .any(|record| record.starts_from(document))
     }
 
     /// The edits that are not yet in the document of this hash.
@@ -132,17 +145,28 @@ impl JournalContent {
         {
             return Pending::Newer { version: *version };
         }
-        let start = self.records.iter().rposition(|record| record.starts_from(document));
+        let start = self
+            .records
+            .iter()
+            .rposition(|record| record.starts_from(document));
         let mut pending = PendingEdits::default();
-        for record in self.records.into_iter().skip(start.map_or(0, |start| start + 1)) {
+        for record in self
+            .records
+            .into_iter()
+            .skip(start.map_or(0, |start| start + 1))
+        {
             match record {
                 Record::Edit(edit) => pending.edits.push(edit),
                 Record::Journal { .. } => {}
-                Record::Saving { document_sha256 } => pending.announced.push((pending.edits.len(), document_sha256)),
+                Record::Saving { document_sha256 } => pending
+                    .announced
+                    .push((pending.edits.len(), document_sha256)),
             }
         }
         if start.is_none() && !pending.edits.is_empty() {
-            return Pending::OtherDocument { edits: pending.edits.len() };
+            return Pending::OtherDocument {
+                edits: pending.edits.len(),
+            };
         }
         Pending::Edits(pending)
     }
@@ -153,7 +177,8 @@ impl JournalContent {
 pub(super) struct Journal {
     path: PathBuf,
     file: File,
-    /// Up to here the file holds whole lines; a line that failed half-way is cut off before the next one.
+    /// Up to here the file holds whole lines; a line that failed half-way is cut off before the
+    /// next one.
     whole_bytes: u64,
     /// The document that it is to start from, until its first line is written.
     start: Option<DocumentHash>,
@@ -164,15 +189,22 @@ impl Journal {
     pub fn open(path: &Path, whole_bytes: u64) -> io::Result<Self> {
         let file = calls::open(path)?;
         calls::flush_folder(folder_of(path))?;
-        Ok(Self { path: path.to_path_buf(), file, whole_bytes, start: None })
+        Ok(Self {
+            path: path.to_path_buf(),
+            file,
+            whole_bytes,
+            start: None,
+        })
     }
 
-    /// Whether the journal is where a reader looks for it: neither it nor its folder was moved or deleted.
+    /// Whether the journal is where a reader looks for it: neither it nor its folder was moved or
+    /// deleted.
     pub fn is_in_place(&self) -> bool {
         is_at(&self.file, &self.path)
     }
 
-    /// Starts anew from a document that holds everything. Where the disk refuses it now, the next edit begins with it.
+    /// Starts anew from a document that holds everything. Where the disk refuses it now, the next
+    /// edit begins with it.
     pub fn restart(&mut self, document: &DocumentHash) -> io::Result<()> {
         self.whole_bytes = 0;
         self.start = Some(document.clone());
@@ -181,18 +213,25 @@ impl Journal {
 
     /// Appends edits; they are on disk when this returns.
     pub fn append(&mut self, edits: &[Edit]) -> io::Result<()> {
-        let lines: io::Result<Vec<String>> = edits.iter().map(|edit| line(&Record::Edit(edit.clone()))).collect();
+        let lines: io::Result<Vec<String>> = edits
+            .iter()
+            .map(|edit| line(&Record::Edit(edit.clone())))
+            .collect();
         self.write(&lines?.concat())
     }
 
     /// Announces the document that will hold every edit so far.
     pub fn announce(&mut self, document: &DocumentHash) -> io::Result<()> {
-        self.write(&line(&Record::Saving { document_sha256: document.clone() })?)
+        self.write(&line(&Record::Saving {
+            document_sha256: document.clone(),
+        })?)
     }
 
     fn write(&mut self, lines: &str) -> io::Result<()> {
-        let start =
-            self.start.clone().map(|document_sha256| Record::Journal { version: JOURNAL_VERSION, document_sha256 });
+        let start = self.start.clone().map(|document_sha256| Record::Journal {
+            version: JOURNAL_VERSION,
+            document_sha256,
+        });
         let lines = start.map_or(Ok(String::new()), |start| line(&start))? + lines;
         calls::truncate(&mut self.file, self.whole_bytes)?;
         calls::write_all(&mut self.file, lines.as_bytes())?;
@@ -214,15 +253,25 @@ mod tests {
     use proptest::prelude::*;
 
     fn edit(name: &str) -> Edit {
-        Edit { name: name.to_owned(), kind: EditKind::NoStep, changes: Vec::new() }
+        Edit {
+            name: name.to_owned(),
+            kind: EditKind::NoStep,
+            changes: Vec::new(),
+        }
     }
 
     fn journal(records: &[Record]) -> Vec<u8> {
-        records.iter().flat_map(|record| line(record).unwrap().into_bytes()).collect()
+        records
+            .iter()
+            .flat_map(|record| line(record).unwrap().into_bytes())
+            .collect()
     }
 
     fn opened(document: &str) -> Record {
-        Record::Journal { version: 1, document_sha256: document.to_owned() }
+        Record::Journal {
+            version: 1,
+            document_sha256: document.to_owned(),
+        }
     }
 
     fn names(bytes: &[u8], document: &str) -> Vec<String> {
@@ -234,13 +283,37 @@ mod tests {
 
     #[test]
     fn a_reader_finds_the_edits_that_its_document_lacks() {
-        let saving = Record::Saving { document_sha256: "b".to_owned() };
-        let bytes = journal(&[opened("a"), Record::Edit(edit("1")), saving, Record::Edit(edit("2"))]);
-        assert_eq!(names(&bytes, "a"), ["1", "2"], "the document was not replaced");
-        assert_eq!(names(&bytes, "b"), ["2"], "the document was replaced, the journal was not restarted");
-        assert!(matches!(JournalContent::parse(&bytes).pending(&"c".to_owned()), Pending::OtherDocument { edits: 2 }));
-        assert!(names(&journal(&[opened("a")]), "c").is_empty(), "no edits, no matter");
-        let newer = Record::Journal { version: 2, document_sha256: "a".to_owned() };
+        let saving = Record::Saving {
+            document_sha256: "b".to_owned(),
+        };
+        let bytes = journal(&[
+            opened("a"),
+            Record::Edit(edit("1")),
+            saving,
+            Record::Edit(edit("2")),
+        ]);
+        assert_eq!(
+            names(&bytes, "a"),
+            ["1", "2"],
+            "the document was not replaced"
+        );
+        assert_eq!(
+            names(&bytes, "b"),
+            ["2"],
+            "the document was replaced, the journal was not restarted"
+        );
+        assert!(matches!(
+            JournalContent::parse(&bytes).pending(&"c".to_owned()),
+            Pending::OtherDocument { edits: 2 }
+        ));
+        assert!(
+            names(&journal(&[opened("a")]), "c").is_empty(),
+            "no edits, no matter"
+        );
+        let newer = Record::Journal {
+            version: 2,
+            document_sha256: "a".to_owned(),
+        };
         assert!(matches!(
             JournalContent::parse(&journal(&[newer])).pending(&"a".to_owned()),
             Pending::Newer { version: 2 }
@@ -263,9 +336,16 @@ mod tests {
 
     #[test]
     fn every_cut_keeps_the_whole_lines() {
-        let records = [opened("a"), Record::Edit(edit("1")), Record::Edit(edit("zwei")), Record::Edit(edit("3"))];
+        let records = [
+            opened("a"),
+            Record::Edit(edit("1")),
+            Record::Edit(edit("zwei")),
+            Record::Edit(edit("3")),
+        ];
         let bytes = journal(&records);
-        let ends: Vec<usize> = (1..=4).map(|count| journal(&records[..count]).len()).collect();
+        let ends: Vec<usize> = (1..=4)
+            .map(|count| journal(&records[..count]).len())
+            .collect();
         for cut in 0..=bytes.len() {
             let content = JournalContent::parse(&bytes[..cut]);
             let whole = ends.iter().filter(|end| **end <= cut).count();

@@ -24,17 +24,21 @@ impl Location {
         if fs::metadata(path).map_err(io)?.is_dir() {
             file.push(PROJECT_FILE);
             if !file.exists() {
-                return Err(StoreError::NoProject { folder: path.to_path_buf() });
+                return Err(StoreError::NoProject {
+                    folder: path.to_path_buf(),
+                });
             }
         }
         if !file.is_file() {
             return Err(StoreError::NotAFile { path: file });
         }
-        Ok(Self { file: fs::canonicalize(file).map_err(io)? })
+        Ok(Self {
+            file: fs::canonicalize(file).map_err(io)?,
+        })
     }
 
-    /// Where a new document is to lie: in a folder that exists or is named with a final separator as `project.json`,
-    /// else in the file. The folder is made.
+    /// Where a new document is to lie: in a folder that exists or is named with a final separator
+    /// as `project.json`, else in the file. The folder is made.
     ///
     /// # Errors
     /// The folder that is to hold it does not exist and cannot be made.
@@ -46,14 +50,19 @@ impl Location {
             path.into()
         };
         let folder = folder_of(&file);
-        fs::create_dir_all(folder).map_err(|source| StoreError::from_io("make the folder", folder, source))?;
-        let folder = fs::canonicalize(folder).map_err(|source| StoreError::from_io("find", folder, source))?;
-        let Some(name) = file.file_name() else { return Err(StoreError::NotAFile { path: file }) };
+        fs::create_dir_all(folder)
+            .map_err(|source| StoreError::from_io("make the folder", folder, source))?;
+        let folder = fs::canonicalize(folder)
+            .map_err(|source| StoreError::from_io("find", folder, source))?;
+        let Some(name) = file.file_name() else {
+            return Err(StoreError::NotAFile { path: file });
+        };
         let file = folder.join(name);
         if file.is_symlink() {
-            // The document behind a link keeps its journal and its relative paths where it is found.
-            let file =
-                fs::canonicalize(&file).map_err(|source| StoreError::from_io("follow the link", &file, source))?;
+            // The document behind a link keeps its journal and its relative paths where it is
+            // found.
+            let file = fs::canonicalize(&file)
+                .map_err(|source| StoreError::from_io("follow the link", &file, source))?;
             return Ok(Self { file });
         }
         Ok(Self { file })
@@ -81,7 +90,11 @@ impl Location {
     #[must_use]
     pub fn name(&self) -> String {
         let name = self.file.file_name().unwrap_or_default();
-        let name = if name == PROJECT_FILE { self.folder().file_name().unwrap_or(name) } else { name };
+        let name = if name == PROJECT_FILE {
+            self.folder().file_name().unwrap_or(name)
+        } else {
+            name
+        };
         name.to_string_lossy().into_owned()
     }
 

@@ -9,8 +9,8 @@ use std::path::PathBuf;
 /// How often the lock is tried again when its holder takes the file away in between.
 const ATTEMPTS: usize = 10;
 
-/// Held while a document is open for writing; the system frees it when the program ends, however it ends. Its file goes
-/// with it, unless the program was killed.
+/// Held while a document is open for writing; the system frees it when the program ends, however it
+/// ends. Its file goes with it, unless the program was killed.
 #[derive(Debug)]
 pub(super) struct Lock {
     path: PathBuf,
@@ -38,11 +38,15 @@ impl Drop for Lock {
 
 /// Takes the lock of a document, or says why it must stay unwritten.
 pub(super) fn lock(location: &Location) -> Result<Lock, ReadOnly> {
-    let not_writable = |error: &io::Error| ReadOnly::NotWritable { reason: error.to_string() };
+    let not_writable = |error: &io::Error| ReadOnly::NotWritable {
+        reason: error.to_string(),
+    };
     if let Ok(metadata) = location.file().metadata()
         && metadata.permissions().readonly()
     {
-        return Err(ReadOnly::NotWritable { reason: "the file is write-protected".to_owned() });
+        return Err(ReadOnly::NotWritable {
+            reason: "the file is write-protected".to_owned(),
+        });
     }
     let path = location.lock();
     for _ in 0..ATTEMPTS {
@@ -55,11 +59,17 @@ pub(super) fn lock(location: &Location) -> Result<Lock, ReadOnly> {
             }
             // The last holder took the file away between opening and locking it.
             Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(ReadOnly::OpenElsewhere { holder: read_holder(&mut file) }),
+            Err(TryLockError::WouldBlock) => {
+                return Err(ReadOnly::OpenElsewhere {
+                    holder: read_holder(&mut file),
+                });
+            }
             Err(TryLockError::Error(error)) => return Err(not_writable(&error)),
         }
     }
-    Err(ReadOnly::OpenElsewhere { holder: "another process".to_owned() })
+    Err(ReadOnly::OpenElsewhere {
+        holder: "another process".to_owned(),
+    })
 }
 
 fn write_holder(file: &mut File) -> io::Result<()> {
@@ -71,5 +81,9 @@ fn read_holder(file: &mut File) -> String {
     let mut text = String::new();
     // On some systems a locked file cannot be read; then the other program is not named.
     let read = file.take(80).read_to_string(&mut text);
-    if read.is_ok() && !text.trim().is_empty() { text.trim().to_owned() } else { "another process".to_owned() }
+    if read.is_ok() && !text.trim().is_empty() {
+        text.trim().to_owned()
+    } else {
+        "another process".to_owned()
+    }
 }

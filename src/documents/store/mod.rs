@@ -1,5 +1,5 @@
-//! Where a document lives on disk: found, locked, opened with what its journal holds, journaled edit by edit, written whole and
-//! atomically.
+//! Where a document lives on disk: found, locked, opened with what its journal holds, journaled
+//! edit by edit, written whole and atomically.
 
 mod atomic;
 mod calls;

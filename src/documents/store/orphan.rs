@@ -1,5 +1,5 @@
-//! What is set aside beside a document that another program replaced, journals and what windows held: the edits are found again
-//! and joined with what is there.
+//! What is set aside beside a document that another program replaced, journals and what windows
+//! held: the edits are found again and joined with what is there.
 
 use super::atomic::{file_name, folder_of, set_aside, write_new_as};
 use super::journal::{JournalContent, Pending, hash_of};
@@ -13,7 +13,10 @@ use touchline_core::files::read_regular;
 /// The edits that are set aside beside a document.
 #[must_use]
 pub fn orphans(location: &Location) -> Vec<Orphan> {
-    siblings(location).into_iter().filter_map(|path| list_orphan(location, path)).collect()
+    siblings(location)
+        .into_iter()
+        .filter_map(|path| list_orphan(location, path))
+        .collect()
 }
 
 /// A file beside a document as it is listed; none where it is something else.
@@ -34,11 +37,14 @@ fn is_journal(location: &Location, path: &Path) -> bool {
 
 /// As it is listed; none where it holds no edit.
 fn list_journal(path: PathBuf) -> Option<Orphan> {
-    let edits: Vec<String> = JournalContent::parse(&read_regular(&path).ok()?).edit_names().collect();
+    let edits: Vec<String> = JournalContent::parse(&read_regular(&path).ok()?)
+        .edit_names()
+        .collect();
     (!edits.is_empty()).then_some(Orphan { path, edits })
 }
 
-/// Reads an orphan, and looks for the document that it starts from among the versions beside the document.
+/// Reads an orphan, and looks for the document that it starts from among the versions beside the
+/// document.
 ///
 /// # Errors
 /// It cannot be read.
@@ -46,21 +52,36 @@ pub fn read_orphan(location: &Location, orphan: &Path) -> Result<OrphanEdits, St
     if is_own_version(location, orphan) {
         return read_own_version(orphan);
     }
-    let bytes = read_regular(orphan).map_err(|source| StoreError::from_io("read", orphan, source))?;
-    let own = [location.journal(), location.history(), location.lock(), orphan.to_path_buf()];
+    let bytes =
+        read_regular(orphan).map_err(|source| StoreError::from_io("read", orphan, source))?;
+    let own = [
+        location.journal(),
+        location.history(),
+        location.lock(),
+        orphan.to_path_buf(),
+    ];
     for version in siblings(location) {
-        let is_version = file_name(&version).starts_with(&file_name(location.file())) && !own.contains(&version);
-        let Some(version) = is_version.then(|| read_regular(&version).ok()).flatten() else { continue };
+        let is_version =
+            file_name(&version).starts_with(&file_name(location.file())) && !own.contains(&version);
+        let Some(version) = is_version.then(|| read_regular(&version).ok()).flatten() else {
+            continue;
+        };
         let content = JournalContent::parse(&bytes);
         let hash = hash_of(&version);
         if content.knows(&hash)
             && let Ok(base) = document_from_bytes(&version)
             && let Pending::Edits(pending) = content.pending(&hash)
         {
-            return Ok(OrphanEdits { base: Some(base), edits: pending.edits });
+            return Ok(OrphanEdits {
+                base: Some(base),
+                edits: pending.edits,
+            });
         }
     }
-    Ok(OrphanEdits { base: None, edits: JournalContent::parse(&bytes).into_edits() })
+    Ok(OrphanEdits {
+        base: None,
+        edits: JournalContent::parse(&bytes).into_edits(),
+    })
 }
 
 /// Writes what an orphan's edits lead to as a document of its own beside the document; where.
@@ -74,8 +95,10 @@ pub fn save_orphan(location: &Location, orphan: &Path) -> Result<PathBuf, StoreE
         None => graft(&edits.edits, &super::read(location.file())?.1).document,
     };
     let file = location.file();
-    let text =
-        document_to_string(&document).map_err(|source| StoreError::Write { path: file.to_path_buf(), source })?;
+    let text = document_to_string(&document).map_err(|source| StoreError::Write {
+        path: file.to_path_buf(),
+        source,
+    })?;
     write_new_as(file, "recovered", ".json", text.as_bytes())
         .map_err(|source| StoreError::from_io("write", file, source))
 }
@@ -99,7 +122,10 @@ pub fn put_orphan_away(location: &Location, orphan: &Path) -> Result<PathBuf, St
 
 /// The files beside a document, by name.
 fn siblings(location: &Location) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder_of(location.file())).into_iter().flatten().flatten();
+    let entries = fs::read_dir(folder_of(location.file()))
+        .into_iter()
+        .flatten()
+        .flatten();
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
     paths.sort();
     paths

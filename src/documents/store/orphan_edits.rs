@@ -12,7 +12,8 @@ pub struct Orphan {
     pub edits: Vec<String>,
 }
 
-/// The edits of an orphan, and the document they start from, where one of the versions beside the document is it.
+/// The edits of an orphan, and the document they start from, where one of the versions beside the
+/// document is it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrphanEdits {
     /// The document that the edits start from.
@@ -22,8 +23,8 @@ pub struct OrphanEdits {
 }
 
 impl OrphanEdits {
-    /// Joins the edits with a document. Where it is not known what they start from, the frames that people edited take the place
-    /// of those in the document.
+    /// Joins the edits with a document. Where it is not known what they start from, the frames that
+    /// people edited take the place of those in the document.
     #[must_use]
     pub fn merged_into(&self, document: &Document) -> Merged {
         match self.document() {

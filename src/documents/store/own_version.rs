@@ -1,8 +1,9 @@
-//! What a window held when another program changed the document under it: kept beside the document as `project.json.mine-N`,
-//! with the state that both versions started from as `project.json.mine-N.base`, so that it can be merged later.
+//! What a window held when another program changed the document under it: kept beside the document
+//! as `project.json.mine-N`, with the state that both versions started from as
+//! `project.json.mine-N.base`, so that it can be merged later.
 //!
-//! The journal cannot do that: it holds only the edits since the document was last written whole, and starts from a version
-//! that is on disk no more.
+//! The journal cannot do that: it holds only the edits since the document was last written whole,
+//! and starts from a version that is on disk no more.
 
 use super::atomic::{file_name, with_suffix, write_atomically, write_new_as};
 use super::journal::{DocumentHash, hash_of};
@@ -27,8 +28,8 @@ pub(super) struct OwnVersion {
 }
 
 impl OwnVersion {
-    /// Writes what a window holds; in place of what it wrote earlier, if that is still there. None where it holds nothing that
-    /// the base has not.
+    /// Writes what a window holds; in place of what it wrote earlier, if that is still there. None
+    /// where it holds nothing that the base has not.
     pub fn write(
         earlier: Option<Self>,
         location: &Location,
@@ -39,9 +40,14 @@ impl OwnVersion {
         if edits.is_empty() {
             return Ok(None);
         }
-        let path = earlier.map(|earlier| earlier.orphan.path).filter(|path| path.exists());
+        let path = earlier
+            .map(|earlier| earlier.orphan.path)
+            .filter(|path| path.exists());
         let [text, base_text] = [own, base].map(document_to_string);
-        let unwritable = |source| StoreError::Write { path: location.file().to_path_buf(), source };
+        let unwritable = |source| StoreError::Write {
+            path: location.file().to_path_buf(),
+            source,
+        };
         let (text, base_text) = (text.map_err(unwritable)?, base_text.map_err(unwritable)?);
         let io = |source| StoreError::from_io("write", location.file(), source);
         let path = match path {
@@ -52,7 +58,11 @@ impl OwnVersion {
             None => write_new_as(location.file(), WORD, "", text.as_bytes()).map_err(io)?,
         };
         write_atomically(&base_of(&path), base_text.as_bytes()).map_err(io)?;
-        Ok(Some(Self { orphan: Orphan { path, edits }, hash: hash_of(text.as_bytes()), is_whole: true }))
+        Ok(Some(Self {
+            orphan: Orphan { path, edits },
+            hash: hash_of(text.as_bytes()),
+            is_whole: true,
+        }))
     }
 
     /// As it is listed among the edits that were set aside.
@@ -79,21 +89,33 @@ impl OwnVersion {
 pub(super) fn is_own_version(location: &Location, path: &Path) -> bool {
     let prefix = format!("{}.{WORD}-", file_name(location.file()));
     let name = file_name(path);
-    name.strip_prefix(&prefix).is_some_and(|number| number.parse::<u32>().is_ok())
+    name.strip_prefix(&prefix)
+        .is_some_and(|number| number.parse::<u32>().is_ok())
 }
 
 /// Reads what a window held, and the state that it started from.
 pub(super) fn read_own_version(path: &Path) -> Result<OrphanEdits, StoreError> {
     let own = read_version(path)?;
     let base = read_version(&base_of(path)).ok();
-    let edit = Edit::between(base.as_ref().unwrap_or(&without_frames(&own)), &own, "Everything");
-    Ok(OrphanEdits { base, edits: vec![edit] })
+    let edit = Edit::between(
+        base.as_ref().unwrap_or(&without_frames(&own)),
+        &own,
+        "Everything",
+    );
+    Ok(OrphanEdits {
+        base,
+        edits: vec![edit],
+    })
 }
 
-/// As it is listed; none where it cannot be read, or holds nothing that the state has not that it started from.
+/// As it is listed; none where it cannot be read, or holds nothing that the state has not that it
+/// started from.
 pub(super) fn list_own_version(path: PathBuf) -> Option<Orphan> {
     let own = read_version(&path).ok()?;
-    let edits = names_of_edits(&read_version(&base_of(&path)).unwrap_or_else(|_| without_frames(&own)), &own);
+    let edits = names_of_edits(
+        &read_version(&base_of(&path)).unwrap_or_else(|_| without_frames(&own)),
+        &own,
+    );
     (!edits.is_empty()).then_some(Orphan { path, edits })
 }
 
@@ -105,12 +127,20 @@ pub(super) fn base_of(path: &Path) -> PathBuf {
 fn read_version(path: &Path) -> Result<Document, StoreError> {
     let bytes = read_regular(path).map_err(|source| StoreError::from_io("read", path, source))?;
     let path = path.to_path_buf();
-    document_from_bytes(&bytes).map_err(|source| StoreError::Read { path, source, backup: None })
+    document_from_bytes(&bytes).map_err(|source| StoreError::Read {
+        path,
+        source,
+        backup: None,
+    })
 }
 
 /// What a version starts from where that is not known.
 fn without_frames(own: &Document) -> Document {
-    Document { cameras: Vec::new(), frames: Frames::new(), ..own.clone() }
+    Document {
+        cameras: Vec::new(),
+        frames: Frames::new(),
+        ..own.clone()
+    }
 }
 
 /// What people changed between the base and a version, for people; what is suggested is left out.
@@ -121,13 +151,19 @@ fn names_of_edits(base: &Document, own: &Document) -> Vec<String> {
         match change {
             Change::Frame { frame, .. } => names.push(format!("Changes in {}", frame.name())),
             Change::Insert { frames, .. } => {
-                names.extend(frames.iter().map(|frame| format!("New frame {}", frame.name())));
+                names.extend(
+                    frames
+                        .iter()
+                        .map(|frame| format!("New frame {}", frame.name())),
+                );
             }
             Change::Remove(frames) => names.push(format!("Frames removed: {}", frames.len())),
             Change::Cameras(_) => names.push("Changes in the cameras".to_owned()),
             Change::Field(_) => names.push("Changes in the field".to_owned()),
             Change::Order(_) => names.push("Another order of the frames".to_owned()),
-            Change::Rest { .. } | Change::Old(_) => names.push("Changes in the document".to_owned()),
+            Change::Rest { .. } | Change::Old(_) => {
+                names.push("Changes in the document".to_owned())
+            }
         }
     }
     names
@@ -141,7 +177,8 @@ mod tests {
 
     fn document() -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame = |name: &str| Frame::from_image(name, "main".into(), ImageSize::new(64, 48)).into();
+        let frame =
+            |name: &str| Frame::from_image(name, "main".into(), ImageSize::new(64, 48)).into();
         document.frames = ["a.jpg", "b.jpg"].into_iter().map(frame).collect();
         document
     }
@@ -151,21 +188,38 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let location = Location::for_new_document(&folder.path().join("project.json")).unwrap();
         let (base, mut own) = (document(), document());
-        assert!(OwnVersion::write(None, &location, &base, &own).unwrap().is_none(), "nothing of its own");
+        assert!(
+            OwnVersion::write(None, &location, &base, &own)
+                .unwrap()
+                .is_none(),
+            "nothing of its own"
+        );
         own.frames[1].comment = Some("mine".to_owned());
-        let version = OwnVersion::write(None, &location, &base, &own).unwrap().unwrap();
+        let version = OwnVersion::write(None, &location, &base, &own)
+            .unwrap()
+            .unwrap();
         let path = version.as_orphan().path;
         assert!(path.ends_with("project.json.mine-1") && is_own_version(&location, &path));
         assert!(!is_own_version(&location, &base_of(&path)));
         own.frames[0].comment = Some("more".to_owned());
-        let version = OwnVersion::write(Some(version), &location, &base, &own).unwrap().unwrap();
+        let version = OwnVersion::write(Some(version), &location, &base, &own)
+            .unwrap()
+            .unwrap();
         assert_eq!(version.as_orphan(), list_own_version(path.clone()).unwrap());
-        assert_eq!(version.as_orphan().edits, ["Changes in a.jpg", "Changes in b.jpg"]);
+        assert_eq!(
+            version.as_orphan().edits,
+            ["Changes in a.jpg", "Changes in b.jpg"]
+        );
         let read = read_own_version(&path).unwrap();
         assert_eq!(read.merged_into(&base).document.frames, own.frames);
         fs::remove_file(base_of(&path)).unwrap();
         assert_eq!(
-            read_own_version(&path).unwrap().merged_into(&base).document.frames[0].comment,
+            read_own_version(&path)
+                .unwrap()
+                .merged_into(&base)
+                .document
+                .frames[0]
+                .comment,
             own.frames[0].comment
         );
         version.remove();

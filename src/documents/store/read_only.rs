@@ -21,9 +21,14 @@ impl fmt::Display for ReadOnly {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::OpenElsewhere { holder } => {
-                write!(f, "open in another touchline ({holder}); close it there to edit here")
+                write!(
+                    f,
+                    "open in another touchline ({holder}); close it there to edit here"
+                )
             }
-            Self::NotWritable { reason } => write!(f, "not writable ({reason}); save a copy elsewhere to edit"),
+            Self::NotWritable { reason } => {
+                write!(f, "not writable ({reason}); save a copy elsewhere to edit")
+            }
         }
     }
 }

@@ -1,4 +1,5 @@
-//! From a document as its file has it to what its journal and the steps of earlier sessions make of it.
+//! From a document as its file has it to what its journal and the steps of earlier sessions make of
+//! it.
 
 use super::history_file::{HistoryFile, HistoryLeftOut};
 use super::journal::{DocumentHash, PendingEdits};
@@ -20,11 +21,17 @@ impl Replay {
     /// A document as its file has it.
     pub fn new(document: Document) -> Self {
         let edited = document.without_suggestions();
-        Self { document, edited, history: History::default(), edits: Vec::new(), left_out: None }
+        Self {
+            document,
+            edited,
+            history: History::default(),
+            edits: Vec::new(),
+            left_out: None,
+        }
     }
 
-    /// Makes the edits that a document of this hash lacks, with the steps of earlier sessions where the document is reached
-    /// that they start from. An edit that does not fit ends it.
+    /// Makes the edits that a document of this hash lacks, with the steps of earlier sessions where
+    /// the document is reached that they start from. An edit that does not fit ends it.
     pub fn through(
         &mut self,
         pending: PendingEdits,
@@ -33,8 +40,13 @@ impl Replay {
     ) -> Result<(), (String, EditMismatch)> {
         let PendingEdits { edits, announced } = pending;
         let steps_at = file.and_then(|file| {
-            let announced = announced.iter().rev().find(|(_, to_come)| file.starts_from(to_come));
-            announced.map(|(edits, _)| *edits).or_else(|| file.starts_from(hash).then_some(0))
+            let announced = announced
+                .iter()
+                .rev()
+                .find(|(_, to_come)| file.starts_from(to_come));
+            announced
+                .map(|(edits, _)| *edits)
+                .or_else(|| file.starts_from(hash).then_some(0))
         });
         if file.is_some() && steps_at.is_none() {
             self.left_out = Some(HistoryLeftOut::OtherDocument);
@@ -56,7 +68,9 @@ impl Replay {
     fn make(&mut self, edit: Edit) -> Result<(), EditMismatch> {
         let (before, name, kind) = (self.document.clone(), edit.name.clone(), edit.kind.clone());
         edit.apply(&mut self.document)?;
-        let edited = self.document.without_suggestions_since(&before, &self.edited);
+        let edited = self
+            .document
+            .without_suggestions_since(&before, &self.edited);
         self.history.follow(&self.edited, &edited, name, kind);
         self.edited = edited;
         Ok(())

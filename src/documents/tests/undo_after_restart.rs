@@ -1,4 +1,5 @@
-//! The steps beside a saved document: what is read again is what there was, whatever happened to the files.
+//! The steps beside a saved document: what is read again is what there was, whatever happened to
+//! the files.
 
 use proptest::prelude::*;
 use std::fs;
@@ -8,13 +9,16 @@ use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{
     Camera, Document, Edit, EditKind, FieldSpec, Frame, History, Step, document_to_string,
 };
-use touchline_documents::store::{Access, DocumentStore as _, HistoryLeftOut, Location, Opened, Recovery, Store, open};
+use touchline_documents::store::{
+    Access, DocumentStore as _, HistoryLeftOut, Location, Opened, Recovery, Store, open,
+};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 fn new_document(frames: usize) -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
-    let frame = |index| Frame::from_image(&format!("images/{index:04}.jpg"), "main".into(), SIZE).into();
+    let frame =
+        |index| Frame::from_image(&format!("images/{index:04}.jpg"), "main".into(), SIZE).into();
     document.frames.extend((0..frames).map(frame));
     document
 }
@@ -30,9 +34,18 @@ struct Editor {
 impl Editor {
     fn open(path: &Path) -> Self {
         match open(path).unwrap() {
-            Opened { document, history, access: Access::Writable(store), recovery, .. } => {
-                Self { store, document, history, recovery }
-            }
+            Opened {
+                document,
+                history,
+                access: Access::Writable(store),
+                recovery,
+                ..
+            } => Self {
+                store,
+                document,
+                history,
+                recovery,
+            },
             read_only => panic!("{read_only:?}"),
         }
     }
@@ -63,7 +76,9 @@ impl Editor {
     /// Goes on with the last step, if there is one.
     fn go_on(&mut self, change: impl FnOnce(&mut Document)) {
         let before = self.document.clone();
-        let Some(step) = self.history.next_undo().cloned() else { return };
+        let Some(step) = self.history.next_undo().cloned() else {
+            return;
+        };
         assert!(self.history.resume(&before, &step));
         self.finish(&before, &step.name, change);
     }
@@ -94,7 +109,9 @@ impl Editor {
     }
 
     fn comment(&mut self, frame: usize, text: &str) {
-        self.step(text, |document| document.frames[frame].comment = Some(text.to_owned()));
+        self.step(text, |document| {
+            document.frames[frame].comment = Some(text.to_owned())
+        });
     }
 }
 
@@ -139,7 +156,9 @@ fn set_comment(document: &mut Document, frame: usize, text: u8) {
 
 fn obey(mut editor: Editor, path: &Path, doing: Doing) -> Editor {
     match doing {
-        Doing::Comment(frame, text) => editor.step("Comment", |document| set_comment(document, frame, text)),
+        Doing::Comment(frame, text) => {
+            editor.step("Comment", |document| set_comment(document, frame, text))
+        }
         Doing::GoOn(frame, text) => editor.go_on(|document| set_comment(document, frame, text)),
         Doing::Reorder => editor.step("Reorder", |document| {
             document.frames = document.frames.iter().rev().cloned().collect();
@@ -148,19 +167,30 @@ fn obey(mut editor: Editor, path: &Path, doing: Doing) -> Editor {
             document.frames.remove(frame);
         }),
         Doing::Add(name) => editor.step("Add", |document| {
-            document.frames.insert(1, Frame::from_image(&name.to_string(), "main".into(), SIZE).into());
+            document.frames.insert(
+                1,
+                Frame::from_image(&name.to_string(), "main".into(), SIZE).into(),
+            );
         }),
         Doing::Camera(name) => editor.step("Camera", |document| {
             document.cameras = vec![Camera::new(name.to_string().as_str().into(), SIZE).into()];
         }),
         Doing::Field(length) => editor.step("Field", |document| {
-            document.field.params.insert("length_m".to_owned(), 100.0 + f64::from(length));
+            document
+                .field
+                .params
+                .insert("length_m".to_owned(), 100.0 + f64::from(length));
         }),
         Doing::Undo => editor.undo(),
         Doing::Redo => editor.redo(),
         Doing::Save => editor.save(),
         Doing::Restart => {
-            let Editor { store, document, history, .. } = editor;
+            let Editor {
+                store,
+                document,
+                history,
+                ..
+            } = editor;
             drop(store);
             editor = Editor::open(path);
             assert_eq!(editor.document, document);
@@ -213,8 +243,18 @@ fn a_crash_between_the_history_and_its_document_loses_no_step() {
     fs::create_dir(&backup).unwrap();
     for more in ["5", "6"] {
         // The history is written, the document is not.
-        assert!(editor.store.save(&editor.document, &editor.history).is_err());
-        let Editor { store, document, history, .. } = editor;
+        assert!(
+            editor
+                .store
+                .save(&editor.document, &editor.history)
+                .is_err()
+        );
+        let Editor {
+            store,
+            document,
+            history,
+            ..
+        } = editor;
         drop(store);
         editor = Editor::open(&path);
         assert_eq!((&editor.document, &editor.history), (&document, &history));
@@ -225,7 +265,13 @@ fn a_crash_between_the_history_and_its_document_loses_no_step() {
     editor.save();
     drop(editor);
     let editor = Editor::open(&path);
-    assert_eq!((editor.history.next_undo().unwrap().name.as_str(), editor.recovery.message()), ("6", None));
+    assert_eq!(
+        (
+            editor.history.next_undo().unwrap().name.as_str(),
+            editor.recovery.message()
+        ),
+        ("6", None)
+    );
 }
 
 #[test]
@@ -236,7 +282,10 @@ fn a_damaged_history_is_left_out_and_the_document_is_as_it_was() {
     }
     editor.undo();
     editor.save();
-    let (document, written) = (editor.document.clone(), document_to_string(&editor.document).unwrap());
+    let (document, written) = (
+        editor.document.clone(),
+        document_to_string(&editor.document).unwrap(),
+    );
     drop(editor);
     let history = Location::find(&path).unwrap().history();
     let bytes = fs::read(&history).unwrap();
@@ -254,12 +303,28 @@ fn a_damaged_history_is_left_out_and_the_document_is_as_it_was() {
     for (case, bytes) in damaged.into_iter().enumerate() {
         fs::write(&history, bytes).unwrap();
         let editor = Editor::open(&path);
-        assert_eq!((&editor.document, editor.history.is_empty()), (&document, true), "case {case}");
-        assert_eq!(editor.recovery.history, Some(HistoryLeftOut::Damaged), "case {case}");
+        assert_eq!(
+            (&editor.document, editor.history.is_empty()),
+            (&document, true),
+            "case {case}"
+        );
+        assert_eq!(
+            editor.recovery.history,
+            Some(HistoryLeftOut::Damaged),
+            "case {case}"
+        );
         let told = "Steps of earlier sessions cannot be undone: their file is damaged.";
-        assert_eq!(editor.recovery.message().as_deref(), Some(told), "case {case}");
+        assert_eq!(
+            editor.recovery.message().as_deref(),
+            Some(told),
+            "case {case}"
+        );
         drop(editor);
-        assert_eq!(fs::read_to_string(path.join("project.json")).unwrap(), written, "case {case}");
+        assert_eq!(
+            fs::read_to_string(path.join("project.json")).unwrap(),
+            written,
+            "case {case}"
+        );
     }
     // The next save writes a whole one again.
     let mut editor = Editor::open(&path);
@@ -267,7 +332,13 @@ fn a_damaged_history_is_left_out_and_the_document_is_as_it_was() {
     editor.save();
     drop(editor);
     let editor = Editor::open(&path);
-    assert_eq!((editor.history.next_undo().unwrap().name.as_str(), editor.recovery.message()), ("new", None));
+    assert_eq!(
+        (
+            editor.history.next_undo().unwrap().name.as_str(),
+            editor.recovery.message()
+        ),
+        ("new", None)
+    );
 }
 
 #[test]
@@ -290,7 +361,13 @@ fn a_history_of_another_document_is_left_out() {
     editor.save();
     drop(editor);
     let editor = Editor::open(&path);
-    assert_eq!((editor.history.next_undo().unwrap().name.as_str(), editor.recovery.message()), ("3", None));
+    assert_eq!(
+        (
+            editor.history.next_undo().unwrap().name.as_str(),
+            editor.recovery.message()
+        ),
+        ("3", None)
+    );
 }
 
 #[test]
@@ -314,7 +391,10 @@ fn edits_of_a_journal_that_says_nothing_of_steps_end_the_history() {
 fn what_is_no_regular_file_in_its_place_is_neither_read_nor_written() {
     for how in ["link", "folder"] {
         let (folder, path, mut editor) = Editor::create(2);
-        let (history, victim) = (Location::find(&path).unwrap().history(), folder.path().join("precious"));
+        let (history, victim) = (
+            Location::find(&path).unwrap().history(),
+            folder.path().join("precious"),
+        );
         fs::write(&victim, "precious").unwrap();
         match how {
             "link" => std::os::unix::fs::symlink(&victim, &history).unwrap(),
@@ -324,7 +404,11 @@ fn what_is_no_regular_file_in_its_place_is_neither_read_nor_written() {
         editor.save();
         drop(editor);
         let editor = Editor::open(&path);
-        assert_eq!(editor.document.frames[0].comment.as_deref(), Some("1"), "{how}: the document is saved");
+        assert_eq!(
+            editor.document.frames[0].comment.as_deref(),
+            Some("1"),
+            "{how}: the document is saved"
+        );
         let message = editor.recovery.message().unwrap();
         assert!(message.contains("not a regular file"), "{how}: {message}");
         assert!(editor.history.is_empty());
@@ -342,7 +426,9 @@ fn the_file_grows_with_the_edits_and_not_with_the_document() {
         editor.save();
         let steps = editor.history.undo_edits(&editor.document).count();
         assert_eq!(steps, History::<Document>::DEFAULT_LIMIT);
-        fs::metadata(Location::find(&path).unwrap().history()).unwrap().len()
+        fs::metadata(Location::find(&path).unwrap().history())
+            .unwrap()
+            .len()
     };
     let (few, many) = (bytes(50), bytes(2000));
     assert_eq!(few, many);

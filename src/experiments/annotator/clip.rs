@@ -1,4 +1,5 @@
-//! The clip that a simulated annotator labels: drawn under the worst conditions of live television, its truth exact.
+//! The clip that a simulated annotator labels: drawn under the worst conditions of live television,
+//! its truth exact.
 
 use crate::sets::{MOTION_FILE, RealMotion};
 use crate::{ExperimentError, ExperimentOptions};
@@ -10,9 +11,12 @@ use tempfile::{Builder, TempDir};
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, PixelBox};
-use touchline_documents::document::{Camera, CameraId, Click, Document, FieldSize, FieldSpec, Frame, Target};
+use touchline_documents::document::{
+    Camera, CameraId, Click, Document, FieldSize, FieldSpec, Frame, Target,
+};
 use touchline_vision::synthetic::{
-    ClickOptions, ClickTarget, PathStep, Preset, ShootOptions, StadiumOptions, camera_path, drawn_clicks, stadium,
+    ClickOptions, ClickTarget, PathStep, Preset, ShootOptions, StadiumOptions, camera_path,
+    drawn_clicks, stadium,
 };
 
 /// Seconds between frames: television's.
@@ -25,7 +29,8 @@ pub const CLICK_SIGMA_PX: f64 = 2.0;
 pub struct DrawnClip {
     /// Where the motion comes from, in words.
     pub motion: &'static str,
-    /// The document without a camera on any frame; base and size of the field are known, no mask covers the score.
+    /// The document without a camera on any frame; base and size of the field are known, no mask
+    /// covers the score.
     pub document: Document,
     /// What the pictures show.
     pub field: FieldModel,
@@ -37,7 +42,8 @@ pub struct DrawnClip {
 }
 
 impl DrawnClip {
-    /// Draws it: along the published motion of a real camera, there and back as often as it takes, if `data` holds it.
+    /// Draws it: along the published motion of a real camera, there and back as often as it takes,
+    /// if `data` holds it.
     ///
     /// # Errors
     /// The motion cannot be read, or a picture cannot be written.
@@ -48,26 +54,48 @@ impl DrawnClip {
     ) -> Result<Self, ExperimentError> {
         let size = ImageSize::new(1280, 720);
         let count = frame_count(options);
-        let shoot = ShootOptions { step_s: STEP_S, ..Preset::Hard.shoot() };
+        let shoot = ShootOptions {
+            step_s: STEP_S,
+            ..Preset::Hard.shoot()
+        };
         let of_stand = shoot.main_camera(size);
         let mut spec = FieldSpec::new("soccer");
-        let real = data.map(|folder| RealMotion::read(&folder.join(MOTION_FILE))).transpose()?;
+        let real = data
+            .map(|folder| RealMotion::read(&folder.join(MOTION_FILE)))
+            .transpose()?;
         if real.is_some() {
             let [length_m, width_m] = RealMotion::FIELD_M;
-            spec.params = BTreeMap::from([("length_m".to_owned(), length_m), ("width_m".to_owned(), width_m)]);
+            spec.params = BTreeMap::from([
+                ("length_m".to_owned(), length_m),
+                ("width_m".to_owned(), width_m),
+            ]);
         }
         spec.size = Some(FieldSize::Confirmed);
         let field = spec.model(Path::new(""))?;
         let seed = options.seed.wrapping_add(61);
         let daylight = shoot.daylight;
-        let scene = stadium(&StadiumOptions { daylight, ..StadiumOptions::new(field.clone(), seed) });
+        let scene = stadium(&StadiumOptions {
+            daylight,
+            ..StadiumOptions::new(field.clone(), seed)
+        });
         let (base, path, motion) = match &real {
             Some(real) => {
                 // The published lens has no distortion: it gets that of the hard preset.
-                let base = CameraBase { distortion: of_stand.distortion, ..real.base };
-                (base, there_and_back(real, count), "the published motion of a real broadcast camera, there and back")
+                let base = CameraBase {
+                    distortion: of_stand.distortion,
+                    ..real.base
+                };
+                (
+                    base,
+                    there_and_back(real, count),
+                    "the published motion of a real broadcast camera, there and back",
+                )
             }
-            None => (of_stand, camera_path(&scene, &of_stand, size, &shoot, count), "a drawn operator's motion"),
+            None => (
+                of_stand,
+                camera_path(&scene, &of_stand, size, &shoot, count),
+                "a drawn operator's motion",
+            ),
         };
         let unwritten = |path: &Path, error: &std::io::Error| ExperimentError::Given {
             path: path.to_path_buf(),
@@ -75,25 +103,49 @@ impl DrawnClip {
         };
         let folder = TempDir::new().map_err(|error| unwritten(&std::env::temp_dir(), &error))?;
         let take = |(number, step): (usize, &PathStep)| -> Result<Vec<PixelBox>, ExperimentError> {
-            let drawn =
-                scene.render(&PtzCamera::new(base, step.ptz), size, &shoot.frame(number, step, size, options.seed));
-            let file = Builder::new().prefix(&name(number)).rand_bytes(0).tempfile_in(folder.path());
+            let drawn = scene.render(
+                &PtzCamera::new(base, step.ptz),
+                size,
+                &shoot.frame(number, step, size, options.seed),
+            );
+            let file = Builder::new()
+                .prefix(&name(number))
+                .rand_bytes(0)
+                .tempfile_in(folder.path());
             let file = file.map_err(|error| unwritten(folder.path(), &error))?;
-            JpegEncoder::new_with_quality(file.as_file(), shoot.jpeg_quality).encode_image(&drawn.image)?;
+            JpegEncoder::new_with_quality(file.as_file(), shoot.jpeg_quality)
+                .encode_image(&drawn.image)?;
             // It goes with its folder.
-            file.keep().map_err(|error| unwritten(folder.path(), &error.error))?;
+            file.keep()
+                .map_err(|error| unwritten(folder.path(), &error.error))?;
             progress();
-            Ok(drawn.movers.iter().map(|mover| mover.area).chain(drawn.graphics.iter().copied()).collect())
+            Ok(drawn
+                .movers
+                .iter()
+                .map(|mover| mover.area)
+                .chain(drawn.graphics.iter().copied())
+                .collect())
         };
-        let hidden: Result<Vec<_>, ExperimentError> = path.par_iter().enumerate().map(take).collect();
+        let hidden: Result<Vec<_>, ExperimentError> =
+            path.par_iter().enumerate().map(take).collect();
         let mut document = Document::new(spec);
         let mut camera = Camera::new(CameraId::from("main"), size);
         camera.set_base(&base);
         document.cameras.push(camera.into());
         let frame = |number| Frame::from_image(&name(number), CameraId::from("main"), size).into();
         document.frames.extend((0..count).map(frame));
-        let truth = path.iter().map(|step| PtzCamera::new(base, step.ptz)).collect();
-        Ok(Self { motion, document, field, truth, folder, hidden: hidden? })
+        let truth = path
+            .iter()
+            .map(|step| PtzCamera::new(base, step.ptz))
+            .collect();
+        Ok(Self {
+            motion,
+            document,
+            field,
+            truth,
+            folder,
+            hidden: hidden?,
+        })
     }
 
     /// Where its pictures are.
@@ -103,15 +155,26 @@ impl DrawnClip {
 
     /// The clicks of a person on a frame, as many landmarks as are asked for at most.
     pub fn clicks(&self, frame: usize, landmarks: usize) -> Vec<Click> {
-        let options = ClickOptions { landmarks, lines: 0, sigma_px: CLICK_SIGMA_PX, seed: frame as u64 };
+        let options = ClickOptions {
+            landmarks,
+            lines: 0,
+            sigma_px: CLICK_SIGMA_PX,
+            seed: frame as u64,
+        };
         let size = self.document.frames[frame].image_size;
-        drawn_clicks(&self.field, &self.truth[frame], size, &self.hidden[frame], &options)
-            .into_iter()
-            .map(|click| match click.target {
-                ClickTarget::Landmark(id) => Click::new(Target::Landmark(id), click.image),
-                ClickTarget::Line(id) => Click::new(Target::Line(id), click.image),
-            })
-            .collect()
+        drawn_clicks(
+            &self.field,
+            &self.truth[frame],
+            size,
+            &self.hidden[frame],
+            &options,
+        )
+        .into_iter()
+        .map(|click| match click.target {
+            ClickTarget::Landmark(id) => Click::new(Target::Landmark(id), click.image),
+            ClickTarget::Line(id) => Click::new(Target::Line(id), click.image),
+        })
+        .collect()
     }
 }
 
@@ -129,22 +192,34 @@ fn there_and_back(real: &RealMotion, count: usize) -> Vec<PathStep> {
     let last = real.ptz.len() - 1;
     let step = |number: usize| {
         let way = number % (2 * last).max(1);
-        let (at, is_back) = if way <= last { (way, false) } else { (2 * last - way, true) };
+        let (at, is_back) = if way <= last {
+            (way, false)
+        } else {
+            (2 * last - way, true)
+        };
         let motion = real.motion_at(at);
         let motion = if is_back { motion.reversed() } else { motion };
-        PathStep { time_s: number as f64 * STEP_S, ptz: real.ptz[at], motion }
+        PathStep {
+            time_s: number as f64 * STEP_S,
+            ptz: real.ptz[at],
+            motion,
+        }
     };
     (0..count).map(step).collect()
 }
 
-/// How far off a camera shows what lies at the four corners of a picture, px: the ground, or what the stand is about as far away
-/// as.
+/// How far off a camera shows what lies at the four corners of a picture, px: the ground, or what
+/// the stand is about as far away as.
 pub fn corners_apart_px(truth: &PtzCamera, camera: &PtzCamera, size: ImageSize) -> [f64; 4] {
     size.corners().map(|corner| {
         let place = truth.base().position_m;
-        let ground = truth.plane_from_image(corner, 0.0).filter(|ground| (ground - place).norm() < STAND_M);
+        let ground = truth
+            .plane_from_image(corner, 0.0)
+            .filter(|ground| (ground - place).norm() < STAND_M);
         let along = || Some(place + truth.world_direction_from_image(corner).ok()? * STAND_M);
-        let shown = ground.or_else(along).and_then(|at| camera.image_from_world(at).ok());
+        let shown = ground
+            .or_else(along)
+            .and_then(|at| camera.image_from_world(at).ok());
         shown.map_or(f64::INFINITY, |shown| shown.distance_px(corner))
     })
 }

@@ -1,5 +1,5 @@
-//! What each step of the program is worth to the person who labels: one drawn clip, labelled in several ways by a simulated
-//! annotator.
+//! What each step of the program is worth to the person who labels: one drawn clip, labelled in
+//! several ways by a simulated annotator.
 
 mod clip;
 mod ways;
@@ -26,7 +26,8 @@ const CERTAIN: f64 = 0.95;
 /// A way of labelling by its name.
 type Way<'a> = (&'a str, &'a dyn Fn() -> Result<Outcome, ExperimentError>);
 
-/// Labels a drawn clip in several ways; `motion` is the folder with the published motion of a real camera.
+/// Labels a drawn clip in several ways; `motion` is the folder with the published motion of a real
+/// camera.
 ///
 /// # Errors
 /// The motion cannot be read, or the pictures cannot be drawn.
@@ -70,7 +71,9 @@ pub fn run(
     let ways: [Way<'_>; 5] = [
         ("two clicks on every frame", &|| Ok(Ok(two_clicks(&clip)))),
         ("forest", &|| forest(&clip, false).map(Ok)),
-        ("forest, snapped to the paint", &|| forest(&clip, true).map(Ok)),
+        ("forest, snapped to the paint", &|| {
+            forest(&clip, true).map(Ok)
+        }),
         ("carried through the clip", &|| carried(&clip).map(Ok)),
         ("no click: base found, then carried", &|| no_click(&clip)),
     ];
@@ -78,7 +81,10 @@ pub fn run(
     for (name, way) in ways {
         let begun = Instant::now();
         let labelled = way()?;
-        times.push(vec![name.into(), Cell::Number(begun.elapsed().as_secs_f64())]);
+        times.push(vec![
+            name.into(),
+            Cell::Number(begun.elapsed().as_secs_f64()),
+        ]);
         let mut row = match labelled {
             Ok(labelled) => {
                 let answers = answers(&clip, &labelled);
@@ -87,7 +93,12 @@ pub fn run(
             }
             Err(why) => {
                 refusals.push(format!("No answer for \"{name}\": {why}."));
-                vec![name.into(), Cell::Number(0.0), Cell::Count(0), Cell::Count(0)]
+                vec![
+                    name.into(),
+                    Cell::Number(0.0),
+                    Cell::Count(0),
+                    Cell::Count(0),
+                ]
             }
         };
         row.resize(table.columns.len(), Cell::Empty);
@@ -97,7 +108,11 @@ pub fn run(
     for refusal in refusals {
         report.text(&refusal);
     }
-    report.data("frames", "Every frame with a camera, by way of labelling.", frames);
+    report.data(
+        "frames",
+        "Every frame with a camera, by way of labelling.",
+        frames,
+    );
     report.time_table("times", "How long the program worked.", times);
     Ok(report)
 }
@@ -121,8 +136,15 @@ fn answers(clip: &DrawnClip, labelled: &Labelled) -> Vec<Answer> {
     each.filter_map(|(at, (frame, truth))| {
         let ptz = frame.ptz.as_ref().map(FramePtz::ptz)?;
         // A base that was found is not the true one; what counts is where the picture is.
-        let base = labelled.document.camera_of(frame).and_then(|camera| camera.base_for(frame));
-        let corners = corners_apart_px(truth, &PtzCamera::new(base.unwrap_or(*truth.base()), ptz), frame.image_size);
+        let base = labelled
+            .document
+            .camera_of(frame)
+            .and_then(|camera| camera.base_for(frame));
+        let corners = corners_apart_px(
+            truth,
+            &PtzCamera::new(base.unwrap_or(*truth.base()), ptz),
+            frame.image_size,
+        );
         let worst = corners.iter().copied().fold(0.0, f64::max);
         let solution = frame.solution.as_ref();
         Some(Answer {
@@ -132,7 +154,9 @@ fn answers(clip: &DrawnClip, labelled: &Labelled) -> Vec<Answer> {
             is_wrong: worst > WRONG_PX * frame.image_size.scale_from_1920(),
             confidence: solution.and_then(|solution| solution.confidence),
             sigma_px: solution.and_then(|solution| solution.worst_corner_sigma_px),
-            squared_sigmas: (base == Some(*truth.base())).then(|| in_sigmas(frame, ptz, truth.ptz())).flatten(),
+            squared_sigmas: (base == Some(*truth.base()))
+                .then(|| in_sigmas(frame, ptz, truth.ptz()))
+                .flatten(),
         })
     })
     .collect()
@@ -140,8 +164,17 @@ fn answers(clip: &DrawnClip, labelled: &Labelled) -> Vec<Answer> {
 
 fn row(name: &str, clip: &DrawnClip, labelled: &Labelled, answers: &[Answer]) -> Vec<Cell> {
     let wrong = || answers.iter().filter(|answer| answer.is_wrong);
-    let certain = wrong().filter(|answer| answer.confidence.is_some_and(|confidence| confidence >= CERTAIN)).count();
-    let sigmas: Vec<f64> = answers.iter().filter_map(|answer| answer.squared_sigmas).collect();
+    let certain = wrong()
+        .filter(|answer| {
+            answer
+                .confidence
+                .is_some_and(|confidence| confidence >= CERTAIN)
+        })
+        .count();
+    let sigmas: Vec<f64> = answers
+        .iter()
+        .filter_map(|answer| answer.squared_sigmas)
+        .collect();
     let mut corners: Vec<f64> = answers.iter().flat_map(|answer| answer.corners).collect();
     corners.sort_by(f64::total_cmp);
     let mut cells = vec![
@@ -152,7 +185,9 @@ fn row(name: &str, clip: &DrawnClip, labelled: &Labelled, answers: &[Answer]) ->
     ];
     cells.extend([0.5, 0.9, 0.99].map(|share| Cell::Number(quantile(&corners, share))));
     match SigmaCoverage::of(&sigmas) {
-        Some(coverage) => cells.extend([coverage.within_68, coverage.error_over_sigma].map(Cell::Number)),
+        Some(coverage) => {
+            cells.extend([coverage.within_68, coverage.error_over_sigma].map(Cell::Number))
+        }
         None => cells.extend([Cell::Empty, Cell::Empty]),
     }
     cells.extend([wrong().count().into(), certain.into()]);

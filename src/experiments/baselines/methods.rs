@@ -7,9 +7,12 @@ use crate::setting::rng;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{Angle, ImagePoint, Mat3, Vec3};
 use touchline_core::solve::pose_from_plane;
-use touchline_vision::relocalize::{PoseOptions, PredictOptions, RayCandidate, RayMatches, pose_from_candidates};
+use touchline_vision::relocalize::{
+    PoseOptions, PredictOptions, RayCandidate, RayMatches, pose_from_candidates,
+};
 
-/// A match counts if the nearest descriptor is nearer than this share of the second nearest (Lowe 2004), squared.
+/// A match counts if the nearest descriptor is nearer than this share of the second nearest (Lowe
+/// 2004), squared.
 const RATIO_SQUARED: f32 = 0.8 * 0.8;
 /// References that are verified: those with most matches.
 const VERIFIED: usize = 5;
@@ -24,7 +27,10 @@ pub struct Reference<'a> {
 
 impl<'a> Reference<'a> {
     pub fn of(known: &'a KnownFrame) -> Self {
-        Self { known, rows: DescriptorRows::of(&known.features.descriptors) }
+        Self {
+            known,
+            rows: DescriptorRows::of(&known.features.descriptors),
+        }
     }
 }
 
@@ -40,65 +46,104 @@ impl<'a> Matched<'a> {
     /// Matches a picture to references.
     pub fn to(asked: &'a KnownFrame, references: &[Reference<'_>], seed: u64) -> Self {
         let rows = DescriptorRows::of(&asked.features.descriptors);
-        let nearest = references.iter().map(|reference| nearest(&rows, &reference.rows)).collect();
-        Self { asked, nearest, seed }
+        let nearest = references
+            .iter()
+            .map(|reference| nearest(&rows, &reference.rows))
+            .collect();
+        Self {
+            asked,
+            nearest,
+            seed,
+        }
     }
 
-    /// The paper's baseline, made strong: of the five references with most matches the one whose homography most matches agree
-    /// with (four-point RANSAC), and the camera that it makes with the reference's own. The base is not used.
+    /// The paper's baseline, made strong: of the five references with most matches the one whose
+    /// homography most matches agree with (four-point RANSAC), and the camera that it makes with
+    /// the reference's own. The base is not used.
     pub fn by_homography(&self, references: &[Reference<'_>]) -> Option<PtzCamera> {
-        let verified = self.most_matches(references.len()).into_iter().filter_map(|at| {
-            let pairs = self.pairs(&references[at], at);
-            if pairs.len() < LEAST {
-                return None;
-            }
-            let h = by_four_points(&pairs, &mut rng(self.seed, [71, at as u64])).0?;
-            Some((agreeing(&h, &pairs), at, h))
-        });
+        let verified = self
+            .most_matches(references.len())
+            .into_iter()
+            .filter_map(|at| {
+                let pairs = self.pairs(&references[at], at);
+                if pairs.len() < LEAST {
+                    return None;
+                }
+                let h = by_four_points(&pairs, &mut rng(self.seed, [71, at as u64])).0?;
+                Some((agreeing(&h, &pairs), at, h))
+            });
         // The first of equals, so that the order decides nothing else.
         let (_, at, h) = verified.max_by_key(|(count, at, _)| (*count, std::cmp::Reverse(*at)))?;
-        camera_through(&references[at].known.truth, &h, self.asked.features.image_size.centre(), self.asked)
+        camera_through(
+            &references[at].known.truth,
+            &h,
+            self.asked.features.image_size.centre(),
+            self.asked,
+        )
     }
 
-    /// The same five references, each verified by two-point RANSAC with the known base; the camera that most matches agree
-    /// with.
-    pub fn by_known_base(&self, references: &[Reference<'_>], options: &PoseOptions) -> Option<PtzCamera> {
+    /// The same five references, each verified by two-point RANSAC with the known base; the camera
+    /// that most matches agree with.
+    pub fn by_known_base(
+        &self,
+        references: &[Reference<'_>],
+        options: &PoseOptions,
+    ) -> Option<PtzCamera> {
         let base = *self.asked.truth.base();
         let size = self.asked.features.image_size;
-        let poses = self.most_matches(references.len()).into_iter().filter_map(|at| {
-            let mut matches = RayMatches::new();
-            for (keypoint, nearest) in self.asked.features.keypoints.iter().zip(&self.nearest[at]) {
-                if passes_ratio(nearest) {
-                    push_ray(&mut matches, keypoint.point, &references[at], nearest);
+        let poses = self
+            .most_matches(references.len())
+            .into_iter()
+            .filter_map(|at| {
+                let mut matches = RayMatches::new();
+                for (keypoint, nearest) in
+                    self.asked.features.keypoints.iter().zip(&self.nearest[at])
+                {
+                    if passes_ratio(nearest) {
+                        push_ray(&mut matches, keypoint.point, &references[at], nearest);
+                    }
                 }
-            }
-            let pose = pose_from_candidates(&matches, &base, size, options).ok()?;
-            Some((pose.inliers.len(), at, pose.ptz))
-        });
+                let pose = pose_from_candidates(&matches, &base, size, options).ok()?;
+                Some((pose.inliers.len(), at, pose.ptz))
+            });
         let (.., ptz) = poses.max_by_key(|(count, at, _)| (*count, std::cmp::Reverse(*at)))?;
         Some(PtzCamera::new(base, ptz))
     }
 
-    /// Each feature's nearest neighbour among all references is its ray; then the pose from two points.
-    pub fn by_neighbours(&self, references: &[Reference<'_>], options: &PoseOptions) -> Option<PtzCamera> {
+    /// Each feature's nearest neighbour among all references is its ray; then the pose from two
+    /// points.
+    pub fn by_neighbours(
+        &self,
+        references: &[Reference<'_>],
+        options: &PoseOptions,
+    ) -> Option<PtzCamera> {
         let gate = PredictOptions::default().max_squared_distance;
         let mut matches = RayMatches::new();
         for (feature, keypoint) in self.asked.features.keypoints.iter().enumerate() {
             let of_all = self.nearest[..references.len()].iter().zip(references);
-            let each = of_all.filter_map(|(nearest, reference)| Some((nearest.get(feature)?, reference)));
+            let each =
+                of_all.filter_map(|(nearest, reference)| Some((nearest.get(feature)?, reference)));
             let best = each.min_by(|a, b| a.0.squared_distance.total_cmp(&b.0.squared_distance));
-            if let Some((nearest, reference)) = best.filter(|(nearest, _)| nearest.squared_distance <= gate) {
+            if let Some((nearest, reference)) =
+                best.filter(|(nearest, _)| nearest.squared_distance <= gate)
+            {
                 push_ray(&mut matches, keypoint.point, reference, nearest);
             }
         }
         let base = *self.asked.truth.base();
-        let pose = pose_from_candidates(&matches, &base, self.asked.features.image_size, options).ok()?;
+        let pose =
+            pose_from_candidates(&matches, &base, self.asked.features.image_size, options).ok()?;
         Some(PtzCamera::new(base, pose.ptz))
     }
 
     /// Of the first references the few with most matches.
     fn most_matches(&self, references: usize) -> Vec<usize> {
-        let count = |at: usize| self.nearest[at].iter().filter(|nearest| passes_ratio(nearest)).count();
+        let count = |at: usize| {
+            self.nearest[at]
+                .iter()
+                .filter(|nearest| passes_ratio(nearest))
+                .count()
+        };
         let mut order: Vec<(usize, usize)> = (0..references).map(|at| (count(at), at)).collect();
         order.sort_by_key(|(count, at)| (std::cmp::Reverse(*count), *at));
         order.into_iter().take(VERIFIED).map(|(_, at)| at).collect()
@@ -110,7 +155,10 @@ impl<'a> Matched<'a> {
         let good = each.filter(|(_, nearest)| passes_ratio(nearest));
         good.map(|(keypoint, nearest)| {
             let from = reference.known.features.keypoints[nearest.feature].point;
-            Match { ground: Vec3::new(from.x, from.y, 0.0), image: keypoint.point }
+            Match {
+                ground: Vec3::new(from.x, from.y, 0.0),
+                image: keypoint.point,
+            }
         })
         .collect()
     }
@@ -120,18 +168,36 @@ fn passes_ratio(nearest: &Nearest) -> bool {
     nearest.squared_distance < RATIO_SQUARED * nearest.second
 }
 
-fn push_ray(matches: &mut RayMatches, point: ImagePoint, reference: &Reference<'_>, nearest: &Nearest) {
+fn push_ray(
+    matches: &mut RayMatches,
+    point: ImagePoint,
+    reference: &Reference<'_>,
+    nearest: &Nearest,
+) {
     let from = reference.known.features.keypoints[nearest.feature].point;
     if let Ok(ray) = reference.known.truth.ray_from_image(from) {
-        matches.push(point, &[RayCandidate { ray, squared_distance: nearest.squared_distance }]);
+        matches.push(
+            point,
+            &[RayCandidate {
+                ray,
+                squared_distance: nearest.squared_distance,
+            }],
+        );
     }
 }
 
-/// The camera of a picture into which a homography carries a reference's: from points of the ground in the reference.
-fn camera_through(reference: &PtzCamera, h: &Mat3, centre: ImagePoint, asked: &KnownFrame) -> Option<PtzCamera> {
+/// The camera of a picture into which a homography carries a reference's: from points of the ground
+/// in the reference.
+fn camera_through(
+    reference: &PtzCamera,
+    h: &Mat3,
+    centre: ImagePoint,
+    asked: &KnownFrame,
+) -> Option<PtzCamera> {
     let size = asked.features.image_size;
     let (width, height) = (f64::from(size.width), f64::from(size.height));
-    let grid = (0..5).flat_map(|i| (0..4).map(move |j| (0.1 + 0.2 * f64::from(i), 0.35 + 0.2 * f64::from(j))));
+    let grid = (0..5)
+        .flat_map(|i| (0..4).map(move |j| (0.1 + 0.2 * f64::from(i), 0.35 + 0.2 * f64::from(j))));
     let carried = grid.filter_map(|(x, y)| {
         let pixel = ImagePoint::new(x * width, y * height);
         let ground = reference.plane_from_image(pixel, 0.0)?;
@@ -140,5 +206,12 @@ fn camera_through(reference: &PtzCamera, h: &Mat3, centre: ImagePoint, asked: &K
     let points: Vec<_> = carried.collect();
     let pose = pose_from_plane(&points, centre).ok()?;
     let base = CameraBase::new(pose.position_m, pose.cam_from_world, centre);
-    Some(PtzCamera::new(base, Ptz { pan: Angle::ZERO, tilt: Angle::ZERO, focal_px: pose.focal_px }))
+    Some(PtzCamera::new(
+        base,
+        Ptz {
+            pan: Angle::ZERO,
+            tilt: Angle::ZERO,
+            focal_px: pose.focal_px,
+        },
+    ))
 }

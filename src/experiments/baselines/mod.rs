@@ -1,11 +1,13 @@
-//! What the forest is compared with: matching to the best references and a homography (the paper's baseline), the same with the known
-//! base, and plain nearest neighbours among all references' features.
+//! What the forest is compared with: matching to the best references and a homography (the paper's
+//! baseline), the same with the known base, and plain nearest neighbours among all references'
+//! features.
 
 mod methods;
 mod times;
 
 use super::answers::{
-    AskedFrame, FoundCamera, TALLY_EXPLAINED, Tally, describe_difference, difference, frame_table, tally_table,
+    AskedFrame, FoundCamera, TALLY_EXPLAINED, Tally, describe_difference, difference, frame_table,
+    tally_table,
 };
 use super::forests::{ForestKind, trained_on};
 use super::progress::Progress;
@@ -36,7 +38,8 @@ const MARKS: [(Mark, Line); METHODS.len()] = [
     (Mark::Disc, Line::Solid),
     (Mark::Disc, Line::Dashed),
 ];
-/// Methods stand beside each other in the figure, this factor apart, so that their bars can be told apart.
+/// Methods stand beside each other in the figure, this factor apart, so that their bars can be told
+/// apart.
 const ASIDE: f64 = 1.025;
 /// References of a split, from few to as many as there are.
 const COUNTS: [usize; 5] = [5, 10, 20, 40, 87];
@@ -51,13 +54,27 @@ type ByCount = Vec<(usize, [Vec<AskedFrame>; METHODS.len()])>;
 /// The frames cannot be had.
 pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let sets = inputs.highlights(progress)?;
-    let mut report = Report::new("baselines", &sets[0].heading("Baselines: over the number of references"));
+    let mut report = Report::new(
+        "baselines",
+        &sets[0].heading("Baselines: over the number of references"),
+    );
     let splits = || sets.iter().flat_map(|set| &set.splits);
-    let most = splits().map(|split| split.training_frames.len()).max().unwrap_or(0);
-    let wanted: &[usize] = if inputs.options.quick { &QUICK_COUNTS } else { &COUNTS };
+    let most = splits()
+        .map(|split| split.training_frames.len())
+        .max()
+        .unwrap_or(0);
+    let wanted: &[usize] = if inputs.options.quick {
+        &QUICK_COUNTS
+    } else {
+        &COUNTS
+    };
     let counts = no_more_than(most, wanted);
     let stride = inputs.options.sized(4, 2);
-    introduce(&mut report, sets, &format!("One frame in {stride} is asked."));
+    introduce(
+        &mut report,
+        sets,
+        &format!("One frame in {stride} is asked."),
+    );
     report.text(&format!(
         "References are drawn at random from the training frames of a sequence, the same for all methods. *{}*: the paper's baseline, \
          made strong: of the five references with most matches (ratio test) the one whose homography most matches agree with \
@@ -67,7 +84,10 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         METHODS[0].1, METHODS[1].1, METHODS[2].1
     ));
     report.text(ForestKind::EXPLAINED);
-    let mut by_count: ByCount = counts.iter().map(|count| (*count, std::array::from_fn(|_| Vec::new()))).collect();
+    let mut by_count: ByCount = counts
+        .iter()
+        .map(|count| (*count, std::array::from_fn(|_| Vec::new())))
+        .collect();
     let total = splits().count();
     let mut done = 0;
     for (repeat, set) in sets.iter().enumerate() {
@@ -105,15 +125,22 @@ fn ask_split(place: &Place<'_>, stride: usize, by_count: &mut ByCount) {
     let (set, split) = (place.set, &place.set.splits[place.split]);
     let mut order = split.training_frames.clone();
     order.shuffle(&mut rng(set.seed, [70, place.split as u64]));
-    let references: Vec<Reference<'_>> = order.iter().map(|&frame| Reference::of(&set.frames[frame])).collect();
+    let references: Vec<Reference<'_>> = order
+        .iter()
+        .map(|&frame| Reference::of(&set.frames[frame]))
+        .collect();
     let forests: Vec<[Option<(Forest, SeenRange)>; 2]> = by_count
         .iter()
         .map(|(count, _)| {
             let known = &references[..(*count).min(references.len())];
-            ForestKind::BOTH.map(|kind| trained_on(known.iter().map(|one| one.known), &kind.training(set.seed)))
+            ForestKind::BOTH
+                .map(|kind| trained_on(known.iter().map(|one| one.known), &kind.training(set.seed)))
         })
         .collect();
-    let counts: Vec<usize> = by_count.iter().map(|(count, _)| (*count).min(order.len())).collect();
+    let counts: Vec<usize> = by_count
+        .iter()
+        .map(|(count, _)| (*count).min(order.len()))
+        .collect();
     let asked: Vec<usize> = split.asked.iter().copied().step_by(stride).collect();
     let one = |&frame: &usize| -> Vec<[AskedFrame; METHODS.len()]> {
         let known = &set.frames[frame];
@@ -127,12 +154,19 @@ fn ask_split(place: &Place<'_>, stride: usize, by_count: &mut ByCount) {
         let of_count = |(count, forests): (&usize, &[Option<(Forest, SeenRange)>; 2])| {
             let references = &references[..*count];
             let ranges = forests[0].as_ref().map(|(_, seen)| seen.plausible());
-            let options = PoseOptions { seed: set.seed, ranges, ..PoseOptions::default() };
+            let options = PoseOptions {
+                seed: set.seed,
+                ranges,
+                ..PoseOptions::default()
+            };
             let by_forest = |number: usize| {
                 let (forest, seen) = forests[number].as_ref()?;
                 let asking = ForestKind::BOTH[number].asking(set.seed);
                 let answer = relocalize(&known.features, forest, seen, known.truth.base(), &asking);
-                answer.pose.ok().map(|pose| PtzCamera::new(*known.truth.base(), pose.ptz))
+                answer
+                    .pose
+                    .ok()
+                    .map(|pose| PtzCamera::new(*known.truth.base(), pose.ptz))
             };
             [
                 matched.by_homography(references),
@@ -156,17 +190,39 @@ fn ask_split(place: &Place<'_>, stride: usize, by_count: &mut ByCount) {
 }
 
 fn write(report: &mut Report, sets: &[FrameSet], by_count: &ByCount) {
-    let mut figure = Figure::new("", Axis::log("references"), Axis::linear("mean IoU").within(0.5, 1.0));
+    let mut figure = Figure::new(
+        "",
+        Axis::log("references"),
+        Axis::linear("mean IoU").within(0.5, 1.0),
+    );
     for (method, (key, name)) in METHODS.into_iter().enumerate() {
-        let tallies: Vec<(Cell, Tally)> =
-            by_count.iter().map(|(count, asked)| ((*count).into(), Tally::of(asked[method].iter()))).collect();
-        let each = || by_count.iter().zip(&tallies).map(|((count, _), (_, tally))| (*count as f64, tally));
+        let tallies: Vec<(Cell, Tally)> = by_count
+            .iter()
+            .map(|(count, asked)| ((*count).into(), Tally::of(asked[method].iter())))
+            .collect();
+        let each = || {
+            by_count
+                .iter()
+                .zip(&tallies)
+                .map(|((count, _), (_, tally))| (*count as f64, tally))
+        };
         let aside = ASIDE.powi(method as i32 - METHODS.len() as i32 / 2);
-        let points = each().map(|(count, tally)| [count * aside, tally.iou_mean]).collect();
+        let points = each()
+            .map(|(count, tally)| [count * aside, tally.iou_mean])
+            .collect();
         let bars = each().map(|(_, tally)| tally.iou_interval).collect();
         let (mark, line) = MARKS[method];
-        figure = figure.with(Series::new(name, method + 1, points).with_bars(bars).marked(mark).lined(line));
-        report.table(key, &format!("{name}."), tally_table(("references", "references"), &tallies));
+        figure = figure.with(
+            Series::new(name, method + 1, points)
+                .with_bars(bars)
+                .marked(mark)
+                .lined(line),
+        );
+        report.table(
+            key,
+            &format!("{name}."),
+            tally_table(("references", "references"), &tallies),
+        );
     }
     report.figure(
         "iou",
@@ -174,9 +230,16 @@ fn write(report: &mut Report, sets: &[FrameSet], by_count: &ByCount) {
         figure,
     );
     let ways = by_count.iter().flat_map(|(count, asked)| {
-        METHODS.iter().zip(asked).map(move |((key, _), asked)| (format!("{key}, {count} references"), &asked[..]))
+        METHODS
+            .iter()
+            .zip(asked)
+            .map(move |((key, _), asked)| (format!("{key}, {count} references"), &asked[..]))
     });
-    report.data("frames", "Every frame asked, by method and number of references.", frame_table(sets, ways));
+    report.data(
+        "frames",
+        "Every frame asked, by method and number of references.",
+        frame_table(sets, ways),
+    );
     report.text(
         "Times of one frame over the number of references, all methods side by side in one run: in the file of times.",
     );
@@ -203,9 +266,11 @@ fn claim(report: &mut Report, by_count: &ByCount, times: &times::Times) {
             "what helps is the known base: with it the best reference and nearest neighbours can be compared with a forest",
         );
     }
-    if let (Some((from, to, matching)), Some((.., default)), Some((.., published))) =
-        (times::growth(times, 0), times::growth(times, 3), times::growth(times, 4))
-    {
+    if let (Some((from, to, matching)), Some((.., default)), Some((.., published))) = (
+        times::growth(times, 0),
+        times::growth(times, 3),
+        times::growth(times, 4),
+    ) {
         report.time_claim(
             Verdict::of(published < 0.5 * matching),
             "The time of matching grows with the number of references, a forest's does not",

@@ -1,4 +1,5 @@
-//! The time of one frame over the number of references: all methods side by side, one after the other, in one run.
+//! The time of one frame over the number of references: all methods side by side, one after the
+//! other, in one run.
 
 use super::methods::{Matched, Reference};
 use super::{MARKS, METHODS, no_more_than};
@@ -20,27 +21,54 @@ const ASKED: usize = 6;
 /// Median times (ms) of the methods by the number of references.
 pub type Times = Vec<(usize, [f64; METHODS.len()])>;
 
-/// Takes the times. References are the training frames of the first split, then frames of the sets with other seeds: other matches in other
-/// stadiums, which cost as much as those of the same one.
+/// Takes the times. References are the training frames of the first split, then frames of the sets
+/// with other seeds: other matches in other stadiums, which cost as much as those of the same one.
 pub fn measured(sets: &[FrameSet], quick: bool) -> Times {
-    let Some((set, split)) = sets.first().and_then(|set| Some((set, set.splits.first()?))) else { return Vec::new() };
-    let own = split.training_frames.iter().map(|&frame| &set.frames[frame]);
+    let Some((set, split)) = sets
+        .first()
+        .and_then(|set| Some((set, set.splits.first()?)))
+    else {
+        return Vec::new();
+    };
+    let own = split
+        .training_frames
+        .iter()
+        .map(|&frame| &set.frames[frame]);
     let others = sets.iter().skip(1).flat_map(|set| &set.frames);
     let references: Vec<&KnownFrame> = own.chain(others).collect();
     let wanted: &[usize] = if quick { &QUICK_COUNTS } else { &COUNTS };
     let counts = no_more_than(references.len(), wanted);
     let stride = (split.asked.len() / ASKED).max(1);
-    let asked: Vec<&KnownFrame> = split.asked.iter().step_by(stride).map(|&frame| &set.frames[frame]).collect();
-    counts.into_iter().map(|count| (count, of_count(&references[..count], &asked, set.seed))).collect()
+    let asked: Vec<&KnownFrame> = split
+        .asked
+        .iter()
+        .step_by(stride)
+        .map(|&frame| &set.frames[frame])
+        .collect();
+    counts
+        .into_iter()
+        .map(|count| (count, of_count(&references[..count], &asked, set.seed)))
+        .collect()
 }
 
 fn of_count(references: &[&KnownFrame], asked: &[&KnownFrame], seed: u64) -> [f64; METHODS.len()] {
-    let ready: Vec<Reference<'_>> = references.iter().map(|known| Reference::of(known)).collect();
-    let forests =
-        ForestKind::BOTH.map(|kind| (trained_on(references.iter().copied(), &kind.training(seed)), kind.asking(seed)));
+    let ready: Vec<Reference<'_>> = references
+        .iter()
+        .map(|known| Reference::of(known))
+        .collect();
+    let forests = ForestKind::BOTH.map(|kind| {
+        (
+            trained_on(references.iter().copied(), &kind.training(seed)),
+            kind.asking(seed),
+        )
+    });
     let looked: Vec<_> = references.iter().map(|known| known.truth.ptz()).collect();
     let ranges = SeenRange::of(&looked).map(|seen| seen.plausible());
-    let options = PoseOptions { ranges, seed, ..PoseOptions::default() };
+    let options = PoseOptions {
+        ranges,
+        seed,
+        ..PoseOptions::default()
+    };
     let mut times: [Vec<f64>; METHODS.len()] = std::array::from_fn(|_| Vec::new());
     for known in asked {
         let mut take = |method: usize, work: &dyn Fn()| {
@@ -48,13 +76,25 @@ fn of_count(references: &[&KnownFrame], asked: &[&KnownFrame], seed: u64) -> [f6
             work();
             times[method].push(start.elapsed().as_secs_f64() * 1e3);
         };
-        take(0, &|| _ = black_box(Matched::to(known, &ready, seed).by_homography(&ready)));
-        take(1, &|| _ = black_box(Matched::to(known, &ready, seed).by_known_base(&ready, &options)));
-        take(2, &|| _ = black_box(Matched::to(known, &ready, seed).by_neighbours(&ready, &options)));
+        take(0, &|| {
+            _ = black_box(Matched::to(known, &ready, seed).by_homography(&ready))
+        });
+        take(1, &|| {
+            _ = black_box(Matched::to(known, &ready, seed).by_known_base(&ready, &options))
+        });
+        take(2, &|| {
+            _ = black_box(Matched::to(known, &ready, seed).by_neighbours(&ready, &options))
+        });
         for (number, (forest, asking)) in forests.iter().enumerate() {
             if let Some((forest, seen)) = forest {
                 take(3 + number, &|| {
-                    drop(black_box(relocalize(&known.features, forest, seen, known.truth.base(), asking)));
+                    drop(black_box(relocalize(
+                        &known.features,
+                        forest,
+                        seen,
+                        known.truth.base(),
+                        asking,
+                    )));
                 });
             }
         }
@@ -65,7 +105,8 @@ fn of_count(references: &[&KnownFrame], asked: &[&KnownFrame], seed: u64) -> [f6
     })
 }
 
-/// How many times as long a method takes with the most references as with the fewest that are at least a tenth of them.
+/// How many times as long a method takes with the most references as with the fewest that are at
+/// least a tenth of them.
 pub fn growth(times: &Times, method: usize) -> Option<(usize, usize, f64)> {
     let (most, last) = times.last()?;
     let (from, first) = times.iter().find(|(count, _)| 10 * count >= *most)?;
@@ -75,22 +116,39 @@ pub fn growth(times: &Times, method: usize) -> Option<(usize, usize, f64)> {
 /// Adds table and figure of the times.
 pub fn write(report: &mut Report, times: &Times) {
     let mut table = Table::new(&[("references", "references")]);
-    table.columns.extend(METHODS.map(|(key, name)| Column::new(&format!("{key}_ms"), name)));
+    table
+        .columns
+        .extend(METHODS.map(|(key, name)| Column::new(&format!("{key}_ms"), name)));
     for (count, times) in times {
         let mut row: Vec<Cell> = vec![(*count).into()];
         row.extend(times.map(Cell::Number));
         table.push(row);
     }
-    let mut figure = Figure::new("", Axis::log("references"), Axis::log("time of one frame (ms)"));
+    let mut figure = Figure::new(
+        "",
+        Axis::log("references"),
+        Axis::log("time of one frame (ms)"),
+    );
     for (method, (_, name)) in METHODS.into_iter().enumerate() {
-        let points = times.iter().map(|(count, times)| [*count as f64, times[method]]).collect();
+        let points = times
+            .iter()
+            .map(|(count, times)| [*count as f64, times[method]])
+            .collect();
         let (mark, line) = MARKS[method];
-        figure = figure.with(Series::new(name, method + 1, points).marked(mark).lined(line));
+        figure = figure.with(
+            Series::new(name, method + 1, points)
+                .marked(mark)
+                .lined(line),
+        );
     }
     report.time_table(
         "references-times",
         "One frame, features found already, median of a few frames (ms), on one thread.",
         table,
     );
-    report.time_figure("growth-times", "The time of one frame over the number of references, on one thread.", figure);
+    report.time_figure(
+        "growth-times",
+        "The time of one frame over the number of references, on one thread.",
+        figure,
+    );
 }

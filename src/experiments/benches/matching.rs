@@ -1,5 +1,10 @@
-//! Nearest neighbours among descriptors, as the experiments' baselines match: beside OpenCV's brute force, both on one thread.
-#![allow(missing_docs, clippy::unwrap_used, reason = "a bench says what failed by failing")]
+//! Nearest neighbours among descriptors, as the experiments' baselines match: beside OpenCV's brute
+//! force, both on one thread.
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    reason = "a bench says what failed by failing"
+)]
 
 use divan::Bencher;
 use opencv::core::{DMatch, Mat, NORM_L2, Vector, set_num_threads};
@@ -17,7 +22,11 @@ fn main() {
     let ours = nearest(&DescriptorRows::of(&asked), &DescriptorRows::of(&reference));
     let theirs = brute_force(&matrix(&asked), &matrix(&reference));
     for (ours, theirs) in ours.iter().zip(theirs) {
-        assert_eq!(ours.feature as i32, theirs.get(0).unwrap().train_idx, "both find the same neighbours");
+        assert_eq!(
+            ours.feature as i32,
+            theirs.get(0).unwrap().train_idx,
+            "both find the same neighbours"
+        );
     }
     divan::main();
 }
@@ -26,21 +35,32 @@ fn main() {
 fn descriptors(count: usize) -> [Vec<Descriptor>; 2] {
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
     let mut value = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         ((state >> 40) as f32 / 16_777_216.0).powi(4)
     };
-    [(); 2].map(|()| (0..count).map(|_| Descriptor::root(&std::array::from_fn(|_| value()))).collect())
+    [(); 2].map(|()| {
+        (0..count)
+            .map(|_| Descriptor::root(&std::array::from_fn(|_| value())))
+            .collect()
+    })
 }
 
 fn matrix(descriptors: &[Descriptor]) -> Mat {
-    let rows: Vec<[f32; 128]> = descriptors.iter().map(|descriptor| descriptor.0.map(f32::from)).collect();
+    let rows: Vec<[f32; 128]> = descriptors
+        .iter()
+        .map(|descriptor| descriptor.0.map(f32::from))
+        .collect();
     Mat::from_slice_2d(&rows).unwrap()
 }
 
 fn brute_force(asked: &Mat, reference: &Mat) -> Vector<Vector<DMatch>> {
     let matcher = BFMatcher::new(NORM_L2, false).unwrap();
     let mut matches = Vector::new();
-    matcher.knn_train_match_def(asked, reference, &mut matches, 2).unwrap();
+    matcher
+        .knn_train_match_def(asked, reference, &mut matches, 2)
+        .unwrap();
     matches
 }
 

@@ -7,7 +7,8 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3, median};
 use touchline_core::score::PlaneView;
 use touchline_core::solve::base::{
-    AdjustOptions, BaseModel, BasePriors, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base,
+    AdjustOptions, BaseModel, BasePriors, CameraClicks, CrownModel, FrameClicks, LensModel,
+    adjust_base,
 };
 use touchline_core::solve::{Loss, Observation, pose_from_plane, refine};
 
@@ -15,8 +16,8 @@ use touchline_core::solve::{Loss, Observation, pose_from_plane, refine};
 const GRID: [u32; 2] = [16, 9];
 /// With fewer points of the pitch in view a homography says too little.
 const FEWEST_POINTS: usize = 12;
-/// A base is tried on frames whose own position is at most so far from it, m: what a homography says of a camera's place is
-/// soft along the view.
+/// A base is tried on frames whose own position is at most so far from it, m: what a homography
+/// says of a camera's place is soft along the view.
 const NEIGHBOURS_M: f64 = 12.0;
 /// How often a group's base is fitted again to the frames that agree with it.
 const ROUNDS: usize = 3;
@@ -42,9 +43,14 @@ impl Sampled {
     pub fn new(view: &PlaneView, field: &FieldModel) -> Option<Self> {
         let [columns, rows] = GRID.map(f64::from);
         let (width, height) = (f64::from(SIZE.width), f64::from(SIZE.height));
-        let grid = (0..GRID[0]).flat_map(|column| (0..GRID[1]).map(move |row| (f64::from(column), f64::from(row))));
-        let pixels =
-            grid.map(|(column, row)| ImagePoint::new((column + 0.5) / columns * width, (row + 0.5) / rows * height));
+        let grid = (0..GRID[0])
+            .flat_map(|column| (0..GRID[1]).map(move |row| (f64::from(column), f64::from(row))));
+        let pixels = grid.map(|(column, row)| {
+            ImagePoint::new(
+                (column + 0.5) / columns * width,
+                (row + 0.5) / rows * height,
+            )
+        });
         let [half_length, half_width] = [0.5 * field.length_m, 0.5 * field.width_m];
         let points: Vec<(Vec2, ImagePoint)> = pixels
             .filter_map(|pixel| Some((view.ground_from_image(pixel)?, pixel)))
@@ -56,9 +62,16 @@ impl Sampled {
     /// The same points of the pitch where a camera shows them.
     pub fn as_seen_by(&self, camera: &PtzCamera) -> Self {
         let shown = |(ground, _): &(Vec2, ImagePoint)| {
-            Some((*ground, camera.image_from_world(Vec3::new(ground.x, ground.y, 0.0)).ok()?))
+            Some((
+                *ground,
+                camera
+                    .image_from_world(Vec3::new(ground.x, ground.y, 0.0))
+                    .ok()?,
+            ))
         };
-        Self { points: self.points.iter().filter_map(shown).collect() }
+        Self {
+            points: self.points.iter().filter_map(shown).collect(),
+        }
     }
 
     fn observations(&self) -> Vec<Observation> {
@@ -72,55 +85,100 @@ impl Sampled {
     fn rms_px(&self, camera: &PtzCamera) -> f64 {
         let squares = self.points.iter().map(|(ground, image)| {
             let shown = camera.image_from_world(Vec3::new(ground.x, ground.y, 0.0));
-            shown.map_or(f64::INFINITY, |shown| shown.offset_from(*image).norm_squared())
+            shown.map_or(f64::INFINITY, |shown| {
+                shown.offset_from(*image).norm_squared()
+            })
         });
         (squares.sum::<f64>() / self.points.len() as f64).sqrt()
     }
 
-    /// Position, rotation and focal length: square pixels, principal point in the middle. None where no camera sees the
-    /// ground so.
+    /// Position, rotation and focal length: square pixels, principal point in the middle. None
+    /// where no camera sees the ground so.
     pub fn fitted(&self, field: &FieldModel) -> Option<Fitted> {
         let principal = SIZE.centre();
         let pose = pose_from_plane(&self.points, principal).ok()?;
         if !(pose.position_m.z > 0.0) {
             return None;
         }
-        let (base, ptz) = without_roll(&pose.cam_from_world, pose.position_m, principal, pose.focal_px);
+        let (base, ptz) = without_roll(
+            &pose.cam_from_world,
+            pose.position_m,
+            principal,
+            pose.focal_px,
+        );
         let loose = BasePriors {
             pitch: Angle::from_degrees(1000.0),
             roll: Angle::from_degrees(1000.0),
             ..BasePriors::default()
         };
-        let options = AdjustOptions { loss: Loss::Squared, priors: loose, ..AdjustOptions::default() };
-        let frames = [FrameClicks { observations: self.observations(), start: None }];
-        let adjusted =
-            adjust_base(&CameraClicks::centred(field, &frames, SIZE), &base, &[Some(ptz)], &PINHOLE, &options);
+        let options = AdjustOptions {
+            loss: Loss::Squared,
+            priors: loose,
+            ..AdjustOptions::default()
+        };
+        let frames = [FrameClicks {
+            observations: self.observations(),
+            start: None,
+        }];
+        let adjusted = adjust_base(
+            &CameraClicks::centred(field, &frames, SIZE),
+            &base,
+            &[Some(ptz)],
+            &PINHOLE,
+            &options,
+        );
         let camera = PtzCamera::new(adjusted.base, adjusted.ptz.first().copied().flatten()?);
-        Some(Fitted { camera, rms_px: self.rms_px(&camera) })
+        Some(Fitted {
+            camera,
+            rms_px: self.rms_px(&camera),
+        })
     }
 
     /// The best pan, tilt and focal length under a base, from a start.
     fn pointed(&self, base: &CameraBase, start: Ptz) -> Fitted {
         let refined = refine(base, start, &self.observations(), Loss::Squared, None);
         let camera = PtzCamera::new(*base, refined.ptz);
-        Fitted { camera, rms_px: self.rms_px(&camera) }
+        Fitted {
+            camera,
+            rms_px: self.rms_px(&camera),
+        }
     }
 }
 
 /// A flat pitch and a lens without distortion: what a homography can say.
-const PINHOLE: BaseModel = BaseModel { lens: LensModel::Pinhole, crown: CrownModel::Fixed(0.0), principal_point: None };
+const PINHOLE: BaseModel = BaseModel {
+    lens: LensModel::Pinhole,
+    crown: CrownModel::Fixed(0.0),
+    principal_point: None,
+};
 
-/// A camera as a base whose pan axis is as upright as its horizontal axis allows, and pan and tilt about that.
-fn without_roll(cam_from_world: &Mat3, position_m: Vec3, principal: ImagePoint, focal_px: f64) -> (CameraBase, Ptz) {
+/// A camera as a base whose pan axis is as upright as its horizontal axis allows, and pan and tilt
+/// about that.
+fn without_roll(
+    cam_from_world: &Mat3,
+    position_m: Vec3,
+    principal: ImagePoint,
+    focal_px: f64,
+) -> (CameraBase, Ptz) {
     let right = cam_from_world.row(0).transpose();
     let up = (Vec3::z() - right * right.z).normalize();
     let level_right = Vec3::y().cross(&up).normalize();
-    let base_from_world =
-        Mat3::from_rows(&[level_right.transpose(), -up.transpose(), up.cross(&level_right).transpose()]);
+    let base_from_world = Mat3::from_rows(&[
+        level_right.transpose(),
+        -up.transpose(),
+        up.cross(&level_right).transpose(),
+    ]);
     let turned = cam_from_world * base_from_world.transpose();
     let pan = Angle::from_radians((-turned[(0, 2)]).atan2(turned[(0, 0)]));
     let tilt = Angle::from_radians(turned[(1, 2)].atan2(turned[(1, 1)]));
-    (CameraBase::new(position_m, base_from_world, principal), Ptz { pan, tilt, focal_px })
+    (
+        CameraBase::new(position_m, base_from_world, principal),
+        Ptz {
+            pan,
+            tilt,
+            focal_px,
+        },
+    )
 }
 
 /// Frames that one base explains.
@@ -132,16 +190,28 @@ pub struct SharedBase {
     pub frames: Vec<usize>,
 }
 
-/// Groups of frames within `within_px` of one base each, greedily, the largest first; every frame is in one group at most.
+/// Groups of frames within `within_px` of one base each, greedily, the largest first; every frame
+/// is in one group at most.
 ///
-/// Every frame's own position, with a level head and with one that leans as this frame does, is tried as the base of its
-/// neighbours; the one that most frames agree with is fitted again to them, they are taken out, and so on until no two frames
-/// agree.
-pub fn groups(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], within_px: f64) -> Vec<SharedBase> {
+/// Every frame's own position, with a level head and with one that leans as this frame does, is
+/// tried as the base of its neighbours; the one that most frames agree with is fitted again to
+/// them, they are taken out, and so on until no two frames agree.
+pub fn groups(
+    field: &FieldModel,
+    sampled: &[Sampled],
+    fitted: &[Fitted],
+    within_px: f64,
+) -> Vec<SharedBase> {
     let level = BaseAngles::default().base_from_world();
     let start_bases = |frame: usize| {
         let own = *fitted[frame].camera.base();
-        [CameraBase { base_from_world: level, ..own }, own]
+        [
+            CameraBase {
+                base_from_world: level,
+                ..own
+            },
+            own,
+        ]
     };
     let agrees = |base: &CameraBase, frame: usize| {
         let own = fitted[frame].camera;
@@ -152,14 +222,23 @@ pub fn groups(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], within
     };
     let mut left: Vec<usize> = (0..sampled.len()).collect();
     let try_base = |base: CameraBase| {
-        let frames = left.iter().copied().filter(|&frame| agrees(&base, frame)).collect();
+        let frames = left
+            .iter()
+            .copied()
+            .filter(|&frame| agrees(&base, frame))
+            .collect();
         SharedBase { base, frames }
     };
-    let mut tried: Vec<SharedBase> = left.par_iter().flat_map_iter(|&frame| start_bases(frame).map(try_base)).collect();
+    let mut tried: Vec<SharedBase> = left
+        .par_iter()
+        .flat_map_iter(|&frame| start_bases(frame).map(try_base))
+        .collect();
     let mut found = Vec::new();
     // The first of equals, so that the order decides nothing else.
-    while let Some((_, largest)) =
-        tried.iter().enumerate().max_by_key(|(index, group)| (group.frames.len(), std::cmp::Reverse(*index)))
+    while let Some((_, largest)) = tried
+        .iter()
+        .enumerate()
+        .max_by_key(|(index, group)| (group.frames.len(), std::cmp::Reverse(*index)))
     {
         if largest.frames.len() < 2 {
             break;
@@ -167,7 +246,11 @@ pub fn groups(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], within
         let mut group = largest.clone();
         for _ in 0..ROUNDS {
             let base = together(field, sampled, fitted, &group);
-            let frames: Vec<usize> = left.iter().copied().filter(|&frame| agrees(&base, frame)).collect();
+            let frames: Vec<usize> = left
+                .iter()
+                .copied()
+                .filter(|&frame| agrees(&base, frame))
+                .collect();
             if frames.len() < group.frames.len() {
                 break;
             }
@@ -184,22 +267,54 @@ pub fn groups(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], within
 }
 
 /// A group's base, adjusted to all of its frames.
-fn together(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], group: &SharedBase) -> CameraBase {
-    let clicks = |&frame: &usize| FrameClicks { observations: sampled[frame].observations(), start: None };
+fn together(
+    field: &FieldModel,
+    sampled: &[Sampled],
+    fitted: &[Fitted],
+    group: &SharedBase,
+) -> CameraBase {
+    let clicks = |&frame: &usize| FrameClicks {
+        observations: sampled[frame].observations(),
+        start: None,
+    };
     let frames: Vec<FrameClicks> = group.frames.iter().map(clicks).collect();
-    let start: Vec<Option<Ptz>> = group.frames.iter().map(|&frame| Some(level_ptz(&fitted[frame].camera))).collect();
-    let options = AdjustOptions { loss: Loss::Squared, ..AdjustOptions::default() };
-    adjust_base(&CameraClicks::centred(field, &frames, SIZE), &group.base, &start, &PINHOLE, &options).base
+    let start: Vec<Option<Ptz>> = group
+        .frames
+        .iter()
+        .map(|&frame| Some(level_ptz(&fitted[frame].camera)))
+        .collect();
+    let options = AdjustOptions {
+        loss: Loss::Squared,
+        ..AdjustOptions::default()
+    };
+    adjust_base(
+        &CameraClicks::centred(field, &frames, SIZE),
+        &group.base,
+        &start,
+        &PINHOLE,
+        &options,
+    )
+    .base
 }
 
-/// How far each frame is from one base for all: the positions' median, a level head, pan, tilt and focal length its own.
+/// How far each frame is from one base for all: the positions' median, a level head, pan, tilt and
+/// focal length its own.
 pub fn under_one_base(sampled: &[Sampled], fitted: &[Fitted]) -> Vec<f64> {
     let middle = Vec3::from_fn(|axis, _| {
-        let mut along: Vec<f64> = fitted.iter().map(|fitted| fitted.camera.base().position_m[axis]).collect();
+        let mut along: Vec<f64> = fitted
+            .iter()
+            .map(|fitted| fitted.camera.base().position_m[axis])
+            .collect();
         median(&mut along).unwrap_or(f64::NAN)
     });
-    let base = CameraBase::new(middle, BaseAngles::default().base_from_world(), SIZE.centre());
-    let of = |(sampled, fitted): (&Sampled, &Fitted)| sampled.pointed(&base, level_ptz(&fitted.camera)).rms_px;
+    let base = CameraBase::new(
+        middle,
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    );
+    let of = |(sampled, fitted): (&Sampled, &Fitted)| {
+        sampled.pointed(&base, level_ptz(&fitted.camera)).rms_px
+    };
     sampled.par_iter().zip(fitted).map(of).collect()
 }
 
@@ -219,7 +334,10 @@ mod tests {
     use touchline_core::field::builtin;
 
     fn seen(place: [f64; 3], pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
-        let rolled = BaseAngles { roll: Angle::from_degrees(0.2), ..BaseAngles::default() };
+        let rolled = BaseAngles {
+            roll: Angle::from_degrees(0.2),
+            ..BaseAngles::default()
+        };
         let base = CameraBase::new(Vec3::from(place), rolled.base_from_world(), SIZE.centre());
         PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
     }
@@ -238,18 +356,33 @@ mod tests {
         ];
         let sampled: Vec<Sampled> = cameras
             .iter()
-            .map(|camera| Sampled::new(&PlaneView::of_camera(camera, SIZE).unwrap(), &field).unwrap())
+            .map(|camera| {
+                Sampled::new(&PlaneView::of_camera(camera, SIZE).unwrap(), &field).unwrap()
+            })
             .collect();
-        let fitted: Vec<Fitted> = sampled.iter().map(|sampled| sampled.fitted(&field).unwrap()).collect();
+        let fitted: Vec<Fitted> = sampled
+            .iter()
+            .map(|sampled| sampled.fitted(&field).unwrap())
+            .collect();
         for (camera, fitted) in cameras.iter().zip(&fitted) {
             assert!(fitted.rms_px < 1e-4, "{}", fitted.rms_px);
-            assert!((fitted.camera.base().position_m - camera.base().position_m).norm() < 1e-2, "{fitted:?}");
-            assert!((fitted.camera.ptz().focal_px - camera.ptz().focal_px).abs() < 0.5, "{fitted:?}");
+            assert!(
+                (fitted.camera.base().position_m - camera.base().position_m).norm() < 1e-2,
+                "{fitted:?}"
+            );
+            assert!(
+                (fitted.camera.ptz().focal_px - camera.ptz().focal_px).abs() < 0.5,
+                "{fitted:?}"
+            );
         }
         let found = groups(&field, &sampled, &fitted, 1.0);
         let frames: Vec<&[usize]> = found.iter().map(|group| group.frames.as_slice()).collect();
         assert_eq!(frames, [&[0, 2, 3][..], &[1, 4]]);
-        assert!((found[0].base.position_m - Vec3::from(one)).norm() < 0.05, "{:?}", found[0].base);
+        assert!(
+            (found[0].base.position_m - Vec3::from(one)).norm() < 0.05,
+            "{:?}",
+            found[0].base
+        );
         let apart = under_one_base(&sampled, &fitted);
         assert!(apart.iter().any(|rms_px| *rms_px > 2.0), "{apart:?}");
     }

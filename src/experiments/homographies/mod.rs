@@ -1,4 +1,5 @@
-//! Published homographies of broadcast frames: how well our camera describes them, and how many share a base.
+//! Published homographies of broadcast frames: how well our camera describes them, and how many
+//! share a base.
 
 mod fit;
 mod read;
@@ -37,7 +38,11 @@ struct Scored {
 ///
 /// # Errors
 /// A file cannot be read, or no homography shows a camera.
-pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Result<Report, ExperimentError> {
+pub fn run(
+    options: &ExperimentOptions,
+    folder: &Path,
+    progress: Progress,
+) -> Result<Report, ExperimentError> {
     let mut read = read_homographies(folder)?;
     if options.quick {
         read.frames = read.frames.into_iter().step_by(QUICK_STRIDE).collect();
@@ -52,8 +57,12 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
     };
     let scored: Vec<Scored> = read.frames.par_iter().filter_map(of_frame).collect();
     if scored.is_empty() {
-        let reason = "no homography shows the pitch as a camera with square pixels would".to_owned();
-        return Err(ExperimentError::Given { path: folder.to_path_buf(), reason });
+        let reason =
+            "no homography shows the pitch as a camera with square pixels would".to_owned();
+        return Err(ExperimentError::Given {
+            path: folder.to_path_buf(),
+            reason,
+        });
     }
 
     let mut report = Report::new("homographies", "Homographies: our camera, and a fixed base");
@@ -67,7 +76,11 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
         read.frames.len(),
         scored.len()
     ));
-    report.table("fit", "The camera fitted to each homography.", fit_table(&scored));
+    report.table(
+        "fit",
+        "The camera fitted to each homography.",
+        fit_table(&scored),
+    );
     report.data("frames", "Every frame.", frame_table(&scored));
     let residuals: Vec<f64> = scored.iter().map(|scored| scored.fitted.rms_px).collect();
     let shared_residual = Axis::log("distance from the homography, root mean square (px)");
@@ -76,8 +89,16 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
     let fitted: Vec<Fitted> = scored.iter().map(|scored| scored.fitted).collect();
     let one_base = under_one_base(&sampled, &fitted);
     let figure = Figure::new("", shared_residual, share())
-        .with(Series::cumulative("own camera", 1, &residuals, residuals.len()))
-        .with(Series::cumulative("one base for all", 2, &one_base, one_base.len()).lined(Line::Dashed));
+        .with(Series::cumulative(
+            "own camera",
+            1,
+            &residuals,
+            residuals.len(),
+        ))
+        .with(
+            Series::cumulative("one base for all", 2, &one_base, one_base.len())
+                .lined(Line::Dashed),
+        );
     report.figure(
         "residuals",
         "Share of homographies within a distance: of the camera fitted to each alone, and of the best pan, tilt and focal \
@@ -90,14 +111,24 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
          bend, pitches that are higher in the middle and of another size than the template; each takes its share of the eighth \
          degree of freedom.",
     );
-    let by_camera: Vec<Sampled> =
-        scored.iter().map(|scored| scored.sampled.as_seen_by(&scored.fitted.camera)).collect();
+    let by_camera: Vec<Sampled> = scored
+        .iter()
+        .map(|scored| scored.sampled.as_seen_by(&scored.fitted.camera))
+        .collect();
     let sought = |what: &'static str, sampled: &[Sampled]| -> Vec<Found> {
         let one_base = under_one_base(sampled, &fitted);
         let of = |within_px: f64| {
             let groups = groups(&read.field, sampled, &fitted, within_px);
             step();
-            Found { what, within_px, one_base: one_base.iter().filter(|rms_px| **rms_px <= within_px).count(), groups }
+            Found {
+                what,
+                within_px,
+                one_base: one_base
+                    .iter()
+                    .filter(|rms_px| **rms_px <= within_px)
+                    .count(),
+                groups,
+            }
         };
         WITHIN_PX.into_iter().map(of).collect()
     };
@@ -112,8 +143,15 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
          agree by chance, so the groups say at most how many frames share a base; frames without a partner may be of a match \
          that the set has once.",
     );
-    report.table("groups", "Frames that one base explains.", group_table(&found, fitted.len()));
-    let shown = found.iter().rfind(|found| found.within_px == SHOWN_PX).map_or(&[][..], |found| &found.groups);
+    report.table(
+        "groups",
+        "Frames that one base explains.",
+        group_table(&found, fitted.len()),
+    );
+    let shown = found
+        .iter()
+        .rfind(|found| found.within_px == SHOWN_PX)
+        .map_or(&[][..], |found| &found.groups);
     report.figure(
         "positions",
         &format!(
@@ -123,13 +161,21 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
         positions(&fitted, shown),
     );
     let (beside, chance) = neighbours(shown, fitted.len());
-    let order = Figure::new("", Axis::linear("place in the set"), Axis::linear("across (m)"))
-        .with(Series::new("frames", 1, placed(&fitted, 0..fitted.len())).lined(Line::None))
-        .with(
-            Series::new("frames of groups", 2, placed(&fitted, shown.iter().flat_map(|g| g.frames.iter().copied())))
-                .lined(Line::None)
-                .marked(Mark::Cross),
-        );
+    let order = Figure::new(
+        "",
+        Axis::linear("place in the set"),
+        Axis::linear("across (m)"),
+    )
+    .with(Series::new("frames", 1, placed(&fitted, 0..fitted.len())).lined(Line::None))
+    .with(
+        Series::new(
+            "frames of groups",
+            2,
+            placed(&fitted, shown.iter().flat_map(|g| g.frames.iter().copied())),
+        )
+        .lined(Line::None)
+        .marked(Mark::Cross),
+    );
     report.figure(
         "order",
         &format!(
@@ -169,16 +215,35 @@ fn fit_table(scored: &[Scored]) -> Table {
         ("worst", "worst"),
     ]);
     for (name, of, more_is_better) in [
-        ("IoU_part", (|scored| scored.iou_part) as fn(&Scored) -> f64, true),
+        (
+            "IoU_part",
+            (|scored| scored.iou_part) as fn(&Scored) -> f64,
+            true,
+        ),
         ("IoU_whole", |scored| scored.iou_whole, true),
-        ("distance, root mean square (px)", |scored| scored.fitted.rms_px, false),
+        (
+            "distance, root mean square (px)",
+            |scored| scored.fitted.rms_px,
+            false,
+        ),
     ] {
         // Turned round, so that the worst lies at one end for all.
         let sign = if more_is_better { -1.0 } else { 1.0 };
         let values: Vec<f64> = scored.iter().map(|scored| sign * of(scored)).collect();
-        let Some(summary) = Summary::of(&values, 0) else { continue };
+        let Some(summary) = Summary::of(&values, 0) else {
+            continue;
+        };
         let mut row: Vec<Cell> = vec![name.into(), summary.count.into()];
-        row.extend([summary.mean, summary.median, summary.p90, summary.p95, summary.max].map(|v| (sign * v).into()));
+        row.extend(
+            [
+                summary.mean,
+                summary.median,
+                summary.p90,
+                summary.p95,
+                summary.max,
+            ]
+            .map(|v| (sign * v).into()),
+        );
         table.push(row);
     }
     table
@@ -197,7 +262,14 @@ fn frame_table(scored: &[Scored]) -> Table {
     ]);
     for scored in scored {
         let at = scored.fitted.camera.base().position_m;
-        let numbers = [scored.fitted.rms_px, scored.iou_part, scored.iou_whole, at.x, at.y, at.z];
+        let numbers = [
+            scored.fitted.rms_px,
+            scored.iou_part,
+            scored.iou_whole,
+            at.x,
+            at.y,
+            at.z,
+        ];
         let mut row = vec![Cell::from(scored.name.as_str())];
         row.extend(numbers.map(Cell::Number));
         table.push(row);
@@ -207,11 +279,13 @@ fn frame_table(scored: &[Scored]) -> Table {
 
 /// Where a frame stands in the order of the set, and how far back its camera.
 fn placed(fitted: &[Fitted], frames: impl Iterator<Item = usize>) -> Vec<[f64; 2]> {
-    frames.map(|frame| [(frame + 1) as f64, fitted[frame].camera.base().position_m.y]).collect()
+    frames
+        .map(|frame| [(frame + 1) as f64, fitted[frame].camera.base().position_m.y])
+        .collect()
 }
 
-/// Of the frames of groups the share beside one of their own in the order of the set, and what it would be if the groups
-/// were strewn over the set.
+/// Of the frames of groups the share beside one of their own in the order of the set, and what it
+/// would be if the groups were strewn over the set.
 fn neighbours(groups: &[SharedBase], frames: usize) -> (f64, f64) {
     let mut group_of = vec![None; frames];
     for (number, group) in groups.iter().enumerate() {
@@ -220,11 +294,14 @@ fn neighbours(groups: &[SharedBase], frames: usize) -> (f64, f64) {
         }
     }
     let beside = |frame: usize| {
-        let same = |other: Option<usize>| other.and_then(|other| *group_of.get(other)?) == group_of[frame];
+        let same =
+            |other: Option<usize>| other.and_then(|other| *group_of.get(other)?) == group_of[frame];
         same(frame.checked_sub(1)) || same(Some(frame + 1))
     };
     let members: usize = groups.iter().map(|group| group.frames.len()).sum();
-    let counted = (0..frames).filter(|&frame| group_of[frame].is_some() && beside(frame)).count();
+    let counted = (0..frames)
+        .filter(|&frame| group_of[frame].is_some() && beside(frame))
+        .count();
     // Either of two neighbours may be one of the group's others.
     let others = frames.saturating_sub(1).max(1) as f64;
     let by_chance = |group: &SharedBase| {
@@ -232,7 +309,10 @@ fn neighbours(groups: &[SharedBase], frames: usize) -> (f64, f64) {
         group.frames.len() as f64 * (1.0 - miss * miss)
     };
     let of = members.max(1) as f64;
-    (counted as f64 / of, groups.iter().map(by_chance).sum::<f64>() / of)
+    (
+        counted as f64 / of,
+        groups.iter().map(by_chance).sum::<f64>() / of,
+    )
 }
 
 /// What was sought and found: bases that frames agree with.
@@ -253,7 +333,13 @@ fn group_table(found: &[Found], frames: usize) -> Table {
         ("share", "share of all"),
         ("largest", "frames of the largest"),
     ]);
-    for Found { what, within_px, one_base, groups } in found {
+    for Found {
+        what,
+        within_px,
+        one_base,
+        groups,
+    } in found
+    {
         let shared: usize = groups.iter().map(|group| group.frames.len()).sum();
         table.push(vec![
             (*what).into(),
@@ -269,9 +355,22 @@ fn group_table(found: &[Found], frames: usize) -> Table {
 }
 
 fn positions(fitted: &[Fitted], groups: &[SharedBase]) -> Figure {
-    let alone = fitted.iter().map(|fitted| fitted.camera.base().position_m).map(|at| [at.x, at.y]);
-    let shared = groups.iter().map(|group| [group.base.position_m.x, group.base.position_m.y]);
-    Figure::new("", Axis::linear("along the field (m)"), Axis::linear("across (m)"))
-        .with(Series::new("frames", 1, alone.collect()).lined(Line::None))
-        .with(Series::new("groups", 2, shared.collect()).lined(Line::None).marked(Mark::Cross))
+    let alone = fitted
+        .iter()
+        .map(|fitted| fitted.camera.base().position_m)
+        .map(|at| [at.x, at.y]);
+    let shared = groups
+        .iter()
+        .map(|group| [group.base.position_m.x, group.base.position_m.y]);
+    Figure::new(
+        "",
+        Axis::linear("along the field (m)"),
+        Axis::linear("across (m)"),
+    )
+    .with(Series::new("frames", 1, alone.collect()).lined(Line::None))
+    .with(
+        Series::new("groups", 2, shared.collect())
+            .lined(Line::None)
+            .marked(Mark::Cross),
+    )
 }

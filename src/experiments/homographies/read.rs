@@ -1,8 +1,9 @@
 //! Homographies of broadcast frames as they were published, in this program's world.
 //!
-//! Two forms: one JSON file with all (`train_val.json`: template to picture, template 115 × 74 yards), or a folder with a
-//! text file for each frame (`N.homographyMatrix`: picture to template, template 114.83 × 74.37 yards). Both templates begin
-//! at the far left corner and run down, towards the camera; both count pixels from the first pixel's centre.
+//! Two forms: one JSON file with all (`train_val.json`: template to picture, template 115 × 74
+//! yards), or a folder with a text file for each frame (`N.homographyMatrix`: picture to template,
+//! template 114.83 × 74.37 yards). Both templates begin at the far left corner and run down,
+//! towards the camera; both count pixels from the first pixel's centre.
 
 use crate::ExperimentError;
 use crate::given::MAX_GIVEN_BYTES;
@@ -49,21 +50,47 @@ pub fn holds_homographies(folder: &Path) -> bool {
 /// A file cannot be read, or holds something else.
 pub fn read_homographies(folder: &Path) -> Result<Homographies, ExperimentError> {
     let json = folder.join(JSON_FILE);
-    let (template_yd, frames) =
-        if json.is_file() { (JSON_TEMPLATE_YD, read_json(&json)?) } else { (TEXT_TEMPLATE_YD, read_text(folder)?) };
+    let (template_yd, frames) = if json.is_file() {
+        (JSON_TEMPLATE_YD, read_json(&json)?)
+    } else {
+        (TEXT_TEMPLATE_YD, read_text(folder)?)
+    };
     let sides = ["length_m", "width_m"].into_iter().zip(template_yd);
-    let sides: BTreeMap<String, f64> = sides.map(|(name, yards)| (name.to_owned(), yards * YARD_M)).collect();
+    let sides: BTreeMap<String, f64> = sides
+        .map(|(name, yards)| (name.to_owned(), yards * YARD_M))
+        .collect();
     let field = builtin("soccer")?.model(&sides, 0.0)?;
     let template_from_ground = template_from_ground(template_yd);
-    let in_world =
-        |h: Mat3| Mat3::new_translation(&nalgebra::Vector2::repeat(CORNER_FROM_CENTRE)) * h * template_from_ground;
-    let frames = frames.into_iter().map(|(name, image_from_template)| (name, in_world(image_from_template))).collect();
-    Ok(Homographies { field, template_yd, frames })
+    let in_world = |h: Mat3| {
+        Mat3::new_translation(&nalgebra::Vector2::repeat(CORNER_FROM_CENTRE))
+            * h
+            * template_from_ground
+    };
+    let frames = frames
+        .into_iter()
+        .map(|(name, image_from_template)| (name, in_world(image_from_template)))
+        .collect();
+    Ok(Homographies {
+        field,
+        template_yd,
+        frames,
+    })
 }
 
-/// From world x and y (m, from the middle, y away from the camera) to the template (yards, from the far left corner, y down).
+/// From world x and y (m, from the middle, y away from the camera) to the template (yards, from the
+/// far left corner, y down).
 fn template_from_ground([length, width]: [f64; 2]) -> Mat3 {
-    Mat3::new(1.0 / YARD_M, 0.0, 0.5 * length, 0.0, -1.0 / YARD_M, 0.5 * width, 0.0, 0.0, 1.0)
+    Mat3::new(
+        1.0 / YARD_M,
+        0.0,
+        0.5 * length,
+        0.0,
+        -1.0 / YARD_M,
+        0.5 * width,
+        0.0,
+        0.0,
+        1.0,
+    )
 }
 
 #[derive(Deserialize)]
@@ -78,15 +105,27 @@ struct JsonFrame {
 }
 
 fn wrong(path: &Path, reason: &dyn ToString) -> ExperimentError {
-    ExperimentError::Given { path: path.to_path_buf(), reason: reason.to_string() }
+    ExperimentError::Given {
+        path: path.to_path_buf(),
+        reason: reason.to_string(),
+    }
 }
 
 fn read_json(path: &Path) -> Result<Vec<(String, Mat3)>, ExperimentError> {
     let text = read_named_text(path, MAX_GIVEN_BYTES).map_err(|error| wrong(path, &error))?;
     let file: JsonFile = serde_json::from_str(&text).map_err(|error| wrong(path, &error))?;
-    let of = |frame: JsonFrame| (frame.image, Mat3::from_fn(|row, column| frame.homography_as_stored[row][column]));
+    let of = |frame: JsonFrame| {
+        (
+            frame.image,
+            Mat3::from_fn(|row, column| frame.homography_as_stored[row][column]),
+        )
+    };
     let frames: Vec<(String, Mat3)> = file.frames.into_iter().map(of).collect();
-    if frames.is_empty() { Err(wrong(path, &"it holds no frames")) } else { Ok(frames) }
+    if frames.is_empty() {
+        Err(wrong(path, &"it holds no frames"))
+    } else {
+        Ok(frames)
+    }
 }
 
 /// The frames' own files, by number.
@@ -94,7 +133,10 @@ fn text_files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
-        if path.extension().is_some_and(|extension| extension == ENDING) {
+        if path
+            .extension()
+            .is_some_and(|extension| extension == ENDING)
+        {
             files.push(path);
         }
     }
@@ -108,14 +150,26 @@ fn read_text(folder: &Path) -> Result<Vec<(String, Mat3)>, ExperimentError> {
         let numbers: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
         let numbers = numbers.map_err(|error| wrong(&path, &error))?;
         if numbers.len() != 9 {
-            return Err(wrong(&path, &format!("nine numbers are wanted, there are {}", numbers.len())));
+            return Err(wrong(
+                &path,
+                &format!("nine numbers are wanted, there are {}", numbers.len()),
+            ));
         }
         let image_from_template = Mat3::from_row_slice(&numbers).try_inverse();
-        let image_from_template = image_from_template.ok_or_else(|| wrong(&path, &"the homography is singular"))?;
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let image_from_template =
+            image_from_template.ok_or_else(|| wrong(&path, &"the homography is singular"))?;
+        let name = path
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
         Ok((format!("{name}.jpg"), image_from_template))
     };
-    text_files(folder).map_err(|error| wrong(folder, &error))?.into_iter().map(one).collect()
+    text_files(folder)
+        .map_err(|error| wrong(folder, &error))?
+        .into_iter()
+        .map(one)
+        .collect()
 }
 
 #[cfg(test)]
@@ -126,32 +180,67 @@ mod tests {
 
     #[test]
     fn both_forms_mean_the_same_and_y_runs_down() {
-        // One template yard is ten pixels, its far left corner lies at (100, 50), from the first pixel's centre.
+        // One template yard is ten pixels, its far left corner lies at (100, 50), from the first
+        // pixel's centre.
         let image_from_template = Mat3::new(10.0, 0.0, 100.0, 0.0, 10.0, 50.0, 0.0, 0.0, 1.0);
         let folder = tempfile::tempdir().unwrap();
-        let rows: Vec<Vec<f64>> = image_from_template.row_iter().map(|row| row.iter().copied().collect()).collect();
-        let json = serde_json::json!({ "frames": [{ "image": "1.jpg", "homography_as_stored": rows }] });
+        let rows: Vec<Vec<f64>> = image_from_template
+            .row_iter()
+            .map(|row| row.iter().copied().collect())
+            .collect();
+        let json =
+            serde_json::json!({ "frames": [{ "image": "1.jpg", "homography_as_stored": rows }] });
         fs::write(folder.path().join(JSON_FILE), json.to_string()).unwrap();
         let read = read_homographies(folder.path()).unwrap();
         let view = PlaneView::new(&read.frames[0].1, SIZE).unwrap();
-        let far_left = view.image_from_ground(Vec2::new(-57.5 * 0.9144, 37.0 * 0.9144)).unwrap();
-        assert!((far_left.x - 100.5).hypot(far_left.y - 50.5) < 1e-9, "{far_left:?}");
-        let near_left = view.image_from_ground(Vec2::new(-57.5 * 0.9144, -37.0 * 0.9144)).unwrap();
-        assert!((near_left.x - 100.5).hypot(near_left.y - 790.5) < 1e-9, "{near_left:?}");
+        let far_left = view
+            .image_from_ground(Vec2::new(-57.5 * 0.9144, 37.0 * 0.9144))
+            .unwrap();
+        assert!(
+            (far_left.x - 100.5).hypot(far_left.y - 50.5) < 1e-9,
+            "{far_left:?}"
+        );
+        let near_left = view
+            .image_from_ground(Vec2::new(-57.5 * 0.9144, -37.0 * 0.9144))
+            .unwrap();
+        assert!(
+            (near_left.x - 100.5).hypot(near_left.y - 790.5) < 1e-9,
+            "{near_left:?}"
+        );
 
         fs::remove_file(folder.path().join(JSON_FILE)).unwrap();
         let back = image_from_template.try_inverse().unwrap();
-        let rows = back.row_iter().map(|row| row.iter().map(f64::to_string).collect::<Vec<_>>().join(" "));
-        fs::write(folder.path().join("7.homographyMatrix"), rows.collect::<Vec<_>>().join("\n")).unwrap();
+        let rows = back
+            .row_iter()
+            .map(|row| row.iter().map(f64::to_string).collect::<Vec<_>>().join(" "));
+        fs::write(
+            folder.path().join("7.homographyMatrix"),
+            rows.collect::<Vec<_>>().join("\n"),
+        )
+        .unwrap();
         let read = read_homographies(folder.path()).unwrap();
-        assert_eq!((read.frames[0].0.as_str(), read.template_yd), ("7.jpg", TEXT_TEMPLATE_YD));
+        assert_eq!(
+            (read.frames[0].0.as_str(), read.template_yd),
+            ("7.jpg", TEXT_TEMPLATE_YD)
+        );
         let view = PlaneView::new(&read.frames[0].1, SIZE).unwrap();
-        let far_left = view.image_from_ground(Vec2::new(-0.5 * 114.83 * 0.9144, 0.5 * 74.37 * 0.9144)).unwrap();
-        assert!((far_left.x - 100.5).hypot(far_left.y - 50.5) < 1e-9, "{far_left:?}");
+        let far_left = view
+            .image_from_ground(Vec2::new(-0.5 * 114.83 * 0.9144, 0.5 * 74.37 * 0.9144))
+            .unwrap();
+        assert!(
+            (far_left.x - 100.5).hypot(far_left.y - 50.5) < 1e-9,
+            "{far_left:?}"
+        );
 
         for text in ["1 2 3", "1 2 3 4 5 6 7 8 nine", "0 0 0 0 0 0 0 0 0"] {
             fs::write(folder.path().join("7.homographyMatrix"), text).unwrap();
-            assert!(matches!(read_homographies(folder.path()), Err(ExperimentError::Given { .. })), "{text}");
+            assert!(
+                matches!(
+                    read_homographies(folder.path()),
+                    Err(ExperimentError::Given { .. })
+                ),
+                "{text}"
+            );
         }
     }
 }

@@ -1,4 +1,5 @@
-//! A user's own frames: documents for training and one for testing, or documents whose clips are tested against each other.
+//! A user's own frames: documents for training and one for testing, or documents whose clips are
+//! tested against each other.
 
 use super::{FrameSet, KnownFrame, KnownPicture, SetKind, Split};
 use crate::ExperimentError;
@@ -33,7 +34,11 @@ impl OwnDocuments {
     /// How many frames they hold.
     #[must_use]
     pub fn frame_count(&self) -> usize {
-        self.train.iter().chain(&self.test).map(|own| own.document.frames.len()).sum()
+        self.train
+            .iter()
+            .chain(&self.test)
+            .map(|own| own.document.frames.len())
+            .sum()
     }
 }
 
@@ -41,7 +46,10 @@ impl OwnDocuments {
 ///
 /// # Errors
 /// A field is not valid, a picture cannot be read, or no frame could be asked of another.
-pub fn of_own(own: &OwnDocuments, progress: &(dyn Fn() + Sync)) -> Result<FrameSet, ExperimentError> {
+pub fn of_own(
+    own: &OwnDocuments,
+    progress: &(dyn Fn() + Sync),
+) -> Result<FrameSet, ExperimentError> {
     match &own.test {
         Some(test) => of_two(&own.train, test, progress),
         None => of_clips(&own.train, progress),
@@ -58,10 +66,21 @@ pub(super) struct Gathered {
 
 impl Gathered {
     /// Adds the solved frames of a document with their features; where they stand.
-    pub fn add(&mut self, own: &OwnDocument, progress: &(dyn Fn() + Sync)) -> Result<Range<usize>, ExperimentError> {
-        let OwnDocument { document, folder, .. } = own;
+    pub fn add(
+        &mut self,
+        own: &OwnDocument,
+        progress: &(dyn Fn() + Sync),
+    ) -> Result<Range<usize>, ExperimentError> {
+        let OwnDocument {
+            document, folder, ..
+        } = own;
         let store = FeatureStore::in_memory();
-        let pictures = FramePictures { document, folder, options: FeatureOptions::default(), store: &store };
+        let pictures = FramePictures {
+            document,
+            folder,
+            options: FeatureOptions::default(),
+            store: &store,
+        };
         let solved: Vec<usize> = (0..document.frames.len())
             .filter(|&index| {
                 let frame = &document.frames[index];
@@ -75,13 +94,25 @@ impl Gathered {
         let begin = self.frames.len();
         for (index, features) in found.unwrap_or_default() {
             let frame = &*document.frames[index];
-            let (Some(truth), Some(source)) = (document.pointed(frame), frame.picture_source(folder)) else { continue };
-            let features = features.map_err(|source| ExperimentError::Picture { frame: frame.name(), source })?;
+            let (Some(truth), Some(source)) =
+                (document.pointed(frame), frame.picture_source(folder))
+            else {
+                continue;
+            };
+            let features = features.map_err(|source| ExperimentError::Picture {
+                frame: frame.name(),
+                source,
+            })?;
             let warnings = frame.solution.iter().flat_map(Solution::warnings_of_frame);
             let warnings: Vec<&str> = warnings.map(|warning| warning.code.as_str()).collect();
             self.frames.push(KnownFrame {
                 // Where the file lies says nothing of the frame.
-                name: frame.name().rsplit('/').next().unwrap_or_default().to_owned(),
+                name: frame
+                    .name()
+                    .rsplit('/')
+                    .next()
+                    .unwrap_or_default()
+                    .to_owned(),
                 warnings: warnings.join(", "),
                 truth,
                 features: (*features.features).clone(),
@@ -91,7 +122,13 @@ impl Gathered {
                 is_masked: true,
             });
             self.cameras.push(frame.camera.as_str().to_owned());
-            self.clips.push(frame.clip.as_ref().map(ToString::to_string).unwrap_or_default());
+            self.clips.push(
+                frame
+                    .clip
+                    .as_ref()
+                    .map(ToString::to_string)
+                    .unwrap_or_default(),
+            );
         }
         Ok(begin..self.frames.len())
     }
@@ -108,8 +145,15 @@ impl Gathered {
     }
 
     /// The frames of a camera, of these clips or not of them.
-    pub fn of_camera(&self, range: Range<usize>, camera: &str, clip: impl Fn(&str) -> bool) -> Vec<usize> {
-        range.filter(|&index| self.cameras[index] == camera && clip(&self.clips[index])).collect()
+    pub fn of_camera(
+        &self,
+        range: Range<usize>,
+        camera: &str,
+        clip: impl Fn(&str) -> bool,
+    ) -> Vec<usize> {
+        range
+            .filter(|&index| self.cameras[index] == camera && clip(&self.clips[index]))
+            .collect()
     }
 }
 
@@ -135,28 +179,40 @@ fn of_two(
     }
     let taught = gathered.frames.len();
     let asked = gathered.add(test, progress)?;
-    let splits = gathered.cameras(asked.clone()).into_iter().map(|camera| Split {
-        name: format!("camera {camera}"),
-        training_frames: gathered.of_camera(0..taught, camera, |_| true),
-        asked: gathered.of_camera(asked.clone(), camera, |_| true),
-    });
-    let splits: Vec<Split> =
-        splits.filter(|split| !split.training_frames.is_empty() && !split.asked.is_empty()).collect();
+    let splits = gathered
+        .cameras(asked.clone())
+        .into_iter()
+        .map(|camera| Split {
+            name: format!("camera {camera}"),
+            training_frames: gathered.of_camera(0..taught, camera, |_| true),
+            asked: gathered.of_camera(asked.clone(), camera, |_| true),
+        });
+    let splits: Vec<Split> = splits
+        .filter(|split| !split.training_frames.is_empty() && !split.asked.is_empty())
+        .collect();
     if splits.is_empty() {
         return Err(ExperimentError::NothingInCommon);
     }
     Ok(FrameSet {
         kind: SetKind::Own,
         seed: 0,
-        title: format!("own frames, {taught} for training and {} for testing", asked.len()),
-        protocol: "The frames of one document are tested against those of the other, camera by camera.".to_owned(),
+        title: format!(
+            "own frames, {taught} for training and {} for testing",
+            asked.len()
+        ),
+        protocol:
+            "The frames of one document are tested against those of the other, camera by camera."
+                .to_owned(),
         splits,
         frames: gathered.frames,
     })
 }
 
 /// Each clip is asked of the others of its camera.
-fn of_clips(documents: &[OwnDocument], progress: &(dyn Fn() + Sync)) -> Result<FrameSet, ExperimentError> {
+fn of_clips(
+    documents: &[OwnDocument],
+    progress: &(dyn Fn() + Sync),
+) -> Result<FrameSet, ExperimentError> {
     let mut gathered = Gathered::default();
     let mut splits = Vec::new();
     for own in documents {
@@ -168,13 +224,18 @@ fn of_clips(documents: &[OwnDocument], progress: &(dyn Fn() + Sync)) -> Result<F
                 continue;
             }
             for clip in clips {
-                let mut name = if documents.len() > 1 { own.name.clone() } else { format!("clip {clip}") };
+                let mut name = if documents.len() > 1 {
+                    own.name.clone()
+                } else {
+                    format!("clip {clip}")
+                };
                 if cameras.len() > 1 {
                     name = format!("{name}, camera {camera}");
                 }
                 splits.push(Split {
                     name,
-                    training_frames: gathered.of_camera(range.clone(), camera, |other| other != clip),
+                    training_frames: gathered
+                        .of_camera(range.clone(), camera, |other| other != clip),
                     asked: gathered.of_camera(range.clone(), camera, |other| other == clip),
                 });
             }
@@ -184,7 +245,11 @@ fn of_clips(documents: &[OwnDocument], progress: &(dyn Fn() + Sync)) -> Result<F
         return Err(ExperimentError::OneClip);
     }
     let asked: usize = splits.iter().map(|split| split.asked.len()).sum();
-    let documents = if documents.len() > 1 { format!("of {} documents, ", documents.len()) } else { String::new() };
+    let documents = if documents.len() > 1 {
+        format!("of {} documents, ", documents.len())
+    } else {
+        String::new()
+    };
     Ok(FrameSet {
         kind: SetKind::Own,
         seed: 0,

@@ -37,7 +37,11 @@ pub(super) enum Players {
 
 /// The size of drawn pictures.
 pub(super) fn picture_size(options: &ExperimentOptions) -> ImageSize {
-    if options.quick { ImageSize::new(640, 360) } else { ImageSize::new(1280, 720) }
+    if options.quick {
+        ImageSize::new(640, 360)
+    } else {
+        ImageSize::new(1280, 720)
+    }
 }
 
 /// Draws the pictures, and finds their features.
@@ -47,13 +51,23 @@ pub(super) fn take(
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<KnownFrame>, ExperimentError> {
     let one = |order: &Order<'_>| {
-        let mut options = order.shoot.frame(order.number, &order.step, order.size, order.seed);
+        let mut options = order
+            .shoot
+            .frame(order.number, &order.step, order.size, order.seed);
         options.exposure_ev += order.exposure_ev;
-        let drawn = order.scene.at(&order.moment).render(&order.camera, order.size, &options);
-        let masks: Vec<PixelBox> =
-            drawn.movers.iter().map(|mover| mover.area).chain(drawn.graphics.iter().copied()).collect();
+        let drawn = order
+            .scene
+            .at(&order.moment)
+            .render(&order.camera, order.size, &options);
+        let masks: Vec<PixelBox> = drawn
+            .movers
+            .iter()
+            .map(|mover| mover.area)
+            .chain(drawn.graphics.iter().copied())
+            .collect();
         let mut jpeg = Vec::new();
-        JpegEncoder::new_with_quality(&mut jpeg, order.shoot.jpeg_quality).encode_image(&drawn.image)?;
+        JpegEncoder::new_with_quality(&mut jpeg, order.shoot.jpeg_quality)
+            .encode_image(&drawn.image)?;
         let mut known = KnownFrame {
             name: format!("drawn frame {}", order.number),
             warnings: String::new(),

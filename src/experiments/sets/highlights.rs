@@ -1,8 +1,9 @@
 //! Drawn sequences in the setting of the paper's highlights (its table 2).
 //!
-//! One camera low behind a corner, the base of the published sequence; four sequences of two games, each within the pan, tilt
-//! and focal lengths that the table states. Spectators move from frame to frame and some are others from sequence to sequence, boards
-//! change, exposure changes. Players are in the pictures, and nothing says where.
+//! One camera low behind a corner, the base of the published sequence; four sequences of two games,
+//! each within the pan, tilt and focal lengths that the table states. Spectators move from frame to
+//! frame and some are others from sequence to sequence, boards change, exposure changes. Players
+//! are in the pictures, and nothing says where.
 
 use super::drawn::{Order, Players, picture_size, take};
 use super::{FrameSet, SetKind, Split};
@@ -15,7 +16,9 @@ use std::f64::consts::TAU;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, builtin};
 use touchline_core::geometry::ImageSize;
-use touchline_vision::synthetic::{CameraMotion, Moment, PathStep, Preset, ShootOptions, StadiumOptions, stadium};
+use touchline_vision::synthetic::{
+    CameraMotion, Moment, PathStep, Preset, ShootOptions, StadiumOptions, stadium,
+};
 
 /// Seconds between the frames of a sequence, between the beginnings of two, and to the second game.
 const STEP_S: f64 = 0.8;
@@ -48,7 +51,12 @@ pub fn highlights(
     });
     let [people_changed, boards_changed] = FROM_GAME_TO_GAME;
     let occasion = scene_seed(seed, 1);
-    let second = first.at(&Moment { occasion, people_changed, boards_changed, ..Moment::default() });
+    let second = first.at(&Moment {
+        occasion,
+        people_changed,
+        boards_changed,
+        ..Moment::default()
+    });
     let [people_changed, boards_changed] = FROM_SEQUENCE_TO_SEQUENCE;
     let base = paper_base(&shoot, size);
     let mut orders = Vec::new();
@@ -56,7 +64,8 @@ pub fn highlights(
         let mut draw = rng(seed, [90, number as u64]);
         let exposure_ev = EXPOSURE_SIGMA_EV * normal(&mut draw);
         let of_second = number >= SEQUENCES_OF_FIRST_GAME;
-        let begins_s = SEQUENCE_EVERY_S * number as f64 + if of_second { SECOND_GAME_S } else { 0.0 };
+        let begins_s =
+            SEQUENCE_EVERY_S * number as f64 + if of_second { SECOND_GAME_S } else { 0.0 };
         let path = Path::drawn(stated, size, &mut draw);
         for frame in 0..frames {
             let step = path.step(frame as f64 / (frames - 1) as f64, begins_s);
@@ -84,14 +93,20 @@ pub fn highlights(
     let frames_of = |sequence: usize| sequence * frames..(sequence + 1) * frames;
     let split = |sequence: usize| Split {
         name: format!("sequence {}", sequence + 1),
-        training_frames: (0..sequences * frames).filter(|frame| !frames_of(sequence).contains(frame)).collect(),
+        training_frames: (0..sequences * frames)
+            .filter(|frame| !frames_of(sequence).contains(frame))
+            .collect(),
         asked: frames_of(sequence).collect(),
     };
     Ok(FrameSet {
         kind: SetKind::Drawn,
         seed,
-        title: format!("drawn, {sequences} sequences of {frames} frames, {} × {} px", size.width, size.height),
-        protocol: "Leave one sequence out: each is tested against the frames of the other three.".to_owned(),
+        title: format!(
+            "drawn, {sequences} sequences of {frames} frames, {} × {} px",
+            size.width, size.height
+        ),
+        protocol: "Leave one sequence out: each is tested against the frames of the other three."
+            .to_owned(),
         frames: take(&orders, Players::Kept, progress)?,
         splits: (0..sequences).map(split).collect(),
     })
@@ -107,10 +122,13 @@ pub(super) const fn scene_seed(seed: u64, scene: u64) -> u64 {
     seed.wrapping_mul(1_000).wrapping_add(11 + 100 * scene)
 }
 
-/// How broadcast frames of the paper's time look where a preset does not say more: motion blur, a lens not quite sharp, noise,
-/// coarse compression.
+/// How broadcast frames of the paper's time look where a preset does not say more: motion blur, a
+/// lens not quite sharp, noise, coarse compression.
 pub(super) fn broadcast(preset: Preset) -> ShootOptions {
-    let shoot = ShootOptions { step_s: STEP_S, ..preset.shoot() };
+    let shoot = ShootOptions {
+        step_s: STEP_S,
+        ..preset.shoot()
+    };
     match preset {
         Preset::Hard => shoot,
         _ => ShootOptions {
@@ -127,14 +145,21 @@ pub(super) fn broadcast(preset: Preset) -> ShootOptions {
 /// The paper's field.
 fn paper_field() -> Result<FieldModel, ExperimentError> {
     let [length_m, width_m] = FIELD_YD.map(|side| side * 0.9144);
-    let sides = BTreeMap::from([("length_m".to_owned(), length_m), ("width_m".to_owned(), width_m)]);
+    let sides = BTreeMap::from([
+        ("length_m".to_owned(), length_m),
+        ("width_m".to_owned(), width_m),
+    ]);
     Ok(builtin("soccer")?.model(&sides, 0.0)?)
 }
 
 /// The paper's base in pictures of another size, through the lens of a preset.
 fn paper_base(shoot: &ShootOptions, size: ImageSize) -> CameraBase {
     let distortion = shoot.main_camera(size).distortion;
-    CameraBase { principal_point: size.centre(), distortion, ..base() }
+    CameraBase {
+        principal_point: size.centre(),
+        distortion,
+        ..base()
+    }
 }
 
 /// Where a camera looks during a sequence: smooth, and exactly as far as table 2 states.
@@ -157,10 +182,21 @@ impl Path {
         let scale = f64::from(size.width) / f64::from(SIZE.width);
         let phases = std::array::from_fn(|_| std::array::from_fn(|_| draw.random_range(0.0..TAU)));
         let reach = std::array::from_fn(|axis| {
-            let at = (0..SAMPLES).map(|sample| waves(&phases[axis], sample as f64 / (SAMPLES - 1) as f64));
-            at.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+            let at = (0..SAMPLES)
+                .map(|sample| waves(&phases[axis], sample as f64 / (SAMPLES - 1) as f64));
+            at.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+                [low.min(value), high.max(value)]
+            })
         });
-        Self { range: [stated.pan_deg, stated.tilt_deg, stated.focal_px.map(|f| (f * scale).ln())], phases, reach }
+        Self {
+            range: [
+                stated.pan_deg,
+                stated.tilt_deg,
+                stated.focal_px.map(|f| (f * scale).ln()),
+            ],
+            phases,
+            reach,
+        }
     }
 
     /// At a share of the sequence.
@@ -175,20 +211,31 @@ impl Path {
     fn step(&self, share: f64, begins_s: f64) -> PathStep {
         let lasts_s = STEP_S * (SAMPLES - 1) as f64;
         let ahead = 1e-3;
-        let (ptz, before, after) = (self.ptz(share), self.ptz(share - ahead), self.ptz(share + ahead));
+        let (ptz, before, after) = (
+            self.ptz(share),
+            self.ptz(share - ahead),
+            self.ptz(share + ahead),
+        );
         let per_s = 0.5 / (ahead * lasts_s);
         let motion = CameraMotion {
             pan_per_s: after.pan.turn_from(before.pan) * per_s,
             tilt_per_s: (after.tilt - before.tilt) * per_s,
             zoom_per_s: (after.focal_px / before.focal_px).ln() * per_s,
         };
-        PathStep { time_s: begins_s + share * lasts_s, ptz, motion }
+        PathStep {
+            time_s: begins_s + share * lasts_s,
+            ptz,
+            motion,
+        }
     }
 }
 
 fn waves(phases: &[f64; 3], share: f64) -> f64 {
     let each = AMPLITUDES.iter().zip(phases).enumerate();
-    each.map(|(wave, (amplitude, phase))| amplitude * (TAU * SLOWEST * (wave + 1) as f64 * share + phase).sin()).sum()
+    each.map(|(wave, (amplitude, phase))| {
+        amplitude * (TAU * SLOWEST * (wave + 1) as f64 * share + phase).sin()
+    })
+    .sum()
 }
 
 #[cfg(test)]
@@ -199,21 +246,34 @@ mod tests {
     fn a_path_has_the_range_that_the_table_states_and_the_motion_of_its_steps() {
         for (number, stated) in TABLE_2.iter().enumerate() {
             let path = Path::drawn(stated, SIZE, &mut rng(7, [1, number as u64]));
-            let steps: Vec<PathStep> =
-                (0..SAMPLES).map(|at| path.step(at as f64 / (SAMPLES - 1) as f64, 0.0)).collect();
+            let steps: Vec<PathStep> = (0..SAMPLES)
+                .map(|at| path.step(at as f64 / (SAMPLES - 1) as f64, 0.0))
+                .collect();
             for (of, [from, to]) in [
                 ((|ptz| ptz.pan.degrees()) as fn(&Ptz) -> f64, stated.pan_deg),
                 (|ptz| ptz.tilt.degrees(), stated.tilt_deg),
                 (|ptz| ptz.focal_px, stated.focal_px),
             ] {
-                let least = steps.iter().map(|step| of(&step.ptz)).fold(f64::INFINITY, f64::min);
-                let greatest = steps.iter().map(|step| of(&step.ptz)).fold(f64::NEG_INFINITY, f64::max);
-                assert!((least - from).abs() < 1e-6 && (greatest - to).abs() < 1e-6, "{least} {greatest}");
+                let least = steps
+                    .iter()
+                    .map(|step| of(&step.ptz))
+                    .fold(f64::INFINITY, f64::min);
+                let greatest = steps
+                    .iter()
+                    .map(|step| of(&step.ptz))
+                    .fold(f64::NEG_INFINITY, f64::max);
+                assert!(
+                    (least - from).abs() < 1e-6 && (greatest - to).abs() < 1e-6,
+                    "{least} {greatest}"
+                );
             }
             for pair in steps.windows(2) {
                 let mean = (pair[0].motion.pan_per_s + pair[1].motion.pan_per_s) * (0.5 * STEP_S);
                 let moved = pair[1].ptz.pan.turn_from(pair[0].ptz.pan);
-                assert!((mean - moved).degrees().abs() < 0.1 * (1.0 + moved.degrees().abs()), "{mean} {moved}");
+                assert!(
+                    (mean - moved).degrees().abs() < 0.1 * (1.0 + moved.degrees().abs()),
+                    "{mean} {moved}"
+                );
             }
         }
     }

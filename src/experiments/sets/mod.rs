@@ -64,7 +64,9 @@ impl KnownFrame {
     /// It cannot be read or decoded.
     pub fn picture(&self, reader: &mut FrameReader) -> Result<RgbImage, ExperimentError> {
         match &self.picture {
-            KnownPicture::Drawn(jpeg) => Ok(image::load_from_memory_with_format(jpeg, ImageFormat::Jpeg)?.into_rgb8()),
+            KnownPicture::Drawn(jpeg) => {
+                Ok(image::load_from_memory_with_format(jpeg, ImageFormat::Jpeg)?.into_rgb8())
+            }
             KnownPicture::File(source) => {
                 let picture = reader.read(source)?;
                 let size = picture.size();
@@ -129,7 +131,8 @@ pub struct Split {
 }
 
 impl FrameSet {
-    /// A heading that says what kind of frames it is about, so that a drawn set is not mistaken for a real one.
+    /// A heading that says what kind of frames it is about, so that a drawn set is not mistaken for
+    /// a real one.
     pub fn heading(&self, words: &str) -> String {
         format!("{words} ({})", self.kind.describe())
     }
@@ -140,9 +143,15 @@ impl FrameSet {
         for frame in set.frames.iter_mut().filter(|frame| !frame.is_masked) {
             let features = std::mem::take(&mut frame.features);
             let each = features.keypoints.into_iter().zip(features.descriptors);
-            let kept = each.filter(|(keypoint, _)| !frame.masks.iter().any(|mask| mask.contains(keypoint.point)));
+            let kept = each.filter(|(keypoint, _)| {
+                !frame.masks.iter().any(|mask| mask.contains(keypoint.point))
+            });
             let (keypoints, descriptors) = kept.unzip();
-            frame.features = Features { image_size: features.image_size, keypoints, descriptors };
+            frame.features = Features {
+                image_size: features.image_size,
+                keypoints,
+                descriptors,
+            };
             frame.is_masked = true;
         }
         set

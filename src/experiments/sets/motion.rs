@@ -11,15 +11,19 @@ use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::builtin;
 use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
-use touchline_vision::synthetic::{CameraMotion, Moment, PathStep, Preset, StadiumOptions, stadium};
+use touchline_vision::synthetic::{
+    CameraMotion, Moment, PathStep, Preset, StadiumOptions, stadium,
+};
 
 /// The name of the file with the published motion.
 pub const MOTION_FILE: &str = "soccer_ground_truth.json";
 /// The size of the published pictures, px.
 const PUBLISHED_SIZE: ImageSize = ImageSize::new(1280, 720);
-/// From their principal point, which counts from the first pixel's centre, to corner coordinates, px.
+/// From their principal point, which counts from the first pixel's centre, to corner coordinates,
+/// px.
 const CORNER_FROM_CENTRE: f64 = 0.5;
-/// Frames a second: television's, which the file does not state. Only the drawn players and the blur depend on it.
+/// Frames a second: television's, which the file does not state. Only the drawn players and the
+/// blur depend on it.
 const FRAMES_A_SECOND: f64 = 25.0;
 
 /// A camera and where it pointed, frame after frame.
@@ -57,18 +61,33 @@ impl RealMotion {
     /// # Errors
     /// It cannot be read, or holds something else.
     pub fn read(path: &Path) -> Result<Self, ExperimentError> {
-        let wrong = |reason: String| ExperimentError::Given { path: path.to_path_buf(), reason };
-        let text = read_named_text(path, MAX_GIVEN_BYTES).map_err(|error| wrong(error.to_string()))?;
-        let file: MotionFile = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+        let wrong = |reason: String| ExperimentError::Given {
+            path: path.to_path_buf(),
+            reason,
+        };
+        let text =
+            read_named_text(path, MAX_GIVEN_BYTES).map_err(|error| wrong(error.to_string()))?;
+        let file: MotionFile =
+            serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
         if file.frames.is_empty() || file.frames.iter().any(|frame| !(frame.f_px > 0.0)) {
-            return Err(wrong("frames with focal lengths above 0 are wanted".to_owned()));
+            return Err(wrong(
+                "frames with focal lengths above 0 are wanted".to_owned(),
+            ));
         }
         let [x, y] = file.principal_point_px.map(|at| at + CORNER_FROM_CENTRE);
         let corner_m = Vec3::new(0.5 * Self::FIELD_M[0], 0.5 * Self::FIELD_M[1], 0.0);
         let rotation = Mat3::from_fn(|row, column| file.base_rotation[row][column]);
         Ok(Self {
-            base: CameraBase::new(Vec3::from(file.position_m) - corner_m, rotation, ImagePoint::new(x, y)),
-            ptz: file.frames.iter().map(|f| Ptz::from_degrees(f.pan_deg, f.tilt_deg, f.f_px)).collect(),
+            base: CameraBase::new(
+                Vec3::from(file.position_m) - corner_m,
+                rotation,
+                ImagePoint::new(x, y),
+            ),
+            ptz: file
+                .frames
+                .iter()
+                .map(|f| Ptz::from_degrees(f.pan_deg, f.tilt_deg, f.f_px))
+                .collect(),
         })
     }
 
@@ -77,8 +96,17 @@ impl RealMotion {
         let scale = f64::from(size.width) / f64::from(PUBLISHED_SIZE.width);
         let principal = self.base.principal_point;
         let principal_point = ImagePoint::new(principal.x * scale, principal.y * scale);
-        let ptz = self.ptz.iter().map(|ptz| Ptz { focal_px: ptz.focal_px * scale, ..*ptz });
-        Self { base: CameraBase { principal_point, ..self.base }, ptz: ptz.collect() }
+        let ptz = self.ptz.iter().map(|ptz| Ptz {
+            focal_px: ptz.focal_px * scale,
+            ..*ptz
+        });
+        Self {
+            base: CameraBase {
+                principal_point,
+                ..self.base
+            },
+            ptz: ptz.collect(),
+        }
     }
 
     /// How it moves at a frame, per second.
@@ -95,7 +123,8 @@ impl RealMotion {
     }
 }
 
-/// The drawn frames of a motion: every `stride`-th of its frames, of which every `every`-th is used for training.
+/// The drawn frames of a motion: every `stride`-th of its frames, of which every `every`-th is used
+/// for training.
 ///
 /// # Errors
 /// This program was built without OpenCV, or a picture cannot be encoded.
@@ -109,11 +138,16 @@ pub fn motion(
     let scaled = real.scaled(size);
     let shoot = Preset::Paper.shoot();
     let [length_m, width_m] = RealMotion::FIELD_M;
-    let sides = BTreeMap::from([("length_m".to_owned(), length_m), ("width_m".to_owned(), width_m)]);
+    let sides = BTreeMap::from([
+        ("length_m".to_owned(), length_m),
+        ("width_m".to_owned(), width_m),
+    ]);
     let field = builtin("soccer")?.model(&sides, 0.0)?;
     let seed = options.seed;
-    let scene =
-        stadium(&StadiumOptions { daylight: shoot.daylight, ..StadiumOptions::new(field, seed.wrapping_add(37)) });
+    let scene = stadium(&StadiumOptions {
+        daylight: shoot.daylight,
+        ..StadiumOptions::new(field, seed.wrapping_add(37))
+    });
     let orders: Vec<Order<'_>> = (0..scaled.ptz.len())
         .step_by(stride)
         .map(|number| Order {
@@ -147,7 +181,9 @@ pub fn motion(
         splits: vec![Split {
             name: "motion".to_owned(),
             training_frames: (0..frames.len()).filter(is_for_training).collect(),
-            asked: (0..frames.len()).filter(|index| !is_for_training(index)).collect(),
+            asked: (0..frames.len())
+                .filter(|index| !is_for_training(index))
+                .collect(),
         }],
         frames,
     })

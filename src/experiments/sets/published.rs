@@ -34,7 +34,8 @@ impl PublishedKind {
         }
     }
 
-    /// Length and width of its field where no model of it is found, yards: those that the authors state.
+    /// Length and width of its field where no model of it is found, yards: those that the authors
+    /// state.
     const fn field_yd(self) -> [f64; 2] {
         match self {
             Self::Highlights => [118.0, 70.0],
@@ -43,12 +44,25 @@ impl PublishedKind {
     }
 }
 
-/// The folder of one of the sets: the given one unless its name is the other set's, or one in it that is named after the set.
+/// The folder of one of the sets: the given one unless its name is the other set's, or one in it
+/// that is named after the set.
 pub fn published_folder(data: &Path, kind: PublishedKind) -> Option<PathBuf> {
-    let name = |folder: &Path| folder.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let name = |folder: &Path| {
+        folder
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .to_lowercase()
+    };
     let holds_annotations = |folder: &Path| {
         let mut entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        entries.any(|entry| entry.file_name().to_string_lossy().to_lowercase().ends_with("_anno.mat"))
+        entries.any(|entry| {
+            entry
+                .file_name()
+                .to_string_lossy()
+                .to_lowercase()
+                .ends_with("_anno.mat")
+        })
     };
     folder_with(data, |folder| {
         let named = if folder == data {
@@ -64,22 +78,37 @@ pub fn published_folder(data: &Path, kind: PublishedKind) -> Option<PathBuf> {
 ///
 /// # Errors
 /// An annotation or a picture cannot be read.
-pub fn published(folder: &Path, kind: PublishedKind, progress: Progress) -> Result<FrameSet, ExperimentError> {
+pub fn published(
+    folder: &Path,
+    kind: PublishedKind,
+    progress: Progress,
+) -> Result<FrameSet, ExperimentError> {
     let read = read_authors_folder(folder, kind.field_yd())?;
-    let own = OwnDocument { name: String::new(), document: read.document, folder: folder.to_path_buf() };
+    let own = OwnDocument {
+        name: String::new(),
+        document: read.document,
+        folder: folder.to_path_buf(),
+    };
     let mut gathered = Gathered::default();
     let range = gathered.add(&own, &counted(own.document.frames.len(), progress))?;
     let (splits, whole) = splits(&gathered, &range, kind);
     let [length, width] = read.field_yd;
-    let source =
-        if read.field_model.is_some() { "its own model" } else { "no model found, the size that the paper states" };
+    let source = if read.field_model.is_some() {
+        "its own model"
+    } else {
+        "no model found, the size that the paper states"
+    };
     let protocol = match (kind, whole) {
-        (PublishedKind::Highlights, true) => "Each sequence is tested against the frames of all others.",
+        (PublishedKind::Highlights, true) => {
+            "Each sequence is tested against the frames of all others."
+        }
         (PublishedKind::Highlights, false) => {
             "Each sequence is tested against the frames of all others from its camera; where there is none, every other frame is \
              used for training, the rest for testing."
         }
-        (PublishedKind::WorldCup, _) => "Every other frame of a game is used for training, the rest for testing.",
+        (PublishedKind::WorldCup, _) => {
+            "Every other frame of a game is used for training, the rest for testing."
+        }
     };
     Ok(FrameSet {
         kind: SetKind::Published,
@@ -108,11 +137,21 @@ fn splits(gathered: &Gathered, range: &Range<usize>, kind: PublishedKind) -> (Ve
         for clip in clips {
             let of_clip = gathered.of_camera(range.clone(), camera, |other| other == clip);
             let (training_frames, asked) = if apart {
-                (gathered.of_camera(range.clone(), camera, |other| other != clip), of_clip)
+                (
+                    gathered.of_camera(range.clone(), camera, |other| other != clip),
+                    of_clip,
+                )
             } else {
-                (of_clip.iter().copied().step_by(2).collect(), of_clip.iter().copied().skip(1).step_by(2).collect())
+                (
+                    of_clip.iter().copied().step_by(2).collect(),
+                    of_clip.iter().copied().skip(1).step_by(2).collect(),
+                )
             };
-            splits.push(Split { name: clip.to_owned(), training_frames, asked });
+            splits.push(Split {
+                name: clip.to_owned(),
+                training_frames,
+                asked,
+            });
         }
     }
     splits.retain(|split: &Split| !split.training_frames.is_empty() && !split.asked.is_empty());
@@ -131,10 +170,18 @@ mod tests {
         for name in ["seq1", "seq2"] {
             fs::create_dir_all(folder.join(name)).unwrap();
             for image in ["1.png", "2.png", "3.png"] {
-                image::RgbImage::new(64, 36).save(folder.join(name).join(image)).unwrap();
+                image::RgbImage::new(64, 36)
+                    .save(folder.join(name).join(image))
+                    .unwrap();
             }
-            let frames = ["1.png", "2.png", "3.png"].map(|image| frame(image, CAMERA)).into();
-            fs::write(folder.join(format!("{name}_anno.mat")), sequence(frames, true)).unwrap();
+            let frames = ["1.png", "2.png", "3.png"]
+                .map(|image| frame(image, CAMERA))
+                .into();
+            fs::write(
+                folder.join(format!("{name}_anno.mat")),
+                sequence(frames, true),
+            )
+            .unwrap();
         }
     }
 
@@ -144,20 +191,39 @@ mod tests {
         let (data, highlights) = (root.path(), root.path().join("highlights"));
         annotated(&highlights);
         let found = |data: &Path, kind| published_folder(data, kind);
-        assert_eq!(found(data, PublishedKind::Highlights), Some(highlights.clone()));
+        assert_eq!(
+            found(data, PublishedKind::Highlights),
+            Some(highlights.clone())
+        );
         assert_eq!(found(data, PublishedKind::WorldCup), None);
-        assert_eq!(found(&highlights, PublishedKind::Highlights), Some(highlights.clone()));
+        assert_eq!(
+            found(&highlights, PublishedKind::Highlights),
+            Some(highlights.clone())
+        );
         assert_eq!(found(&highlights, PublishedKind::WorldCup), None);
 
         let set = published(&highlights, PublishedKind::Highlights, &|_, _| {}).unwrap();
-        assert_eq!((set.kind, set.names()), (SetKind::Published, vec!["seq1", "seq2"]));
-        assert!(set.title.starts_with("the authors' published data, 6 frames in 2 sequences; field 118 × 70 yards"));
-        assert_eq!((&set.splits[0].training_frames[..], &set.splits[0].asked[..]), (&[3, 4, 5][..], &[0, 1, 2][..]));
+        assert_eq!(
+            (set.kind, set.names()),
+            (SetKind::Published, vec!["seq1", "seq2"])
+        );
+        assert!(set.title.starts_with(
+            "the authors' published data, 6 frames in 2 sequences; field 118 × 70 yards"
+        ));
+        assert_eq!(
+            (&set.splits[0].training_frames[..], &set.splits[0].asked[..]),
+            (&[3, 4, 5][..], &[0, 1, 2][..])
+        );
         let set = published(&highlights, PublishedKind::WorldCup, &|_, _| {}).unwrap();
-        assert_eq!((&set.splits[1].training_frames[..], &set.splits[1].asked[..]), (&[3, 5][..], &[4][..]));
+        assert_eq!(
+            (&set.splits[1].training_frames[..], &set.splits[1].asked[..]),
+            (&[3, 5][..], &[4][..])
+        );
 
         fs::remove_file(highlights.join("seq2/2.png")).unwrap();
-        let error = published(&highlights, PublishedKind::Highlights, &|_, _| {}).unwrap_err().to_string();
+        let error = published(&highlights, PublishedKind::Highlights, &|_, _| {})
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("seq2/2.png"), "{error}");
     }
 }

@@ -7,16 +7,20 @@ use crate::paper::TABLE_3;
 use crate::{ExperimentError, ExperimentOptions};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::builtin;
-use touchline_vision::synthetic::{Moment, PathStep, Preset, ShootOptions, StadiumOptions, camera_path, stadium};
+use touchline_vision::synthetic::{
+    Moment, PathStep, Preset, ShootOptions, StadiumOptions, camera_path, stadium,
+};
 
 /// Seconds between the frames of a game.
 const STEP_S: f64 = 7.0;
-/// So many frames after each other show the same boards; then a part of them is drawn again, and a few people are others.
+/// So many frames after each other show the same boards; then a part of them is drawn again, and a
+/// few people are others.
 const BOARDS_EVERY: usize = 8;
 const CHANGED_BOARDS: f64 = 0.25;
 const CHANGED_PEOPLE: f64 = 0.1;
 
-/// Two games of 42 and 33 frames, each by its own camera on the main stand; every other frame is used for training.
+/// Two games of 42 and 33 frames, each by its own camera on the main stand; every other frame is
+/// used for training.
 ///
 /// # Errors
 /// This program was built without OpenCV, or a picture cannot be encoded.
@@ -27,7 +31,10 @@ pub fn worldcup(
 ) -> Result<FrameSet, ExperimentError> {
     let counts = frames_a_game(options);
     let size = picture_size(options);
-    let shoot = ShootOptions { step_s: STEP_S, ..broadcast(Preset::Paper) };
+    let shoot = ShootOptions {
+        step_s: STEP_S,
+        ..broadcast(Preset::Paper)
+    };
     let mut set = FrameSet {
         kind: SetKind::Drawn,
         seed,
@@ -43,7 +50,10 @@ pub fn worldcup(
     for (game, count) in counts.into_iter().enumerate() {
         let seed = scene_seed(seed, 2 + game as u64);
         let field = builtin("soccer")?.default_model()?;
-        let scene = stadium(&StadiumOptions { daylight: shoot.daylight, ..StadiumOptions::new(field, seed) });
+        let scene = stadium(&StadiumOptions {
+            daylight: shoot.daylight,
+            ..StadiumOptions::new(field, seed)
+        });
         let base = shoot.main_camera(size);
         let path = camera_path(&scene, &base, size, &shoot, count);
         let order = |(number, step): (usize, &PathStep)| Order {
@@ -66,13 +76,25 @@ pub fn worldcup(
         let orders: Vec<Order<'_>> = path.iter().enumerate().map(order).collect();
         let first = set.frames.len();
         set.frames.extend(take(&orders, Players::Kept, progress)?);
-        let of_game = |parity: usize| (first..first + count).filter(|frame| (frame - first) % 2 == parity).collect();
-        set.splits.push(Split { name: format!("game {}", game + 1), training_frames: of_game(0), asked: of_game(1) });
+        let of_game = |parity: usize| {
+            (first..first + count)
+                .filter(|frame| (frame - first) % 2 == parity)
+                .collect()
+        };
+        set.splits.push(Split {
+            name: format!("game {}", game + 1),
+            training_frames: of_game(0),
+            asked: of_game(1),
+        });
     }
     Ok(set)
 }
 
 /// How many frames the drawn games have.
 pub fn frames_a_game(options: &ExperimentOptions) -> [usize; 2] {
-    if options.quick { [10, 8] } else { TABLE_3.map(|(_, frames, _)| frames) }
+    if options.quick {
+        [10, 8]
+    } else {
+        TABLE_3.map(|(_, frames, _)| frames)
+    }
 }

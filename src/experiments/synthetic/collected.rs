@@ -9,7 +9,8 @@ use touchline_documents::report::{Cell, Table};
 pub struct Errors {
     /// Of the rotation from the world to the camera: what the picture shows.
     pub rotation_deg: f64,
-    /// Of pan and tilt as numbers, whatever the base: the length of both, a pan counted by the cosine of the tilt.
+    /// Of pan and tilt as numbers, whatever the base: the length of both, a pan counted by the
+    /// cosine of the tilt.
     pub pan_tilt_deg: f64,
     pub focal_px: f64,
 }
@@ -44,7 +45,8 @@ impl Collected {
         let found: Vec<Errors> = trials.iter().flatten().copied().collect();
         self.failed += trials.len() - found.len();
         if !found.is_empty() {
-            let mean = |of: fn(&Errors) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
+            let mean =
+                |of: fn(&Errors) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
             let errors = Errors {
                 rotation_deg: mean(|e| e.rotation_deg),
                 pan_tilt_deg: mean(|e| e.pan_tilt_deg),
@@ -57,8 +59,17 @@ impl Collected {
     /// Mean and standard deviation over the cameras.
     pub fn spread(&self, of: fn(&Errors) -> f64) -> [f64; 2] {
         let count = self.by_camera.len() as f64;
-        let mean = self.by_camera.iter().map(|(_, errors)| of(errors)).sum::<f64>() / count;
-        let squares: f64 = self.by_camera.iter().map(|(_, errors)| (of(errors) - mean).powi(2)).sum();
+        let mean = self
+            .by_camera
+            .iter()
+            .map(|(_, errors)| of(errors))
+            .sum::<f64>()
+            / count;
+        let squares: f64 = self
+            .by_camera
+            .iter()
+            .map(|(_, errors)| (of(errors) - mean).powi(2))
+            .sum();
         [mean, (squares / (count - 1.0).max(1.0)).sqrt()]
     }
 }

@@ -31,24 +31,37 @@ pub fn two_points(base: &CameraBase, [one, two]: [Sighting; 2]) -> Option<Ptz> {
     found.iter().min_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
-/// The closed form as the authors' program has it: the cosine of the angle between two rays taken as cos Δpan · cos Δtilt, and
-/// pixels as separable in pan and tilt (eq. 2 of the paper).
+/// The closed form as the authors' program has it: the cosine of the angle between two rays taken
+/// as cos Δpan · cos Δtilt, and pixels as separable in pan and tilt (eq. 2 of the paper).
 pub fn two_points_approximate(base: &CameraBase, sightings: [Sighting; 2]) -> Option<Ptz> {
-    let rays = sightings.map(|sighting| PanTilt::from_direction(base.base_from_world_point(sighting.world)));
+    let rays = sightings
+        .map(|sighting| PanTilt::from_direction(base.base_from_world_point(sighting.world)));
     let pixels = sightings.map(|sighting| sighting.image.offset_from(base.principal_point));
-    let cosine = (rays[0].pan - rays[1].pan).radians().cos() * (rays[0].tilt - rays[1].tilt).radians().cos();
-    let (a, b, c) = (pixels[0].norm_squared(), pixels[1].norm_squared(), pixels[0].dot(&pixels[1]));
+    let cosine =
+        (rays[0].pan - rays[1].pan).radians().cos() * (rays[0].tilt - rays[1].tilt).radians().cos();
+    let (a, b, c) = (
+        pixels[0].norm_squared(),
+        pixels[1].norm_squared(),
+        pixels[0].dot(&pixels[1]),
+    );
     // (c + s)² = d² (a + s)(b + s) with s = f².
     let d2 = cosine * cosine;
     let (q2, q1, q0) = (1.0 - d2, 2.0 * c - d2 * (a + b), c * c - d2 * a * b);
     let root = (q1 * q1 - 4.0 * q2 * q0).max(0.0).sqrt();
     let roots = [(-q1 + root) / (2.0 * q2), (-q1 - root) / (2.0 * q2)];
-    let valid = roots.into_iter().filter(|s| *s > 0.0 && (c + s) * cosine > 0.0).map(f64::sqrt);
+    let valid = roots
+        .into_iter()
+        .filter(|s| *s > 0.0 && (c + s) * cosine > 0.0)
+        .map(f64::sqrt);
     let off = |focal_px: &f64| (focal_px / 2700.0).ln().abs();
     let focal_px = valid.min_by(|a, b| off(a).total_cmp(&off(b)))?;
     let pan = rays[0].pan - Angle::from_radians((pixels[0].x / focal_px).atan());
     let tilt = rays[0].tilt + Angle::from_radians((pixels[0].y / focal_px).atan());
-    Some(Ptz { pan, tilt, focal_px })
+    Some(Ptz {
+        pan,
+        tilt,
+        focal_px,
+    })
 }
 
 pub fn refined(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> Ptz {
@@ -60,8 +73,8 @@ pub fn refined(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> Ptz {
     refine(base, start, &observations, Loss::Squared, None).ptz
 }
 
-/// The refinement as the authors' program has it: over a sample of the points, with rays and projection that take x for pan and y for
-/// tilt alone (eq. 2 of the paper). Gauss–Newton.
+/// The refinement as the authors' program has it: over a sample of the points, with rays and
+/// projection that take x for pan and y for tilt alone (eq. 2 of the paper). Gauss–Newton.
 pub fn refined_approximate(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> Ptz {
     let stride = (seen.len() / AUTHORS_POINTS).max(1);
     let points: Vec<(PanTilt, Vec2)> = seen
@@ -77,7 +90,10 @@ pub fn refined_approximate(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> 
     for _ in 0..AUTHORS_ROUNDS {
         let (mut information, mut towards) = (Mat3::zeros(), Vec3::zeros());
         for (ray, pixel) in &points {
-            let (pan, tilt) = ((ray.pan - ptz.pan).radians().tan(), (ray.tilt - ptz.tilt).radians().tan());
+            let (pan, tilt) = (
+                (ray.pan - ptz.pan).radians().tan(),
+                (ray.tilt - ptz.tilt).radians().tan(),
+            );
             let focal_px = ptz.focal_px;
             // x = f tan Δpan, y = −f tan Δtilt.
             let by_x = Vec3::new(-focal_px * (1.0 + pan * pan), 0.0, pan);
@@ -85,7 +101,9 @@ pub fn refined_approximate(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> 
             information += by_x * by_x.transpose() + by_y * by_y.transpose();
             towards += by_x * (pixel.x - focal_px * pan) + by_y * (pixel.y + focal_px * tilt);
         }
-        let Some(step) = information.try_inverse().map(|inverse| inverse * towards) else { return ptz };
+        let Some(step) = information.try_inverse().map(|inverse| inverse * towards) else {
+            return ptz;
+        };
         let next = Ptz {
             pan: ptz.pan + Angle::from_radians(step.x),
             tilt: ptz.tilt + Angle::from_radians(step.y),
@@ -101,17 +119,23 @@ pub fn refined_approximate(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> 
 
 /// The mean errors that an unbiased estimate has at best: σ² (JᵀJ)⁻¹ at the truth, normal errors.
 pub fn bound(camera: &PtzCamera, seen: &[Sighting], sigma_px: f64) -> Errors {
-    let jacobians = seen.iter().filter_map(|sighting| camera.image_from_world_jacobian(sighting.world).ok());
-    let information: Mat3 = jacobians.map(|here| here.by_ptz.transpose() * here.by_ptz).sum();
+    let jacobians = seen
+        .iter()
+        .filter_map(|sighting| camera.image_from_world_jacobian(sighting.world).ok());
+    let information: Mat3 = jacobians
+        .map(|here| here.by_ptz.transpose() * here.by_ptz)
+        .sum();
     let covariance = information.try_inverse().unwrap_or_else(Mat3::zeros) * (sigma_px * sigma_px);
-    // The turn about pan and tilt axes, which are at right angles: the mean length of a normal vector of two numbers is
-    // √(π/2) times the mean over all directions u of √(uᵀ Σ u).
+    // The turn about pan and tilt axes, which are at right angles: the mean length of a normal
+    // vector of two numbers is √(π/2) times the mean over all directions u of √(uᵀ Σ u).
     let directions = 64;
     let mean_length: f64 = (0..directions)
         .map(|i| {
-            let (sin, cos) = (std::f64::consts::PI * f64::from(i) / f64::from(directions)).sin_cos();
-            let along =
-                covariance[(0, 0)] * cos * cos + 2.0 * covariance[(0, 1)] * sin * cos + covariance[(1, 1)] * sin * sin;
+            let (sin, cos) =
+                (std::f64::consts::PI * f64::from(i) / f64::from(directions)).sin_cos();
+            let along = covariance[(0, 0)] * cos * cos
+                + 2.0 * covariance[(0, 1)] * sin * cos
+                + covariance[(1, 1)] * sin * sin;
             along.sqrt()
         })
         .sum::<f64>()
@@ -141,7 +165,8 @@ mod tests {
             let authors = two_points_approximate(camera.base(), pair).unwrap();
             worst[0] = worst[0].max(errors(two_points(camera.base(), pair).unwrap()).focal_px);
             worst[1] = worst[1].max(errors(authors).focal_px);
-            worst[2] = worst[2].max(errors(refined_approximate(camera.base(), authors, &seen)).focal_px);
+            worst[2] =
+                worst[2].max(errors(refined_approximate(camera.base(), authors, &seen)).focal_px);
         }
         assert!(worst[0] < 1e-6, "{worst:?}");
         assert!(worst[1] > 5.0 && worst[2] > 1.0, "{worst:?}");
@@ -151,18 +176,32 @@ mod tests {
     fn the_authors_refinement_is_exact_where_their_model_is() {
         // On the horizon x depends on pan alone, and in the middle column y on tilt alone.
         let camera = PtzCamera::new(base(), Ptz::from_degrees(40.0, 0.0, 2500.0));
-        let offsets = [(-400.0, 0.0), (300.0, 0.0), (0.0, -200.0), (0.0, 250.0), (150.0, 0.0)];
+        let offsets = [
+            (-400.0, 0.0),
+            (300.0, 0.0),
+            (0.0, -200.0),
+            (0.0, 250.0),
+            (150.0, 0.0),
+        ];
         let seen: Vec<Sighting> = offsets
             .iter()
             .map(|(x, y)| {
                 let image = camera.base().principal_point.moved(Vec2::new(*x, *y));
-                let world = camera.base().position_m + camera.world_direction_from_image(image).unwrap() * 80.0;
-                Sighting { image, world, on_field: false }
+                let world = camera.base().position_m
+                    + camera.world_direction_from_image(image).unwrap() * 80.0;
+                Sighting {
+                    image,
+                    world,
+                    on_field: false,
+                }
             })
             .collect();
         let start = Ptz::from_degrees(40.5, -0.4, 2400.0);
         let found = refined_approximate(camera.base(), start, &seen);
         let errors = Errors::of(&camera, &PtzCamera::new(*camera.base(), found));
-        assert!(errors.rotation_deg < 1e-9 && errors.focal_px < 1e-6, "{errors:?}");
+        assert!(
+            errors.rotation_deg < 1e-9 && errors.focal_px < 1e-6,
+            "{errors:?}"
+        );
     }
 }

@@ -1,8 +1,10 @@
-//! Pan, tilt and focal length from noisy rays: figure (b), (c), (d) of the paper in its own setting.
+//! Pan, tilt and focal length from noisy rays: figure (b), (c), (d) of the paper in its own
+//! setting.
 //!
-//! The paper plots the errors of its two-point method over the noise of pixels, of the base's position and of its rotation.
-//! Here stand beside it the Cramér–Rao bound, below which no unbiased estimate can lie, the closed form alone, and the
-//! closed form with the two approximations of the authors' program, with and without its refinement.
+//! The paper plots the errors of its two-point method over the noise of pixels, of the base's
+//! position and of its rotation. Here stand beside it the Cramér–Rao bound, below which no unbiased
+//! estimate can lie, the closed form alone, and the closed form with the two approximations of the
+//! authors' program, with and without its refinement.
 
 mod collected;
 mod methods;
@@ -13,7 +15,9 @@ use super::paper::FIGURE_B;
 use super::progress::Progress;
 use super::setting::{SIZE, Sighting, base, drawn_ptz, rng, sightings};
 use collected::{Collected, Errors, camera_table};
-use methods::{bound, farthest_pair, refined, refined_approximate, two_points, two_points_approximate};
+use methods::{
+    bound, farthest_pair, refined, refined_approximate, two_points, two_points_approximate,
+};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::camera::{Ptz, PtzCamera};
@@ -24,8 +28,13 @@ use touchline_documents::report::{Cell, Report, Table, Verdict};
 const PIXEL_NOISES_PX: [f64; 6] = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0];
 
 /// The methods compared, in the order of figures.
-const METHODS: [&str; 5] =
-    ["all rays, refined", "Cramér–Rao bound", "two points, exact", "authors' two points", "authors' refined"];
+const METHODS: [&str; 5] = [
+    "all rays, refined",
+    "Cramér–Rao bound",
+    "two points, exact",
+    "authors' two points",
+    "authors' refined",
+];
 const REFINED: usize = 0;
 const BOUND: usize = 1;
 const AUTHORS: usize = 3;
@@ -37,9 +46,17 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
     let total = cameras * (PIXEL_NOISES_PX.len() + wrong_base::STEPS);
     let done = AtomicUsize::new(0);
     let step = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
-    let setting = Setting { seed: options.seed, cameras, trials, step: &step };
+    let setting = Setting {
+        seed: options.seed,
+        cameras,
+        trials,
+        step: &step,
+    };
 
-    let mut report = Report::new("synthetic", "Synthetic: pan, tilt and focal length from noisy rays");
+    let mut report = Report::new(
+        "synthetic",
+        "Synthetic: pan, tilt and focal length from noisy rays",
+    );
     report.text(&format!(
         "The paper's setting: base of the published sequence, pan 15 to 75°, tilt −14 to −5°, focal length 1500 to 5000 px, \
          {} × {} px, 200 rays a frame. {cameras} cameras, {trials} trials each. Nine rays in ten should lie outside the field; \
@@ -88,15 +105,19 @@ impl Setting<'_> {
         let of_camera = |index: usize| {
             let (camera, seen) = self.camera(index);
             let mut rng = rng(self.seed, [place, index as u64]);
-            let trials: Vec<[Option<Errors>; N]> = (0..self.trials).map(|_| trial(&camera, &seen, &mut rng)).collect();
+            let trials: Vec<[Option<Errors>; N]> = (0..self.trials)
+                .map(|_| trial(&camera, &seen, &mut rng))
+                .collect();
             (self.step)();
             trials
         };
-        let by_camera: Vec<Vec<[Option<Errors>; N]>> = (0..self.cameras).into_par_iter().map(of_camera).collect();
+        let by_camera: Vec<Vec<[Option<Errors>; N]>> =
+            (0..self.cameras).into_par_iter().map(of_camera).collect();
         let mut collected: [Collected; N] = std::array::from_fn(|_| Collected::default());
         for (camera, trials) in by_camera.into_iter().enumerate() {
             for (method, collected) in collected.iter_mut().enumerate() {
-                let of_method: Vec<Option<Errors>> = trials.iter().map(|trial| trial[method]).collect();
+                let of_method: Vec<Option<Errors>> =
+                    trials.iter().map(|trial| trial[method]).collect();
                 collected.add_camera(camera, &of_method);
             }
         }
@@ -109,13 +130,17 @@ fn pixel_noise(setting: &Setting, report: &mut Report) {
     let mut by_noise = Vec::new();
     for (place, sigma_px) in PIXEL_NOISES_PX.into_iter().enumerate() {
         let collected = setting.collect(100 + place as u64, |camera, seen, rng| {
-            let noisy: Vec<Sighting> = seen.iter().map(|sighting| sighting.noisy(sigma_px, rng)).collect();
+            let noisy: Vec<Sighting> = seen
+                .iter()
+                .map(|sighting| sighting.noisy(sigma_px, rng))
+                .collect();
             let [one, two] = farthest_pair(&noisy);
             let exact = two_points(camera.base(), [one, two]);
             let refined = exact.map(|start| refined(camera.base(), start, &noisy));
             let errors = |ptz: Ptz| Errors::of(camera, &PtzCamera::new(*camera.base(), ptz));
             let authors = two_points_approximate(camera.base(), [one, two]);
-            let authors_refined = authors.map(|start| refined_approximate(camera.base(), start, &noisy));
+            let authors_refined =
+                authors.map(|start| refined_approximate(camera.base(), start, &noisy));
             [
                 refined.map(errors),
                 Some(bound(camera, seen, sigma_px)),
@@ -141,7 +166,13 @@ fn pixel_noise(setting: &Setting, report: &mut Report) {
     report.data(
         "b-cameras",
         "Every camera at every noise.",
-        camera_table("σ (px)", METHODS, by_noise.iter().map(|(sigma_px, methods)| (*sigma_px, methods))),
+        camera_table(
+            "σ (px)",
+            METHODS,
+            by_noise
+                .iter()
+                .map(|(sigma_px, methods)| (*sigma_px, methods)),
+        ),
     );
     report.text(
         "The paper reports less than 0.02° and 2.5 px at σ = 3 px; an independent implementation of the full refinement found \
@@ -149,8 +180,11 @@ fn pixel_noise(setting: &Setting, report: &mut Report) {
          .00584 / 1.345). A mean over so many trials itself varies by about 1 %, so an efficiency slightly above 1 is chance.",
     );
     let last = &by_noise[by_noise.len() - 1].1;
-    let [rotation, focal] = [|errors: &Errors| errors.rotation_deg, |errors: &Errors| errors.focal_px]
-        .map(|of| [REFINED, AUTHORS_REFINED].map(|method| last[method].spread(of)[0]));
+    let [rotation, focal] = [
+        |errors: &Errors| errors.rotation_deg,
+        |errors: &Errors| errors.focal_px,
+    ]
+    .map(|of| [REFINED, AUTHORS_REFINED].map(|method| last[method].spread(of)[0]));
     report.text(&format!(
         "The authors' formula takes cos Δpan · cos Δtilt for the cosine between two rays, and pixels as separable in pan and tilt (eq. 2). \
          Points here are projected exactly, so that it errs without any noise; its refinement, over 32 points with the same projection, \
@@ -167,9 +201,14 @@ fn pixel_noise(setting: &Setting, report: &mut Report) {
         ),
         "our points are projected exactly, not by the paper's eq. 2",
     );
-    let failed: usize = by_noise.iter().map(|(_, methods)| methods.iter().map(|m| m.failed).sum::<usize>()).sum();
+    let failed: usize = by_noise
+        .iter()
+        .map(|(_, methods)| methods.iter().map(|m| m.failed).sum::<usize>())
+        .sum();
     if failed > 0 {
-        report.text(&format!("{failed} pairs of points gave no camera and are left out."));
+        report.text(&format!(
+            "{failed} pairs of points gave no camera and are left out."
+        ));
     }
 }
 
@@ -208,7 +247,13 @@ fn noise_table(by_noise: &[(f64, [Collected; METHODS.len()])]) -> Table {
             focal(AUTHORS_REFINED),
         ];
         let decimals = [1, 5, 5, 3, 3, 3, 3, 4, 2, 3, 1, 4, 2];
-        table.push(numbers.into_iter().zip(decimals).map(|(number, decimals)| Cell::Fixed(number, decimals)).collect());
+        table.push(
+            numbers
+                .into_iter()
+                .zip(decimals)
+                .map(|(number, decimals)| Cell::Fixed(number, decimals))
+                .collect(),
+        );
     }
     table
 }
@@ -216,17 +261,37 @@ fn noise_table(by_noise: &[(f64, [Collected; METHODS.len()])]) -> Table {
 /// The two halves of each figure: stem, label, and which error.
 type Part = (&'static str, &'static str, fn(&Errors) -> f64);
 const PARTS: [Part; 2] = [
-    ("rotation", "rotation error (°)", |errors| errors.rotation_deg),
+    ("rotation", "rotation error (°)", |errors| {
+        errors.rotation_deg
+    }),
     ("focal", "focal length error (px)", |errors| errors.focal_px),
 ];
 
-fn figure(noise: &str, label: &str, by_noise: &[(f64, [Collected; METHODS.len()])], of: fn(&Errors) -> f64) -> Figure {
+fn figure(
+    noise: &str,
+    label: &str,
+    by_noise: &[(f64, [Collected; METHODS.len()])],
+    of: fn(&Errors) -> f64,
+) -> Figure {
     let farthest = by_noise.last().map_or(1.0, |(noise, _)| *noise);
-    let mut figure = Figure::new("", Axis::linear(noise).within(0.0, farthest * 1.05), Axis::log(label));
+    let mut figure = Figure::new(
+        "",
+        Axis::linear(noise).within(0.0, farthest * 1.05),
+        Axis::log(label),
+    );
     for (method, name) in METHODS.iter().enumerate() {
-        let spreads: Vec<[f64; 2]> = by_noise.iter().map(|(_, methods)| methods[method].spread(of)).collect();
-        let points = by_noise.iter().zip(&spreads).map(|((noise, _), [mean, _])| [*noise, *mean]).collect();
-        let bars = spreads.iter().map(|[mean, sd]| [(mean - sd).max(mean * 0.05), mean + sd]);
+        let spreads: Vec<[f64; 2]> = by_noise
+            .iter()
+            .map(|(_, methods)| methods[method].spread(of))
+            .collect();
+        let points = by_noise
+            .iter()
+            .zip(&spreads)
+            .map(|((noise, _), [mean, _])| [*noise, *mean])
+            .collect();
+        let bars = spreads
+            .iter()
+            .map(|[mean, sd]| [(mean - sd).max(mean * 0.05), mean + sd]);
         let series = Series::new(name, [1, 0, 3, 2, 2][method], points);
         figure = figure.with(match method {
             BOUND => series.lined(Line::Dashed).marked(Mark::None),
@@ -238,7 +303,11 @@ fn figure(noise: &str, label: &str, by_noise: &[(f64, [Collected; METHODS.len()]
     }
     let (sigma, degrees, px) = FIGURE_B;
     let stated = if label.contains('°') { degrees } else { px };
-    figure.with(Series::new("paper: below", 0, vec![[sigma, stated]]).lined(Line::None).marked(Mark::Square))
+    figure.with(
+        Series::new("paper: below", 0, vec![[sigma, stated]])
+            .lined(Line::None)
+            .marked(Mark::Square),
+    )
 }
 
 #[cfg(test)]
@@ -247,14 +316,28 @@ mod tests {
 
     #[test]
     fn the_refinement_reaches_the_bound() {
-        let setting = Setting { seed: 0, cameras: 10, trials: 40, step: &|| {} };
+        let setting = Setting {
+            seed: 0,
+            cameras: 10,
+            trials: 40,
+            step: &|| {},
+        };
         let [refined, bounds] = setting.collect(9, |camera, seen, rng| {
-            let noisy: Vec<Sighting> = seen.iter().map(|sighting| sighting.noisy(2.0, rng)).collect();
+            let noisy: Vec<Sighting> = seen
+                .iter()
+                .map(|sighting| sighting.noisy(2.0, rng))
+                .collect();
             let start = two_points(camera.base(), farthest_pair(&noisy)).unwrap();
-            let errors = Errors::of(camera, &PtzCamera::new(*camera.base(), refined(camera.base(), start, &noisy)));
+            let errors = Errors::of(
+                camera,
+                &PtzCamera::new(*camera.base(), refined(camera.base(), start, &noisy)),
+            );
             [Some(errors), Some(bound(camera, seen, 2.0))]
         });
-        for of in [|errors: &Errors| errors.rotation_deg, |errors: &Errors| errors.focal_px] {
+        for of in [
+            |errors: &Errors| errors.rotation_deg,
+            |errors: &Errors| errors.focal_px,
+        ] {
             let efficiency = bounds.spread(of)[0] / refined.spread(of)[0];
             // 400 trials: the mean of a half-normal number is known to 4 %.
             assert!((0.9..1.12).contains(&efficiency), "{efficiency}");

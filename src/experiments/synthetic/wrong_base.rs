@@ -27,9 +27,17 @@ type Measured = Vec<(f64, [Collected; 1])>;
 pub(super) fn position_noise(setting: &Setting<'_>, report: &mut Report) {
     let measured = measure(setting, 200, &POSITION_NOISES_M, |base, sigma_m, turn| {
         let position_m = base.position_m + turn * sigma_m;
-        CameraBase { position_m, ..*base }
+        CameraBase {
+            position_m,
+            ..*base
+        }
     });
-    part(report, "c", "error of the base's position, σ on each axis (m)", &measured);
+    part(
+        report,
+        "c",
+        "error of the base's position, σ on each axis (m)",
+        &measured,
+    );
     let at = |sigma: f64| means(&measured, sigma);
     let ([rotation, _, focal], [far_rotation, _, far_focal]) = (at(COMPARED), at(1.0));
     report.text(&format!(
@@ -48,11 +56,24 @@ pub(super) fn position_noise(setting: &Setting<'_>, report: &mut Report) {
 
 /// Figure (d): the base's rotation is known wrongly.
 pub(super) fn rotation_noise(setting: &Setting<'_>, report: &mut Report) {
-    let measured = measure(setting, 300, &ROTATION_NOISES_DEG, |base, sigma_deg, turn| {
-        let turned = rotation::from_rotation_vector(turn * sigma_deg.to_radians());
-        CameraBase { base_from_world: base.base_from_world * turned, ..*base }
-    });
-    part(report, "d", "error of the base's rotation, σ about each axis (°)", &measured);
+    let measured = measure(
+        setting,
+        300,
+        &ROTATION_NOISES_DEG,
+        |base, sigma_deg, turn| {
+            let turned = rotation::from_rotation_vector(turn * sigma_deg.to_radians());
+            CameraBase {
+                base_from_world: base.base_from_world * turned,
+                ..*base
+            }
+        },
+    );
+    part(
+        report,
+        "d",
+        "error of the base's rotation, σ about each axis (°)",
+        &measured,
+    );
     let [rotation, pan_tilt, focal] = means(&measured, COMPARED);
     report.text(&format!(
         "At 0.1° an independent implementation found .08° and .02 px. \"Sensitive\" holds for pan and tilt as numbers, which take up the base's error \
@@ -74,7 +95,11 @@ fn measure(
 ) -> Measured {
     let of_noise = |(number, sigma): (usize, &f64)| {
         let collected = setting.collect(place + number as u64, |camera, seen, rng| {
-            [with_wrong_base(camera, seen, &wrong(camera.base(), *sigma, normals(rng)))]
+            [with_wrong_base(
+                camera,
+                seen,
+                &wrong(camera.base(), *sigma, normals(rng)),
+            )]
         });
         (*sigma, collected)
     };
@@ -84,30 +109,50 @@ fn measure(
 /// Errors of the full refinement with a base that is not the true one.
 fn with_wrong_base(camera: &PtzCamera, seen: &[Sighting], base: &CameraBase) -> Option<Errors> {
     let start = two_points(base, farthest_pair(seen))?;
-    Some(Errors::of(camera, &PtzCamera::new(*base, refined(base, start, seen))))
+    Some(Errors::of(
+        camera,
+        &PtzCamera::new(*base, refined(base, start, seen)),
+    ))
 }
 
-const ERRORS: [fn(&Errors) -> f64; 3] =
-    [|errors| errors.rotation_deg, |errors| errors.pan_tilt_deg, |errors| errors.focal_px];
+const ERRORS: [fn(&Errors) -> f64; 3] = [
+    |errors| errors.rotation_deg,
+    |errors| errors.pan_tilt_deg,
+    |errors| errors.focal_px,
+];
 
 /// Mean rotation, pan and tilt (°) and focal length error (px) at a noise.
 fn means(measured: &Measured, sigma: f64) -> [f64; 3] {
     let at = measured.iter().find(|(noise, _)| *noise == sigma);
-    at.map_or([f64::NAN; 3], |(_, [collected])| ERRORS.map(|of| collected.spread(of)[0]))
+    at.map_or([f64::NAN; 3], |(_, [collected])| {
+        ERRORS.map(|of| collected.spread(of)[0])
+    })
 }
 
 fn part(report: &mut Report, part: &str, noise: &str, measured: &Measured) {
     let series = |name: &str, colour: usize, of: fn(&Errors) -> f64| {
-        let spreads: Vec<(f64, [f64; 2])> =
-            measured.iter().map(|(noise, [of_all])| (*noise, of_all.spread(of))).collect();
-        let points = spreads.iter().map(|(noise, [mean, _])| [*noise, *mean]).collect();
-        let bars = spreads.iter().map(|(_, [mean, sd])| [(mean - sd).max(mean * 0.05), mean + sd]).collect();
+        let spreads: Vec<(f64, [f64; 2])> = measured
+            .iter()
+            .map(|(noise, [of_all])| (*noise, of_all.spread(of)))
+            .collect();
+        let points = spreads
+            .iter()
+            .map(|(noise, [mean, _])| [*noise, *mean])
+            .collect();
+        let bars = spreads
+            .iter()
+            .map(|(_, [mean, sd])| [(mean - sd).max(mean * 0.05), mean + sd])
+            .collect();
         Series::new(name, colour, points).with_bars(bars)
     };
     let [rotation, pan_tilt, focal] = ERRORS;
     let angles = Figure::new("", Axis::log(noise), Axis::log("error (°)"))
         .with(series("rotation", 1, rotation))
-        .with(series("pan and tilt", 2, pan_tilt).marked(Mark::Triangle).lined(Line::Dashed));
+        .with(
+            series("pan and tilt", 2, pan_tilt)
+                .marked(Mark::Triangle)
+                .lined(Line::Dashed),
+        );
     let bars = "bars: ± one SD over the cameras";
     report.figure(
         &format!("{part}-rotation"),
@@ -117,7 +162,8 @@ fn part(report: &mut Report, part: &str, noise: &str, measured: &Measured) {
     report.figure(
         &format!("{part}-focal"),
         &format!("Figure ({part}): focal length error over the {noise}; {bars}."),
-        Figure::new("", Axis::log(noise), Axis::log("focal length error (px)")).with(series("", 1, focal)),
+        Figure::new("", Axis::log(noise), Axis::log("focal length error (px)"))
+            .with(series("", 1, focal)),
     );
     let mut table = Table::new(&[
         ("sigma", noise),
@@ -131,11 +177,27 @@ fn part(report: &mut Report, part: &str, noise: &str, measured: &Measured) {
     for (sigma, [collected]) in measured {
         let mut row = vec![Cell::Fixed(*sigma, 2)];
         for (of, decimals) in ERRORS.into_iter().zip([4, 4, 3]) {
-            row.extend(collected.spread(of).map(|value| Cell::Fixed(value, decimals)));
+            row.extend(
+                collected
+                    .spread(of)
+                    .map(|value| Cell::Fixed(value, decimals)),
+            );
         }
         table.push(row);
     }
-    report.table(part, "Mean errors of the full refinement; SD over the cameras.", table);
-    let every = camera_table(noise, ["all rays, refined"], measured.iter().map(|(sigma, of)| (*sigma, of)));
-    report.data(&format!("{part}-cameras"), "Every camera at every noise.", every);
+    report.table(
+        part,
+        "Mean errors of the full refinement; SD over the cameras.",
+        table,
+    );
+    let every = camera_table(
+        noise,
+        ["all rays, refined"],
+        measured.iter().map(|(sigma, of)| (*sigma, of)),
+    );
+    report.data(
+        &format!("{part}-cameras"),
+        "Every camera at every noise.",
+        every,
+    );
 }

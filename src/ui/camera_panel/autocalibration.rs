@@ -53,11 +53,19 @@ fn decided(panel: &mut Panel<'_>, ui: &mut Ui, two: &TwoCameras) {
     ui.horizontal_wrapped(|ui| {
         command(panel, ui, "Try the first", Command::TryFirstCamera);
         command(panel, ui, "Try the other", Command::TryOtherCamera);
-        let shown = two.deciding.as_ref().and_then(|click| panel.app.open()?.document.frames.position_of(&click.frame));
+        let shown = two
+            .deciding
+            .as_ref()
+            .and_then(|click| panel.app.open()?.document.frames.position_of(&click.frame));
         if let Some(shown) = shown
-            && ui.button("Go there").on_hover_text("Go to the frame whose click decides.").clicked()
+            && ui
+                .button("Go there")
+                .on_hover_text("Go to the frame whose click decides.")
+                .clicked()
         {
-            panel.actions.push(Action::Navigate(Navigation::GoTo(shown)));
+            panel
+                .actions
+                .push(Action::Navigate(Navigation::GoTo(shown)));
         }
         command(panel, ui, "Done", Command::StopFindCamera);
     });
@@ -68,13 +76,21 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, says: &str) {
     let why_not = panel.app.why_not(Command::FindCamera);
     let button = ui.add_enabled(why_not.is_none(), Button::new(RichText::new(says).strong()));
     let tip = panel.app.settings.keys.tooltip(Command::FindCamera);
-    if button.on_hover_text(tip).on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
+    if button
+        .on_hover_text(tip)
+        .on_disabled_hover_text(why_not.unwrap_or_default())
+        .clicked()
+    {
         panel.actions.push(Action::Command(Command::FindCamera));
     }
 }
 
 fn command(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
-    if ui.button(says).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+    if ui
+        .button(says)
+        .on_hover_text(panel.app.settings.keys.tooltip(command))
+        .clicked()
+    {
         panel.actions.push(Action::Command(command));
     }
 }

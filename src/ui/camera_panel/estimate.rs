@@ -20,10 +20,15 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         let progress = running.progress().copied();
         ui.add(Label::new(format!("From {}.", running.operation().from)).wrap());
         let share = progress.map_or(Some(0.0), EstimateProgress::share);
-        let description = progress.map_or_else(|| "Looking for initial values…".to_owned(), EstimateProgress::describe);
+        let description = progress.map_or_else(
+            || "Looking for initial values…".to_owned(),
+            EstimateProgress::describe,
+        );
         let bar = ProgressBar::new(share.unwrap_or(1.0)).animate(share.is_none());
         let bar = ui.add(bar.text(description).desired_height(18.0));
-        bar.on_hover_text("Every model of lens and crown is fitted to all groups of points but one, in turn.");
+        bar.on_hover_text(
+            "Every model of lens and crown is fitted to all groups of points but one, in turn.",
+        );
         command(panel, ui, "Stop", Command::DropEstimatedBase);
     } else if let Some(found) = state.proposed() {
         proposed(panel, ui, found);
@@ -42,7 +47,10 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let ready = panel.app.base_readiness();
     if camera.base().is_none() {
         let text = if ready.is_enough() {
-            format!("{} frames are enough to estimate the base. More frames improve it.", ready.wide)
+            format!(
+                "{} frames are enough to estimate the base. More frames improve it.",
+                ready.wide
+            )
         } else {
             ready.describe()
         };
@@ -55,15 +63,26 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         panel.actions.push(Action::Command(Command::BaseOnPaint));
     }
     let again = panel.app.operations.base_estimate.applied().is_some();
-    let says = if again { "Estimate again" } else { "Estimate the base" };
+    let says = if again {
+        "Estimate again"
+    } else {
+        "Estimate the base"
+    };
     ui.horizontal(|ui| {
         let main = Button::new(RichText::new(says).strong());
-        let main =
-            if ready.is_enough() && camera.base().is_none() { main.fill(ui.palette().accent_ground) } else { main };
+        let main = if ready.is_enough() && camera.base().is_none() {
+            main.fill(ui.palette().accent_ground)
+        } else {
+            main
+        };
         let possible = ready.wide > 0 || (camera.base().is_some() && ready.frames > 0);
         let button = ui.add_enabled(possible, main);
         let tip = panel.app.settings.keys.tooltip(Command::EstimateBase);
-        if button.on_hover_text(tip).on_disabled_hover_text(ready.describe()).clicked() {
+        if button
+            .on_hover_text(tip)
+            .on_disabled_hover_text(ready.describe())
+            .clicked()
+        {
             panel.actions.push(Action::Command(Command::EstimateBase));
         }
         ui.label(RichText::new(counted(&ready)).color(ui.palette().weak));
@@ -71,28 +90,45 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 }
 
 fn counted(ready: &BaseReadiness) -> String {
-    let plural = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
-    let left_out = if ready.left_out > 0 { format!(", {} left out", ready.left_out) } else { String::new() };
-    format!("{}, {}{left_out}", plural(ready.frames, "frame"), plural(ready.clicks, "point"))
+    let plural =
+        |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+    let left_out = if ready.left_out > 0 {
+        format!(", {} left out", ready.left_out)
+    } else {
+        String::new()
+    };
+    format!(
+        "{}, {}{left_out}",
+        plural(ready.frames, "frame"),
+        plural(ready.clicks, "point")
+    )
 }
 
 /// The result, and the choice whether to use it.
 fn proposed(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
-    let card = Frame::new().fill(ui.palette().raised).corner_radius(6).inner_margin(Margin::same(8));
+    let card = Frame::new()
+        .fill(ui.palette().raised)
+        .corner_radius(6)
+        .inner_margin(Margin::same(8));
     card.show(ui, |ui| {
         ui.set_width(ui.available_width());
         summary(ui, found);
         ui.add_space(theme::SPACE);
         if panel.app.current().base.is_some() {
             let key = panel.app.settings.keys.shown(Command::Compare);
-            let text = format!("Picture and numbers show this base. Hold {key} for the current one.");
+            let text =
+                format!("Picture and numbers show this base. Hold {key} for the current one.");
             ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
         }
     });
 }
 
 fn command(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
-    if ui.button(says).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+    if ui
+        .button(says)
+        .on_hover_text(panel.app.settings.keys.tooltip(command))
+        .clicked()
+    {
         panel.actions.push(Action::Command(command));
     }
 }

@@ -1,4 +1,5 @@
-//! The evidence for an estimated base: models, frames, landmarks, points that disagree. A click goes there.
+//! The evidence for an estimated base: models, frames, landmarks, points that disagree. A click
+//! goes there.
 
 use super::position_view;
 use super::section;
@@ -48,7 +49,10 @@ fn models(ui: &mut Ui, found: &EstimatedBase) {
             ui.end_row();
         }
     });
-    let advice = found.estimate.one_more_frame.map_or_else(String::new, |frame| format!(" To pin it down: {frame}."));
+    let advice = found
+        .estimate
+        .one_more_frame
+        .map_or_else(String::new, |frame| format!(" To pin it down: {frame}."));
     let reason = format!("Chosen: {}.{advice}", found.estimate.reason);
     ui.add(Label::new(RichText::new(reason).small().color(ui.palette().weak)).wrap());
 }
@@ -62,7 +66,10 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
         .zip(&found.estimate.frames)
         .map(|(&index, fit)| (index, fit.map(|fit| fit.median_px)))
         .collect();
-    fits.sort_by(|a, b| b.1.unwrap_or(f64::INFINITY).total_cmp(&a.1.unwrap_or(f64::INFINITY)));
+    fits.sort_by(|a, b| {
+        b.1.unwrap_or(f64::INFINITY)
+            .total_cmp(&a.1.unwrap_or(f64::INFINITY))
+    });
     left_out(panel, ui, &found.camera);
     list(panel, ui, &fits, 3.0 * found.estimate.median_px);
 }
@@ -71,7 +78,9 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
 pub fn frames_of_document(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(open) = panel.app.open() else { return };
     let takes_part = |frame: &Frame| {
-        frame.camera == camera.id && frame.is_used_for_base() && frame.clicks.iter().any(|click| click.target.is_some())
+        frame.camera == camera.id
+            && frame.is_used_for_base()
+            && frame.clicks.iter().any(|click| click.target.is_some())
     };
     let rms = |frame: &Frame| frame.solution.as_ref().and_then(|solution| solution.rms_px);
     let frames: Vec<(usize, Option<f64>)> = open
@@ -96,13 +105,24 @@ fn list(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f64>)], lou
     });
 }
 
-fn rows_of_frames(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f64>)], loud_px: f64) {
+fn rows_of_frames(
+    panel: &mut Panel<'_>,
+    ui: &mut Ui,
+    frames: &[(usize, Option<f64>)],
+    loud_px: f64,
+) {
     let largest = frames.iter().filter_map(|(_, px)| *px).fold(0.0, f64::max);
     let unfolded = Id::unique("all frames of the camera");
     let all = ui.data(|data| data.get_temp::<bool>(unfolded).unwrap_or(false));
-    let shown = if all { frames.len() } else { frames.len().min(FRAMES_SHOWN) };
+    let shown = if all {
+        frames.len()
+    } else {
+        frames.len().min(FRAMES_SHOWN)
+    };
     for &(index, px) in &frames[..shown] {
-        let Some(frame) = panel.app.open().and_then(|open| open.frame(index)) else { continue };
+        let Some(frame) = panel.app.open().and_then(|open| open.frame(index)) else {
+            continue;
+        };
         let name = short_name(frame);
         let landmarks = frame.landmark_clicks();
         let value = px.map_or_else(|| format!("{landmarks} pts"), |px| format!("{px:.1} px"));
@@ -110,28 +130,53 @@ fn rows_of_frames(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f
             name: &name,
             value: &value,
             share: px.map_or(0.0, |px| px / largest.max(1e-9)),
-            colour: px.is_some_and(|px| px > loud_px).then_some(ui.palette().caution),
+            colour: px
+                .is_some_and(|px| px > loud_px)
+                .then_some(ui.palette().caution),
             selected: index == panel.app.session.frame,
             tail: theme::SYMBOL.x,
             ..Bar::default()
         };
         let (rect, response) = bar.show(ui);
-        let response = response.on_hover_text(format!("{}: {landmarks} landmarks. Click to go there.", frame.name()));
+        let response = response.on_hover_text(format!(
+            "{}: {landmarks} landmarks. Click to go there.",
+            frame.name()
+        ));
         if response.clicked() {
-            panel.actions.push(Action::Navigate(Navigation::GoTo(index)));
+            panel
+                .actions
+                .push(Action::Navigate(Navigation::GoTo(index)));
         }
         let place = Rect::from_min_max(pos2(rect.right() - theme::SYMBOL.x, rect.top()), rect.max);
         ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
             let palette = ui.palette();
-            let leave = symbol::button(ui, Symbol::Cross, &format!("Leave {name} out"), palette.weak);
-            if leave.on_hover_text("Leave this frame out of the estimation.").clicked() {
-                panel.actions.push(Action::Edit(EditAction::UseForBase { frame: index, used: false }));
+            let leave = symbol::button(
+                ui,
+                Symbol::Cross,
+                &format!("Leave {name} out"),
+                palette.weak,
+            );
+            if leave
+                .on_hover_text("Leave this frame out of the estimation.")
+                .clicked()
+            {
+                panel.actions.push(Action::Edit(EditAction::UseForBase {
+                    frame: index,
+                    used: false,
+                }));
             }
         });
     }
     if frames.len() > FRAMES_SHOWN {
-        let says = if all { "Fewer".to_owned() } else { format!("All {} frames", frames.len()) };
-        if ui.add(Button::new(RichText::new(says).small()).frame(false)).clicked() {
+        let says = if all {
+            "Fewer".to_owned()
+        } else {
+            format!("All {} frames", frames.len())
+        };
+        if ui
+            .add(Button::new(RichText::new(says).small()).frame(false))
+            .clicked()
+        {
             ui.data_mut(|data| data.insert_temp(unfolded, !all));
         }
     }
@@ -147,13 +192,24 @@ fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &CameraId) {
         .collect();
     for (index, name) in out {
         ui.horizontal(|ui| {
-            if ui.add(Button::new(RichText::new(&name).color(ui.palette().weak)).frame(false)).clicked() {
-                panel.actions.push(Action::Navigate(Navigation::GoTo(index)));
+            if ui
+                .add(Button::new(RichText::new(&name).color(ui.palette().weak)).frame(false))
+                .clicked()
+            {
+                panel
+                    .actions
+                    .push(Action::Navigate(Navigation::GoTo(index)));
             }
             ui.label(RichText::new("left out").small().color(ui.palette().weak));
             let back = ui.add(Button::new("Put back").small());
-            if back.on_hover_text("Use this frame in the estimation again.").clicked() {
-                panel.actions.push(Action::Edit(EditAction::UseForBase { frame: index, used: true }));
+            if back
+                .on_hover_text("Use this frame in the estimation again.")
+                .clicked()
+            {
+                panel.actions.push(Action::Edit(EditAction::UseForBase {
+                    frame: index,
+                    used: true,
+                }));
             }
         });
     }
@@ -169,7 +225,11 @@ fn landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
 }
 
 fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
-    let largest = found.landmarks.iter().map(|fit| fit.median_px).fold(1e-9, f64::max);
+    let largest = found
+        .landmarks
+        .iter()
+        .map(|fit| fit.median_px)
+        .fold(1e-9, f64::max);
     for fit in found.landmarks.iter().take(LANDMARKS_SHOWN) {
         let name = panel.app.label(&Target::Landmark(fit.id.clone()));
         let value = format!("{:.1} px", fit.median_px);
@@ -182,7 +242,10 @@ fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) 
             ..Bar::default()
         };
         let (_, response) = bar.show(ui);
-        let tip = format!("{name}: {} points, the worst {:.1} px off. Click to go there.", fit.clicks, fit.worst_px);
+        let tip = format!(
+            "{name}: {} points, the worst {:.1} px off. Click to go there.",
+            fit.clicks, fit.worst_px
+        );
         if response.on_hover_text(tip).clicked() {
             panel.actions.extend([
                 Action::Navigate(Navigation::GoTo(fit.worst.0)),
@@ -190,19 +253,35 @@ fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) 
             ]);
         }
     }
-    if let Some(more) = found.landmarks.len().checked_sub(LANDMARKS_SHOWN).filter(|more| *more > 0) {
-        ui.label(RichText::new(format!("{more} more, all with smaller errors")).small().color(ui.palette().weak));
+    if let Some(more) = found
+        .landmarks
+        .len()
+        .checked_sub(LANDMARKS_SHOWN)
+        .filter(|more| *more > 0)
+    {
+        ui.label(
+            RichText::new(format!("{more} more, all with smaller errors"))
+                .small()
+                .color(ui.palette().weak),
+        );
     }
 }
 
 /// Frames and points that contradict the others, each with its remedy.
 fn disagreements(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
-    let open: Vec<&DisputedClick> =
-        found.estimate.disputed.iter().filter(|disputed| is_unsettled(panel, disputed)).collect();
+    let open: Vec<&DisputedClick> = found
+        .estimate
+        .disputed
+        .iter()
+        .filter(|disputed| is_unsettled(panel, disputed))
+        .collect();
     if open.is_empty() && found.estimate.mirrored.is_empty() {
         return;
     }
-    section(ui, &format!("DISAGREE  {}", open.len() + found.estimate.mirrored.len()));
+    section(
+        ui,
+        &format!("DISAGREE  {}", open.len() + found.estimate.mirrored.len()),
+    );
     for mirrored in &found.estimate.mirrored {
         mirrored_frame(panel, ui, mirrored);
     }
@@ -213,17 +292,41 @@ fn disagreements(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
 
 /// Whether a disputed click still has the disputed name.
 fn is_unsettled(panel: &Panel<'_>, disputed: &DisputedClick) -> bool {
-    let click = panel.app.open().and_then(|open| open.frame(disputed.frame)?.clicks.get(disputed.click));
-    let better = disputed.fits_better.as_ref().map(|(id, _)| Target::Landmark(id.clone()));
-    click.is_some_and(|click| !click.check && click.target.is_some() && (better.is_none() || click.target != better))
+    let click = panel
+        .app
+        .open()
+        .and_then(|open| open.frame(disputed.frame)?.clicks.get(disputed.click));
+    let better = disputed
+        .fits_better
+        .as_ref()
+        .map(|(id, _)| Target::Landmark(id.clone()));
+    click.is_some_and(|click| {
+        !click.check && click.target.is_some() && (better.is_none() || click.target != better)
+    })
 }
 
 fn mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFrame) {
-    let Some(name) = panel.app.open().and_then(|open| open.frame(mirrored.frame)).map(short_name) else { return };
+    let Some(name) = panel
+        .app
+        .open()
+        .and_then(|open| open.frame(mirrored.frame))
+        .map(short_name)
+    else {
+        return;
+    };
     let (sides, tip) = match mirrored.symmetry {
-        Symmetry::MirrorX => ("left and right", "Swap left and right in every name of this frame."),
-        Symmetry::MirrorY => ("near and far", "Swap near and far in every name of this frame."),
-        Symmetry::Turn180 => ("both sides", "Replace every name of this frame with that of the opposite corner."),
+        Symmetry::MirrorX => (
+            "left and right",
+            "Swap left and right in every name of this frame.",
+        ),
+        Symmetry::MirrorY => (
+            "near and far",
+            "Swap near and far in every name of this frame.",
+        ),
+        Symmetry::Turn180 => (
+            "both sides",
+            "Replace every name of this frame with that of the opposite corner.",
+        ),
     };
     let text = format!(
         "{name} looks mirrored ({sides}): {:.0} px as named, {:.1} px mirrored.",
@@ -231,27 +334,50 @@ fn mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFrame) 
     );
     remark(ui, &text, |ui| {
         if ui.add(Button::new("Go there").small()).clicked() {
-            panel.actions.push(Action::Navigate(Navigation::GoTo(mirrored.frame)));
-        }
-        if ui.add(Button::new(format!("Mirror {sides}")).small()).on_hover_text(tip).clicked() {
             panel
                 .actions
-                .push(Action::Edit(EditAction::MirrorNames { frame: mirrored.frame, symmetry: mirrored.symmetry }));
+                .push(Action::Navigate(Navigation::GoTo(mirrored.frame)));
+        }
+        if ui
+            .add(Button::new(format!("Mirror {sides}")).small())
+            .on_hover_text(tip)
+            .clicked()
+        {
+            panel.actions.push(Action::Edit(EditAction::MirrorNames {
+                frame: mirrored.frame,
+                symmetry: mirrored.symmetry,
+            }));
         }
     });
 }
 
 fn disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedClick) {
-    let Some(frame) = panel.app.open().and_then(|open| open.frame(disputed.frame)) else { return };
-    let target = frame.clicks.get(disputed.click).and_then(|click| click.target.clone());
-    let what = target.map(|target| panel.app.label(&target)).unwrap_or_default();
-    let off = disputed.error_px.map_or_else(|| "out of sight".to_owned(), |px| format!("{px:.0} px off"));
-    let better = disputed.fits_better.as_ref().map(|(id, px)| (Target::Landmark(id.clone()), *px));
+    let Some(frame) = panel.app.open().and_then(|open| open.frame(disputed.frame)) else {
+        return;
+    };
+    let target = frame
+        .clicks
+        .get(disputed.click)
+        .and_then(|click| click.target.clone());
+    let what = target
+        .map(|target| panel.app.label(&target))
+        .unwrap_or_default();
+    let off = disputed
+        .error_px
+        .map_or_else(|| "out of sight".to_owned(), |px| format!("{px:.0} px off"));
+    let better = disputed
+        .fits_better
+        .as_ref()
+        .map(|(id, px)| (Target::Landmark(id.clone()), *px));
     let hint = better
         .as_ref()
         .map(|(target, px)| format!(" “{}” would fit to {px:.1} px.", panel.app.label(target)))
         .unwrap_or_default();
-    let text = format!("Point {} of {}, {what}: {off}.{hint}", disputed.click + 1, short_name(frame));
+    let text = format!(
+        "Point {} of {}, {what}: {off}.{hint}",
+        disputed.click + 1,
+        short_name(frame)
+    );
     remark(ui, &text, |ui| {
         let go = || {
             [
@@ -263,10 +389,16 @@ fn disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedClick) 
             panel.actions.extend(go());
         }
         if let Some((target, _)) = better
-            && ui.add(Button::new("Rename").small()).on_hover_text("Rename this point to the name that fits.").clicked()
+            && ui
+                .add(Button::new("Rename").small())
+                .on_hover_text("Rename this point to the name that fits.")
+                .clicked()
         {
             panel.actions.extend(go());
-            panel.actions.push(Action::Edit(EditAction::Name { click: disputed.click, target }));
+            panel.actions.push(Action::Edit(EditAction::Name {
+                click: disputed.click,
+                target,
+            }));
         }
     });
 }

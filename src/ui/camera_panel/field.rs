@@ -1,4 +1,5 @@
-//! The field: its template, the venue's dimensions, whether the size is confirmed, and which edge of the lines it refers to.
+//! The field: its template, the venue's dimensions, whether the size is confirmed, and which edge
+//! of the lines it refers to.
 
 use super::{numbers, section};
 use crate::ui::number::Number;
@@ -8,11 +9,14 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{
-    Button, Color32, ComboBox, CornerRadius, Label, Rect, RichText, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
+    Button, Color32, ComboBox, CornerRadius, Label, Rect, RichText, Role, Sense, Stroke, Ui,
+    WidgetInfo, pos2, vec2,
 };
 use std::ops::RangeInclusive;
 use touchline_application::app::{Action, Command, EditAction, ViewAction};
-use touchline_core::field::{Curve, FieldError, FieldModel, MAX_CROWN_M, PaintEdge, Param, builtin, builtin_names};
+use touchline_core::field::{
+    Curve, FieldError, FieldModel, MAX_CROWN_M, PaintEdge, Param, builtin, builtin_names,
+};
 use touchline_documents::document::{CROWN, FieldSize, FieldSpec};
 
 /// The sketch of a line's paint, points.
@@ -21,17 +25,28 @@ const SKETCH: egui::Vec2 = egui::Vec2::new(64.0, 26.0);
 /// Shows the field.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     section(ui, "FIELD");
-    let Some(spec) = panel.app.shown_field_spec().cloned() else { return };
+    let Some(spec) = panel.app.shown_field_spec().cloned() else {
+        return;
+    };
     let open = panel.app.open();
-    if open.zip(panel.app.frame()).is_some_and(|(open, frame)| *open.document.field_of(frame) != open.document.field) {
-        ui.label(RichText::new("Of this camera only").small().color(ui.palette().weak))
-            .on_hover_text("Other cameras of the document have another field.");
+    if open
+        .zip(panel.app.frame())
+        .is_some_and(|(open, frame)| *open.document.field_of(frame) != open.document.field)
+    {
+        ui.label(
+            RichText::new("Of this camera only")
+                .small()
+                .color(ui.palette().weak),
+        )
+        .on_hover_text("Other cameras of the document have another field.");
     }
     template(panel, ui, &spec);
     if let Some(Err(error)) = &panel.app.current().field
         && problem(ui, &spec, error)
     {
-        panel.actions.push(Action::View(ViewAction::ReadFailedTemplatesAgain));
+        panel
+            .actions
+            .push(Action::View(ViewAction::ReadFailedTemplatesAgain));
     }
     params(panel, ui, &spec);
     size(panel, ui, &spec);
@@ -43,31 +58,54 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// Why there is no field yet, or none at all; whether its template is to be read again.
 fn problem(ui: &mut Ui, spec: &FieldSpec, error: &FieldError) -> bool {
     let is_being_read = matches!(error, FieldError::BeingRead { .. });
-    let colour = if is_being_read { ui.palette().weak } else { ui.palette().bad };
+    let colour = if is_being_read {
+        ui.palette().weak
+    } else {
+        ui.palette().bad
+    };
     ui.add(Label::new(RichText::new(error.to_string()).color(colour)).wrap());
     spec.is_file() && !is_being_read && ui.add(Button::new("Read again").small()).clicked()
 }
 
 fn template(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
-    let title = builtin(&spec.template).map_or_else(|_| spec.template.clone(), |template| template.title.clone());
-    let shown =
-        ComboBox::from_id_salt("field template").width(ui.available_width()).selected_text(title).show_ui(ui, |ui| {
+    let title = builtin(&spec.template)
+        .map_or_else(|_| spec.template.clone(), |template| template.title.clone());
+    let shown = ComboBox::from_id_salt("field template")
+        .width(ui.available_width())
+        .selected_text(title)
+        .show_ui(ui, |ui| {
             for name in builtin_names() {
-                let title = builtin(name).map_or_else(|_| name.to_owned(), |template| template.title.clone());
+                let title = builtin(name)
+                    .map_or_else(|_| name.to_owned(), |template| template.title.clone());
                 if ui.selectable_label(spec.template == name, title).clicked() {
-                    panel.actions.push(Action::Edit(EditAction::ChooseSport(name.to_owned())));
+                    panel
+                        .actions
+                        .push(Action::Edit(EditAction::ChooseSport(name.to_owned())));
                 }
             }
         });
-    shown.response.accessible_name("Field template").on_hover_text("The sport: its field with landmarks and lines.");
+    shown
+        .response
+        .accessible_name("Field template")
+        .on_hover_text("The sport: its field with landmarks and lines.");
 }
 
 fn params(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     let known = builtin(&spec.template).map_or(&[][..], |template| &template.params);
     for param in known {
         let tip = format!("{} {}.", range(param), param.source.trim_end_matches('.'));
-        let value = spec.params.get(&param.name).copied().unwrap_or(param.default);
-        let length = metres(&param.label, &tip, value, param.min..=param.max, param.source.trim_end_matches('.'));
+        let value = spec
+            .params
+            .get(&param.name)
+            .copied()
+            .unwrap_or(param.default);
+        let length = metres(
+            &param.label,
+            &tip,
+            value,
+            param.min..=param.max,
+            param.source.trim_end_matches('.'),
+        );
         row(panel, ui, spec, &param.name, length);
         let rule = param.source.split(':').next().unwrap_or_default();
         let allowed = format!("{} {rule}", range(param));
@@ -76,21 +114,48 @@ fn params(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     }
     let tip = "How much higher the middle is than the touchlines, m. Usually 0.05 to 0.25.";
     let value = spec.crown_m();
-    let crown = metres("Crown", tip, value, -MAX_CROWN_M..=MAX_CROWN_M, "no field is that far from flat");
-    row(panel, ui, spec, CROWN, Number { speed: 0.002, decimals: 3, ..crown });
+    let crown = metres(
+        "Crown",
+        tip,
+        value,
+        -MAX_CROWN_M..=MAX_CROWN_M,
+        "no field is that far from flat",
+    );
+    row(
+        panel,
+        ui,
+        spec,
+        CROWN,
+        Number {
+            speed: 0.002,
+            decimals: 3,
+            ..crown
+        },
+    );
 }
 
 /// What the rules allow: "90 to 120 m."
 fn range(param: &Param) -> String {
     let rounded = |value: f64| (value * 100.0).round() / 100.0;
     if param.min < param.max {
-        format!("{} to {} {}.", rounded(param.min), rounded(param.max), param.unit)
+        format!(
+            "{} to {} {}.",
+            rounded(param.min),
+            rounded(param.max),
+            param.unit
+        )
     } else {
         format!("Always {} {}.", rounded(param.min), param.unit)
     }
 }
 
-fn metres<'a>(name: &'a str, tip: &'a str, value: f64, range: RangeInclusive<f64>, why: &'a str) -> Number<'a> {
+fn metres<'a>(
+    name: &'a str,
+    tip: &'a str,
+    value: f64,
+    range: RangeInclusive<f64>,
+    why: &'a str,
+) -> Number<'a> {
     Number {
         name,
         step: "Change field",
@@ -130,10 +195,15 @@ fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
                 ui.vertical(|ui| {
                     ui.add(Label::new(description).wrap());
                     ui.horizontal(|ui| {
-                        for (word, command) in [("Confirm", Command::ConfirmFieldSize), ("Fit", Command::FitFieldSize)]
-                        {
+                        for (word, command) in [
+                            ("Confirm", Command::ConfirmFieldSize),
+                            ("Fit", Command::FitFieldSize),
+                        ] {
                             let button = ui.add(Button::new(word).small());
-                            if button.on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+                            if button
+                                .on_hover_text(panel.app.settings.keys.tooltip(command))
+                                .clicked()
+                            {
                                 panel.actions.push(Action::Command(command));
                             }
                         }
@@ -146,21 +216,45 @@ fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
         (None, FieldSize::Fitted) => "Size fitted to the points",
         (None, _) => return,
     };
-    numbers::line(ui, known, "Exported with the dataset. A change of length or width makes it assumed again.", |ui| {
-        let doubt = ui.add(Button::new("Not sure").small());
-        if doubt.on_hover_text("Mark the size as assumed again.").clicked() {
-            panel.actions.push(Action::Edit(EditAction::Field(FieldSpec { size: None, ..spec.clone() })));
-        }
-    });
+    numbers::line(
+        ui,
+        known,
+        "Exported with the dataset. A change of length or width makes it assumed again.",
+        |ui| {
+            let doubt = ui.add(Button::new("Not sure").small());
+            if doubt
+                .on_hover_text("Mark the size as assumed again.")
+                .clicked()
+            {
+                panel
+                    .actions
+                    .push(Action::Edit(EditAction::Field(FieldSpec {
+                        size: None,
+                        ..spec.clone()
+                    })));
+            }
+        },
+    );
 }
 
 /// Which edge of the boundary lines length and width refer to, as text and as a sketch.
 fn edge(ui: &mut Ui, field: &FieldModel) {
-    let Some(edge) = boundary_edge(field) else { return };
+    let Some(edge) = boundary_edge(field) else {
+        return;
+    };
     let (says, at) = match edge {
-        PaintEdge::Outer => ("Length and width are measured to the outer edge of the lines.", 1.0),
-        PaintEdge::Inner => ("Length and width are measured to the inner edge of the lines.", 0.0),
-        PaintEdge::Centre => ("Length and width are measured to the middle of the lines.", 0.5),
+        PaintEdge::Outer => (
+            "Length and width are measured to the outer edge of the lines.",
+            1.0,
+        ),
+        PaintEdge::Inner => (
+            "Length and width are measured to the inner edge of the lines.",
+            0.0,
+        ),
+        PaintEdge::Centre => (
+            "Length and width are measured to the middle of the lines.",
+            0.5,
+        ),
     };
     ui.add_space(theme::SPACE);
     ui.horizontal(|ui| {
@@ -168,7 +262,10 @@ fn edge(ui: &mut Ui, field: &FieldModel) {
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, says));
         let painter = ui.painter();
         painter.rect_filled(rect, CornerRadius::same(3), Color32::from_rgb(38, 74, 48));
-        let paint = Rect::from_min_size(pos2(rect.right() - 24.0, rect.top()), vec2(10.0, rect.height()));
+        let paint = Rect::from_min_size(
+            pos2(rect.right() - 24.0, rect.top()),
+            vec2(10.0, rect.height()),
+        );
         painter.rect_filled(paint, CornerRadius::ZERO, ui.palette().strong);
         let end = pos2(paint.left() + at * paint.width(), rect.center().y);
         let stroke = Stroke::new(1.5, ui.palette().caution);
@@ -176,7 +273,11 @@ fn edge(ui: &mut Ui, field: &FieldModel) {
         for dy in [-3.5, 3.5] {
             painter.line_segment([end, end + vec2(-5.0, dy)], stroke);
         }
-        painter.vline(end.x, rect.y_range(), Stroke::new(1.0, ui.palette().caution));
+        painter.vline(
+            end.x,
+            rect.y_range(),
+            Stroke::new(1.0, ui.palette().caution),
+        );
         ui.add(Label::new(RichText::new(says).small().color(ui.palette().weak)).wrap());
     });
 }
@@ -186,12 +287,16 @@ fn boundary_edge(field: &FieldModel) -> Option<PaintEdge> {
     /// The tolerance for lying on the border, m.
     const NEAR_M: f64 = 0.01;
     let on_border = |curve: &Curve| match curve {
-        Curve::Segment { from, to } => {
-            [from, to].iter().all(|end| end.z == 0.0 && (end.y.abs() - field.width_m / 2.0).abs() < NEAR_M)
-        }
+        Curve::Segment { from, to } => [from, to]
+            .iter()
+            .all(|end| end.z == 0.0 && (end.y.abs() - field.width_m / 2.0).abs() < NEAR_M),
         Curve::Arc { .. } => false,
     };
-    field.lines.iter().find(|line| on_border(&line.curve)).map(|line| line.edge)
+    field
+        .lines
+        .iter()
+        .find(|line| on_border(&line.curve))
+        .map(|line| line.edge)
 }
 
 #[cfg(test)]
@@ -202,6 +307,9 @@ mod tests {
     fn a_soccer_touchline_belongs_to_the_field_and_every_field_says_its_edge() {
         let model = |name: &str| builtin(name).unwrap().default_model().unwrap();
         assert_eq!(boundary_edge(&model("soccer")), Some(PaintEdge::Outer));
-        assert_eq!(boundary_edge(&model("basketball_fiba")), Some(PaintEdge::Inner));
+        assert_eq!(
+            boundary_edge(&model("basketball_fiba")),
+            Some(PaintEdge::Inner)
+        );
     }
 }

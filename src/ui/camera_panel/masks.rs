@@ -11,23 +11,65 @@ use touchline_documents::document::{Camera, MaskSource, RangedMask};
 /// Shows the list.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "MASKS");
-    let of_frame = panel.app.frame().map(|frame| frame.masks.clone()).unwrap_or_default();
+    let of_frame = panel
+        .app
+        .frame()
+        .map(|frame| frame.masks.clone())
+        .unwrap_or_default();
     if camera.masks.is_empty() && camera.ranged_masks.is_empty() && of_frame.is_empty() {
-        ui.label(RichText::new("None. Shift-drag a box around the score bug and each logo.").color(ui.palette().weak));
+        ui.label(
+            RichText::new("None. Shift-drag a box around the score bug and each logo.")
+                .color(ui.palette().weak),
+        );
     }
     for (index, mask) in camera.masks.iter().enumerate() {
-        row(panel, ui, &Row { list: MaskList::Camera, index, mask, covers: "every frame".to_owned() });
+        row(
+            panel,
+            ui,
+            &Row {
+                list: MaskList::Camera,
+                index,
+                mask,
+                covers: "every frame".to_owned(),
+            },
+        );
     }
     for (index, mask) in camera.ranged_masks.iter().enumerate() {
         let covers = covers(mask);
-        row(panel, ui, &Row { list: MaskList::Ranged, index, mask: &mask.pixel_box, covers });
+        row(
+            panel,
+            ui,
+            &Row {
+                list: MaskList::Ranged,
+                index,
+                mask: &mask.pixel_box,
+                covers,
+            },
+        );
     }
     for (index, mask) in of_frame.iter().enumerate() {
-        row(panel, ui, &Row { list: MaskList::Frame, index, mask, covers: "this frame".to_owned() });
+        row(
+            panel,
+            ui,
+            &Row {
+                list: MaskList::Frame,
+                index,
+                mask,
+                covers: "this frame".to_owned(),
+            },
+        );
     }
     let command = Command::ShowMasks;
-    let says = if panel.app.session.picture.masks { "Done drawing" } else { "Draw masks" };
-    if ui.add(Button::new(says).small()).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+    let says = if panel.app.session.picture.masks {
+        "Done drawing"
+    } else {
+        "Draw masks"
+    };
+    if ui
+        .add(Button::new(says).small())
+        .on_hover_text(panel.app.settings.keys.tooltip(command))
+        .clicked()
+    {
         panel.actions.push(Action::Command(command));
     }
 }
@@ -49,32 +91,58 @@ fn covers(mask: &RangedMask) -> String {
         (None, Some(to)) => format!("up to {to}"),
         (Some(from), Some(to)) => format!("{from}–{to}"),
     };
-    if mask.source == MaskSource::Found { format!("{frames}, found") } else { frames }
+    if mask.source == MaskSource::Found {
+        format!("{frames}, found")
+    } else {
+        frames
+    }
 }
 
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, row: &Row<'_>) {
-    let Row { list, index, mask, ref covers } = *row;
+    let Row {
+        list,
+        index,
+        mask,
+        ref covers,
+    } = *row;
     ui.horizontal(|ui| {
-        ui.label(format!("{:.0}, {:.0}", mask.x, mask.y)).on_hover_text("Left and top edge, px.");
-        ui.label(RichText::new(format!("{:.0} × {:.0} px", mask.width, mask.height)).color(ui.palette().weak));
+        ui.label(format!("{:.0}, {:.0}", mask.x, mask.y))
+            .on_hover_text("Left and top edge, px.");
+        ui.label(
+            RichText::new(format!("{:.0} × {:.0} px", mask.width, mask.height))
+                .color(ui.palette().weak),
+        );
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let name = format!("Remove mask {} of {covers}", index + 1);
             let palette = ui.palette();
-            if symbol::button(ui, Symbol::Cross, &name, palette.weak).on_hover_text("Remove this mask.").clicked() {
-                panel.actions.push(Action::Edit(EditAction::RemoveMask { list, index }));
+            if symbol::button(ui, Symbol::Cross, &name, palette.weak)
+                .on_hover_text("Remove this mask.")
+                .clicked()
+            {
+                panel
+                    .actions
+                    .push(Action::Edit(EditAction::RemoveMask { list, index }));
             }
             let menu = ui.menu_button(RichText::new(covers).small(), |ui| {
                 for scope in MaskScope::ALL {
                     let why_not = panel.app.why_not_scope(scope);
                     let entry = ui.add_enabled(why_not.is_none(), Button::new(scope.label()));
-                    if entry.on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
-                        panel.actions.push(Action::Edit(EditAction::ScopeMask { list, index, scope }));
+                    if entry
+                        .on_disabled_hover_text(why_not.unwrap_or_default())
+                        .clicked()
+                    {
+                        panel.actions.push(Action::Edit(EditAction::ScopeMask {
+                            list,
+                            index,
+                            scope,
+                        }));
                         ui.close();
                     }
                 }
             });
-            menu.response
-                .on_hover_text("Which frames it covers; a range of a video is set at its first and last frame.");
+            menu.response.on_hover_text(
+                "Which frames it covers; a range of a video is set at its first and last frame.",
+            );
         });
     });
 }

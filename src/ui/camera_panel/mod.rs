@@ -1,5 +1,5 @@
-//! The camera panel: position, base rotation, lens, masks, and the field. The overlay follows while a number is dragged, so
-//! that a base can be fitted manually.
+//! The camera panel: position, base rotation, lens, masks, and the field. The overlay follows while
+//! a number is dragged, so that a base can be fitted manually.
 
 mod autocalibration;
 mod estimate;
@@ -21,7 +21,8 @@ use touchline_core::camera::BaseAngles;
 use touchline_core::geometry::{Angle, Vec3};
 use touchline_documents::document::Camera;
 
-/// The usual position of a main camera, as a start for manual fitting: this far behind the near touchline, m.
+/// The usual position of a main camera, as a start for manual fitting: this far behind the near
+/// touchline, m.
 const START_BEHIND_M: f64 = 30.0;
 /// And this high, m.
 const START_HEIGHT_M: f64 = 15.0;
@@ -30,44 +31,61 @@ const START_HEIGHT_M: f64 = 15.0;
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     heading(panel, ui);
     let Some(camera) = camera_of(panel) else {
-        Frame::new().inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
-            ui.label(RichText::new("This frame's camera is not in the document.").color(ui.palette().weak));
-        });
+        Frame::new()
+            .inner_margin(Margin::symmetric(8, 4))
+            .show(ui, |ui| {
+                ui.label(
+                    RichText::new("This frame's camera is not in the document.")
+                        .color(ui.palette().weak),
+                );
+            });
         return;
     };
     if panel.app.decides_about_base() {
         inspector::decide(panel, ui);
     }
-    ScrollArea::vertical().id_salt("camera panel").auto_shrink(false).show(ui, |ui| {
-        Frame::new().inner_margin(Margin { left: 8, right: 12, top: 4, bottom: 12 }).show(ui, |ui| {
-            ui.set_width(ui.available_width());
-            of_frames(panel, ui, &camera);
-            // The sport has to be chosen before the first point; afterwards the field comes last.
-            let settled = camera.base().is_some() || panel.app.operations.base_estimate.found().is_some();
-            if !settled {
-                field::show(panel, ui);
-            }
-            autocalibration::show(panel, ui, &camera);
-            paint_map::show(panel, ui, &camera);
-            estimate::show(panel, ui, &camera);
-            over_time::show(panel, ui, &camera);
-            if camera.base().is_some() {
-                numbers::position(panel, ui, &camera);
-                numbers::rotation(panel, ui, &camera);
-            } else if !settled {
-                no_base(panel, ui, &camera);
-            }
-            numbers::lens(panel, ui, &camera);
-            numbers::sigma(panel, ui, &camera);
-            if panel.app.operations.base_estimate.found().is_none() {
-                evidence::frames_of_document(panel, ui, &camera);
-            }
-            if settled {
-                field::show(panel, ui);
-            }
-            masks::show(panel, ui, &camera);
+    ScrollArea::vertical()
+        .id_salt("camera panel")
+        .auto_shrink(false)
+        .show(ui, |ui| {
+            Frame::new()
+                .inner_margin(Margin {
+                    left: 8,
+                    right: 12,
+                    top: 4,
+                    bottom: 12,
+                })
+                .show(ui, |ui| {
+                    ui.set_width(ui.available_width());
+                    of_frames(panel, ui, &camera);
+                    // The sport has to be chosen before the first point; afterwards the field comes
+                    // last.
+                    let settled = camera.base().is_some()
+                        || panel.app.operations.base_estimate.found().is_some();
+                    if !settled {
+                        field::show(panel, ui);
+                    }
+                    autocalibration::show(panel, ui, &camera);
+                    paint_map::show(panel, ui, &camera);
+                    estimate::show(panel, ui, &camera);
+                    over_time::show(panel, ui, &camera);
+                    if camera.base().is_some() {
+                        numbers::position(panel, ui, &camera);
+                        numbers::rotation(panel, ui, &camera);
+                    } else if !settled {
+                        no_base(panel, ui, &camera);
+                    }
+                    numbers::lens(panel, ui, &camera);
+                    numbers::sigma(panel, ui, &camera);
+                    if panel.app.operations.base_estimate.found().is_none() {
+                        evidence::frames_of_document(panel, ui, &camera);
+                    }
+                    if settled {
+                        field::show(panel, ui);
+                    }
+                    masks::show(panel, ui, &camera);
+                });
         });
-    });
 }
 
 /// A copy of the shown frame's camera, to be edited; the first camera if there is no frame.
@@ -75,31 +93,47 @@ fn camera_of(panel: &Panel<'_>) -> Option<Camera> {
     let open = panel.app.open()?;
     match panel.app.frame() {
         Some(frame) => open.document.camera_of(frame).cloned(),
-        None => open.document.cameras.first().map(|camera| (**camera).clone()),
+        None => open
+            .document
+            .cameras
+            .first()
+            .map(|camera| (**camera).clone()),
     }
 }
 
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
-    Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            let name = camera_of(panel).map(|camera| camera.id.as_str().to_owned()).unwrap_or_default();
-            ui.label(RichText::new("Camera").heading().color(ui.palette().strong));
-            ui.add(Label::new(RichText::new(name).color(ui.palette().weak)).truncate());
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let keys = &panel.app.settings.keys;
-                let weak = ui.palette().weak;
-                let close = super::symbol::button(ui, super::symbol::Symbol::Cross, "Close the camera panel", weak);
-                let tip = format!("Back to the frame. ({})", keys.shown(Command::CameraPanel));
-                if close.on_hover_text(tip).clicked() {
-                    panel.actions.push(Action::Command(Command::CameraPanel));
-                }
-                let load = ui.add(Button::new("Load a camera…").small());
-                if load.on_hover_text(keys.tooltip(Command::LoadCamera)).clicked() {
-                    panel.actions.push(Action::Command(Command::LoadCamera));
-                }
+    Frame::new()
+        .inner_margin(Margin::symmetric(8, 6))
+        .show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let name = camera_of(panel)
+                    .map(|camera| camera.id.as_str().to_owned())
+                    .unwrap_or_default();
+                ui.label(RichText::new("Camera").heading().color(ui.palette().strong));
+                ui.add(Label::new(RichText::new(name).color(ui.palette().weak)).truncate());
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let keys = &panel.app.settings.keys;
+                    let weak = ui.palette().weak;
+                    let close = super::symbol::button(
+                        ui,
+                        super::symbol::Symbol::Cross,
+                        "Close the camera panel",
+                        weak,
+                    );
+                    let tip = format!("Back to the frame. ({})", keys.shown(Command::CameraPanel));
+                    if close.on_hover_text(tip).clicked() {
+                        panel.actions.push(Action::Command(Command::CameraPanel));
+                    }
+                    let load = ui.add(Button::new("Load a camera…").small());
+                    if load
+                        .on_hover_text(keys.tooltip(Command::LoadCamera))
+                        .clicked()
+                    {
+                        panel.actions.push(Action::Command(Command::LoadCamera));
+                    }
+                });
             });
         });
-    });
 }
 
 /// The number of the camera's frames, and the button to assign some to another camera.
@@ -119,8 +153,14 @@ fn of_frames(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         "The frames of this camera. Shift-click or Ctrl-click on the filmstrip selects some.",
         |ui| {
             let command = Command::AssignToCamera;
-            let give = ui.add_enabled(panel.app.why_not(command).is_none(), Button::new("Assign to camera…").small());
-            if give.on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+            let give = ui.add_enabled(
+                panel.app.why_not(command).is_none(),
+                Button::new("Assign to camera…").small(),
+            );
+            if give
+                .on_hover_text(panel.app.settings.keys.tooltip(command))
+                .clicked()
+            {
                 panel.actions.push(Action::Command(command));
             }
         },
@@ -141,11 +181,27 @@ fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         "{START_BEHIND_M:.0} m behind the near touchline, at the halfway line, {START_HEIGHT_M:.0} m up, level."
     ));
     if start.clicked() {
-        let half_width_m = panel.app.current().field().map_or(34.0, |field| field.width_m / 2.0);
+        let half_width_m = panel
+            .app
+            .current()
+            .field()
+            .map_or(34.0, |field| field.width_m / 2.0);
         let mut started = camera.clone();
-        started.position_m = Some(Vec3::new(0.0, -half_width_m - START_BEHIND_M, START_HEIGHT_M));
-        started.base_from_world = Some(BaseAngles { pitch: Angle::ZERO, ..BaseAngles::default() }.base_from_world());
-        panel.actions.push(Action::Edit(EditAction::Camera(Box::new(started))));
+        started.position_m = Some(Vec3::new(
+            0.0,
+            -half_width_m - START_BEHIND_M,
+            START_HEIGHT_M,
+        ));
+        started.base_from_world = Some(
+            BaseAngles {
+                pitch: Angle::ZERO,
+                ..BaseAngles::default()
+            }
+            .base_from_world(),
+        );
+        panel
+            .actions
+            .push(Action::Edit(EditAction::Camera(Box::new(started))));
     }
 }
 

@@ -52,11 +52,23 @@ pub fn line(ui: &mut Ui, label: &str, tip: &str, value: impl FnOnce(&mut Ui)) {
 
 /// Position, m.
 pub fn position(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
-    let Some(position) = camera.position_m else { return };
+    let Some(position) = camera.position_m else {
+        return;
+    };
     section(ui, "POSITION");
     for (axis, label, name, tip) in [
-        (0, "x  along", "Position x", "Along the field's length from its centre, to the right, m."),
-        (1, "y  across", "Position y", "Across the field from its centre, away from the main camera, m."),
+        (
+            0,
+            "x  along",
+            "Position x",
+            "Along the field's length from its centre, to the right, m.",
+        ),
+        (
+            1,
+            "y  across",
+            "Position y",
+            "Across the field from its centre, away from the main camera, m.",
+        ),
         (2, "z  height", "Position z", "Above the field's centre, m."),
     ] {
         let number = Number {
@@ -66,8 +78,16 @@ pub fn position(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
             value: position[axis],
             speed: 0.05,
             decimals: 3,
-            range: if axis == 2 { LOWEST_M..=500.0 } else { -500.0..=500.0 },
-            why: if axis == 2 { "a camera stands above the field" } else { "no camera stands that far from the field" },
+            range: if axis == 2 {
+                LOWEST_M..=500.0
+            } else {
+                -500.0..=500.0
+            },
+            why: if axis == 2 {
+                "a camera stands above the field"
+            } else {
+                "no camera stands that far from the field"
+            },
             suffix: " m",
             width: FIELD,
         };
@@ -96,19 +116,60 @@ pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         suffix: "°",
         width: FIELD,
     };
-    let write = |changed: &mut Camera, angles: BaseAngles| changed.base_from_world = Some(angles.base_from_world());
+    let write = |changed: &mut Camera, angles: BaseAngles| {
+        changed.base_from_world = Some(angles.base_from_world())
+    };
     let tip = "Where pan 0 looks, seen from above: 0 is across the field, positive to the right. Usually 0.";
-    row(panel, ui, camera, "Heading", number("Heading", tip, angles.heading, 180.0), |changed, degrees| {
-        write(changed, BaseAngles { heading: Angle::from_degrees(degrees), ..angles });
-    });
+    row(
+        panel,
+        ui,
+        camera,
+        "Heading",
+        number("Heading", tip, angles.heading, 180.0),
+        |changed, degrees| {
+            write(
+                changed,
+                BaseAngles {
+                    heading: Angle::from_degrees(degrees),
+                    ..angles
+                },
+            );
+        },
+    );
     let tip = "The elevation of tilt 0 above the horizon.";
-    row(panel, ui, camera, "Pitch", number("Pitch", tip, angles.pitch, 89.9), |changed, degrees| {
-        write(changed, BaseAngles { pitch: Angle::from_degrees(degrees), ..angles });
-    });
+    row(
+        panel,
+        ui,
+        camera,
+        "Pitch",
+        number("Pitch", tip, angles.pitch, 89.9),
+        |changed, degrees| {
+            write(
+                changed,
+                BaseAngles {
+                    pitch: Angle::from_degrees(degrees),
+                    ..angles
+                },
+            );
+        },
+    );
     let tip = "How far the camera is rotated to its right about the viewing direction.";
-    row(panel, ui, camera, "Roll", number("Roll", tip, angles.roll, 180.0), |changed, degrees| {
-        write(changed, BaseAngles { roll: Angle::from_degrees(degrees), ..angles });
-    });
+    row(
+        panel,
+        ui,
+        camera,
+        "Roll",
+        number("Roll", tip, angles.roll, 180.0),
+        |changed, degrees| {
+            write(
+                changed,
+                BaseAngles {
+                    roll: Angle::from_degrees(degrees),
+                    ..angles
+                },
+            );
+        },
+    );
     ui.add_space(theme::SPACE);
     matrix(ui, &base.base_from_world);
 }
@@ -117,18 +178,28 @@ pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 fn matrix(ui: &mut Ui, base_from_world: &Mat3) {
     for line in base_from_world.row_iter() {
         let cells: Vec<String> = line.iter().map(|cell| format!("{cell:+.6}")).collect();
-        ui.label(RichText::new(cells.join("  ")).monospace().color(ui.palette().weak))
-            .on_hover_text("base_from_world: rotates directions from world (x right, y away, z up) to base.");
+        ui.label(
+            RichText::new(cells.join("  "))
+                .monospace()
+                .color(ui.palette().weak),
+        )
+        .on_hover_text(
+            "base_from_world: rotates directions from world (x right, y away, z up) to base.",
+        );
     }
-    let copy =
-        ui.add(Button::new("Copy matrix").small()).on_hover_text("Copy base_from_world as JSON with all digits.");
+    let copy = ui
+        .add(Button::new("Copy matrix").small())
+        .on_hover_text("Copy base_from_world as JSON with all digits.");
     if copy.clicked() {
         ui.ctx().copy_text(as_json(base_from_world));
     }
 }
 
 fn as_json(matrix: &Mat3) -> String {
-    let rows: Vec<[f64; 3]> = matrix.row_iter().map(|row| [row[0], row[1], row[2]]).collect();
+    let rows: Vec<[f64; 3]> = matrix
+        .row_iter()
+        .map(|row| [row[0], row[1], row[2]])
+        .collect();
     serde_json::to_string(&rows).unwrap_or_default()
 }
 
@@ -137,7 +208,9 @@ pub fn lens(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "LENS");
     let size = camera.image_size;
     line(ui, "Picture", "The size of this camera's pictures.", |ui| {
-        ui.label(RichText::new(format!("{} × {} px", size.width, size.height)).color(ui.palette().weak));
+        ui.label(
+            RichText::new(format!("{} × {} px", size.width, size.height)).color(ui.palette().weak),
+        );
     });
     let point = |name, tip, value, limit: u32| Number {
         name,
@@ -154,10 +227,14 @@ pub fn lens(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let centre = camera.principal_point;
     let tip = "Where the optical axis meets the picture, px from its left edge.";
     let x = point("Principal point x", tip, centre.x, size.width);
-    row(panel, ui, camera, "Centre x", x, |changed, x| changed.principal_point.x = x);
+    row(panel, ui, camera, "Centre x", x, |changed, x| {
+        changed.principal_point.x = x
+    });
     let tip = "Where the optical axis meets the picture, px from its top edge.";
     let y = point("Principal point y", tip, centre.y, size.height);
-    row(panel, ui, camera, "Centre y", y, |changed, y| changed.principal_point.y = y);
+    row(panel, ui, camera, "Centre y", y, |changed, y| {
+        changed.principal_point.y = y
+    });
     distortion(panel, ui, camera);
     sensor(panel, ui, camera);
     stage(panel, ui, camera);
@@ -166,7 +243,10 @@ pub fn lens(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 /// The stage in whose axes tracks are written; without one they are in the field's.
 fn stage(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "STAGE");
-    let known = camera.stage.clone().unwrap_or_else(|| Stage::at(Vec3::zeros()));
+    let known = camera
+        .stage
+        .clone()
+        .unwrap_or_else(|| Stage::at(Vec3::zeros()));
     let number = |name, tip, value, limit: f64, suffix| Number {
         name,
         step: "Move stage",
@@ -185,21 +265,42 @@ fn stage(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
             "Stage x",
             "The stage's origin along the field's length from its centre, for tracks (OpenTrackIO, FreeD, USD, chan), m.",
         ),
-        (1, "Stage y", "The stage's origin across the field from its centre, m."),
-        (2, "Stage z", "The stage's origin above the field's centre, m."),
+        (
+            1,
+            "Stage y",
+            "The stage's origin across the field from its centre, m.",
+        ),
+        (
+            2,
+            "Stage z",
+            "The stage's origin above the field's centre, m.",
+        ),
     ] {
         let number = number(label, tip, known.origin_m[axis], 500.0, " m");
         row(panel, ui, camera, label, number, |changed, value| {
             let mut origin_m = known.origin_m;
             origin_m[axis] = value;
-            changed.stage = Some(Stage { origin_m, ..known.clone() });
+            changed.stage = Some(Stage {
+                origin_m,
+                ..known.clone()
+            });
         });
     }
     let tip = "Where the stage's y axis looks, seen from above: 0 is across the field, positive to the right.";
     let number = number("Stage heading", tip, known.heading_deg, 180.0, "°");
-    row(panel, ui, camera, "Stage heading", number, |changed, heading_deg| {
-        changed.stage = Some(Stage { heading_deg, ..known.clone() });
-    });
+    row(
+        panel,
+        ui,
+        camera,
+        "Stage heading",
+        number,
+        |changed, heading_deg| {
+            changed.stage = Some(Stage {
+                heading_deg,
+                ..known.clone()
+            });
+        },
+    );
 }
 
 /// The width of the sensor: a guess until somebody sets or confirms it.
@@ -217,11 +318,25 @@ fn sensor(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         suffix: " mm",
         width: FIELD,
     };
-    let label = if known.is_some() { "Sensor width" } else { "Sensor width (assumed)" };
-    row(panel, ui, camera, label, number, |changed, mm| changed.sensor_width_mm = Some(mm));
+    let label = if known.is_some() {
+        "Sensor width"
+    } else {
+        "Sensor width (assumed)"
+    };
+    row(panel, ui, camera, label, number, |changed, mm| {
+        changed.sensor_width_mm = Some(mm)
+    });
     let confirm = Button::new("Confirm sensor width").small();
-    if known.is_none() && ui.add(confirm).on_hover_text("Mark this width as known. One step of undo.").clicked() {
-        let confirmed = Camera { sensor_width_mm: Some(GUESSED_SENSOR_MM), ..camera.clone() };
+    if known.is_none()
+        && ui
+            .add(confirm)
+            .on_hover_text("Mark this width as known. One step of undo.")
+            .clicked()
+    {
+        let confirmed = Camera {
+            sensor_width_mm: Some(GUESSED_SENSOR_MM),
+            ..camera.clone()
+        };
         panel.actions.extend([
             Action::Edit(EditAction::Begin("Confirm sensor width")),
             Action::Edit(EditAction::Camera(Box::new(confirmed))),
@@ -231,7 +346,11 @@ fn sensor(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 }
 
 fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
-    let curve = camera.distortion.as_ref().and_then(|lens| lens.k1.clone()).unwrap_or_default();
+    let curve = camera
+        .distortion
+        .as_ref()
+        .and_then(|lens| lens.k1.clone())
+        .unwrap_or_default();
     let number = |name, tip, value, speed, decimals, range, suffix| Number {
         name,
         step: "Change distortion",
@@ -246,14 +365,50 @@ fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     };
     let tip = "Radial distortion: a point at radius r (in focal lengths) moves outwards by k1·r³. 0: none.";
     let value = number("k1", tip, curve.value, 0.0005, 5, -5.0..=5.0, "");
-    row(panel, ui, camera, "k1", value, |changed, value| curve_of(changed).value = value);
+    row(panel, ui, camera, "k1", value, |changed, value| {
+        curve_of(changed).value = value
+    });
     let tip = "The focal length for which k1 is given.";
-    let at = number("k1 at focal", tip, curve.at_focal_px, 5.0, 1, 0.0..=1e6, " px");
-    row(panel, ui, camera, "k1 at focal length", at, |changed, px| curve_of(changed).at_focal_px = px);
+    let at = number(
+        "k1 at focal",
+        tip,
+        curve.at_focal_px,
+        5.0,
+        1,
+        0.0..=1e6,
+        " px",
+    );
+    row(
+        panel,
+        ui,
+        camera,
+        "k1 at focal length",
+        at,
+        |changed, px| curve_of(changed).at_focal_px = px,
+    );
     let tip = "How much k1 changes per 1000 px of focal length.";
-    let slope = number("k1 per 1000 px", tip, curve.per_1000_px, 0.0005, 5, -5.0..=5.0, "");
-    row(panel, ui, camera, "k1 per 1000 px", slope, |changed, value| curve_of(changed).per_1000_px = value);
-    if let Some(share) = camera.distortion.as_ref().and_then(|lens| lens.k2_per_k1_squared) {
+    let slope = number(
+        "k1 per 1000 px",
+        tip,
+        curve.per_1000_px,
+        0.0005,
+        5,
+        -5.0..=5.0,
+        "",
+    );
+    row(
+        panel,
+        ui,
+        camera,
+        "k1 per 1000 px",
+        slope,
+        |changed, value| curve_of(changed).per_1000_px = value,
+    );
+    if let Some(share) = camera
+        .distortion
+        .as_ref()
+        .and_then(|lens| lens.k2_per_k1_squared)
+    {
         let tip = "k2 is this times k1², at every focal length. From 0.45 on the distortion is monotonic: the picture never folds over.";
         let share = number("k2 per k1²", tip, share, 0.005, 3, -10.0..=10.0, "");
         row(panel, ui, camera, "k2 per k1²", share, |changed, value| {
@@ -264,7 +419,11 @@ fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 
 /// The camera's k1 curve, created if it has none.
 fn curve_of(camera: &mut Camera) -> &mut K1Curve {
-    camera.distortion.get_or_insert_default().k1.get_or_insert_default()
+    camera
+        .distortion
+        .get_or_insert_default()
+        .k1
+        .get_or_insert_default()
 }
 
 /// The 1-σ uncertainty of position and rotation.
@@ -274,7 +433,11 @@ pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let position = known.map_or(Vec3::zeros(), |sigma| sigma.position_m);
     let rotation = known.map_or(Vec3::zeros(), |sigma| sigma.rotation_deg);
     let written = |camera: &mut Camera, change: &dyn Fn(&mut CameraSigma)| {
-        change(camera.sigma.get_or_insert_with(|| CameraSigma::from(&BaseSigma::default())));
+        change(
+            camera
+                .sigma
+                .get_or_insert_with(|| CameraSigma::from(&BaseSigma::default())),
+        );
     };
     let spacing = [2.0 * theme::SPACE, theme::SPACE];
     let field = ((ui.available_width() - AXIS_LABEL - 3.0 * spacing[0]) / 3.0).floor();
@@ -329,7 +492,11 @@ mod tests {
 
     #[test]
     fn the_copied_matrix_reads_back_digit_for_digit() {
-        let turned = BaseAngles { heading: Angle::from_degrees(12.3), ..BaseAngles::default() }.base_from_world();
+        let turned = BaseAngles {
+            heading: Angle::from_degrees(12.3),
+            ..BaseAngles::default()
+        }
+        .base_from_world();
         let rows: Vec<[f64; 3]> = serde_json::from_str(&as_json(&turned)).unwrap();
         assert_eq!(Mat3::from_fn(|row, column| rows[row][column]), turned);
     }

@@ -1,4 +1,5 @@
-//! Residuals of the camera's frames over time, with a mark where it stops fitting. A click goes there.
+//! Residuals of the camera's frames over time, with a mark where it stops fitting. A click goes
+//! there.
 
 use super::section;
 use crate::ui::plot::{Plot, small};
@@ -7,7 +8,10 @@ use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
-use egui::{Align2, Button, CornerRadius, Label, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{
+    Align2, Button, CornerRadius, Label, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2,
+    vec2,
+};
 use touchline_application::app::{Action, Command, Navigation};
 use touchline_documents::document::{Camera, Frame};
 
@@ -32,7 +36,14 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
     section(ui, "FIT OVER TIME");
     plot(panel, ui, camera, &points);
-    let Some(change) = panel.app.camera_change().filter(|change| change.camera == camera.id).cloned() else { return };
+    let Some(change) = panel
+        .app
+        .camera_change()
+        .filter(|change| change.camera == camera.id)
+        .cloned()
+    else {
+        return;
+    };
     ui.add_space(theme::SPACE);
     ui.horizontal_top(|ui| {
         let palette = ui.palette();
@@ -42,11 +53,17 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
             ui.horizontal(|ui| {
                 let command = Command::NewCameraFromChange;
                 let tip = panel.app.settings.keys.tooltip(command);
-                if ui.add(Button::new("New camera from here").small()).on_hover_text(tip).clicked() {
+                if ui
+                    .add(Button::new("New camera from here").small())
+                    .on_hover_text(tip)
+                    .clicked()
+                {
                     panel.actions.push(Action::Command(command));
                 }
                 if ui.add(Button::new("Go there").small()).clicked() {
-                    panel.actions.push(Action::Navigate(Navigation::GoTo(change.frame)));
+                    panel
+                        .actions
+                        .push(Action::Navigate(Navigation::GoTo(change.frame)));
                 }
             });
         });
@@ -54,20 +71,42 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 }
 
 fn points(panel: &Panel<'_>, camera: &Camera) -> Vec<Point> {
-    let Some(open) = panel.app.open() else { return Vec::new() };
-    let of_camera = open.document.frames.iter().enumerate().filter(|(_, frame)| frame.camera == camera.id);
+    let Some(open) = panel.app.open() else {
+        return Vec::new();
+    };
+    let of_camera = open
+        .document
+        .frames
+        .iter()
+        .enumerate()
+        .filter(|(_, frame)| frame.camera == camera.id);
     of_camera
         .filter_map(|(index, frame)| {
-            let rms_px = frame.solution.as_ref()?.rms_px.filter(|px| px.is_finite())?;
-            Some(Point { frame: index, rms_px })
+            let rms_px = frame
+                .solution
+                .as_ref()?
+                .rms_px
+                .filter(|px| px.is_finite())?;
+            Some(Point {
+                frame: index,
+                rms_px,
+            })
         })
         .collect()
 }
 
 fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::click());
-    let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
-    let number = |frame: usize| panel.app.open().map_or(frame as u64, |open| open.frame_number(frame));
+    let (rect, response) =
+        ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::click());
+    let (Some(first), Some(last)) = (points.first(), points.last()) else {
+        return;
+    };
+    let number = |frame: usize| {
+        panel
+            .app
+            .open()
+            .map_or(frame as u64, |open| open.frame_number(frame))
+    };
     let (from, to) = (number(first.frame), number(last.frame));
     let description = format!("Fit of {} frames over time, {from} to {to}", points.len());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &description));
@@ -76,14 +115,21 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     let highest = scale_px(points, SCALE_PX * camera.image_size.scale_from_1920());
     let plot = Plot {
         area: Rect::from_min_max(rect.min + vec2(6.0, 14.0), rect.max - vec2(6.0, 14.0)),
-        x: [first.frame as f64, (last.frame as f64).max(first.frame as f64 + 1.0)],
+        x: [
+            first.frame as f64,
+            (last.frame as f64).max(first.frame as f64 + 1.0),
+        ],
         y: [0.0, highest.sqrt()],
     };
     let area = plot.area;
     let x_of = |frame: usize| plot.x_of(frame as f64);
     // A square-root scale: a few px stay distinguishable beside fifty.
     let at = |point: &Point| plot.at(point.frame as f64, point.rms_px.sqrt());
-    painter.hline(area.x_range(), area.bottom(), Stroke::new(1.0, ui.palette().line));
+    painter.hline(
+        area.x_range(),
+        area.bottom(),
+        Stroke::new(1.0, ui.palette().line),
+    );
     painter.text(
         rect.left_top() + vec2(6.0, 1.0),
         Align2::LEFT_TOP,
@@ -91,23 +137,51 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
         small(),
         ui.palette().weak,
     );
-    let change = panel.app.camera_change().filter(|change| change.camera == camera.id).map(|change| change.frame);
+    let change = panel
+        .app
+        .camera_change()
+        .filter(|change| change.camera == camera.id)
+        .map(|change| change.frame);
     let shown = panel.app.session.frame;
     if (first.frame..=last.frame).contains(&shown) {
-        painter.vline(x_of(shown), area.y_range(), Stroke::new(1.0, ui.palette().weak));
+        painter.vline(
+            x_of(shown),
+            area.y_range(),
+            Stroke::new(1.0, ui.palette().weak),
+        );
     }
     if let Some(frame) = change {
-        painter.vline(x_of(frame), area.y_range(), Stroke::new(2.0, ui.palette().caution));
+        painter.vline(
+            x_of(frame),
+            area.y_range(),
+            Stroke::new(2.0, ui.palette().caution),
+        );
     }
     for point in points {
         let after = change.is_some_and(|change| point.frame >= change);
-        let colour = if after { ui.palette().caution } else { ui.palette().accent };
+        let colour = if after {
+            ui.palette().caution
+        } else {
+            ui.palette().accent
+        };
         let radius = if point.frame == shown { 3.5 } else { 2.0 };
         painter.circle_filled(at(point), radius, colour);
     }
     let below = rect.bottom() - 1.0;
-    painter.text(pos2(area.left(), below), Align2::LEFT_BOTTOM, from, small(), ui.palette().weak);
-    painter.text(pos2(area.right(), below), Align2::RIGHT_BOTTOM, to, small(), ui.palette().weak);
+    painter.text(
+        pos2(area.left(), below),
+        Align2::LEFT_BOTTOM,
+        from,
+        small(),
+        ui.palette().weak,
+    );
+    painter.text(
+        pos2(area.right(), below),
+        Align2::RIGHT_BOTTOM,
+        to,
+        small(),
+        ui.palette().weak,
+    );
 
     let nearest = |pointer: Pos2| {
         points.iter().min_by(|a, b| {
@@ -119,12 +193,22 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     if response.clicked()
         && let Some(point) = under
     {
-        panel.actions.push(Action::Navigate(Navigation::GoTo(point.frame)));
+        panel
+            .actions
+            .push(Action::Navigate(Navigation::GoTo(point.frame)));
     }
     if let Some(point) = under {
         painter.circle_stroke(at(point), 5.0, Stroke::new(1.0, ui.palette().strong));
-        let name = panel.app.open().and_then(|open| open.frame(point.frame)).map(Frame::name);
-        let text = format!("{}: {:.1} px. Click to go there.", name.unwrap_or_default(), point.rms_px);
+        let name = panel
+            .app
+            .open()
+            .and_then(|open| open.frame(point.frame))
+            .map(Frame::name);
+        let text = format!(
+            "{}: {:.1} px. Click to go there.",
+            name.unwrap_or_default(),
+            point.rms_px
+        );
         response.on_hover_text_at_pointer(text);
     }
 }

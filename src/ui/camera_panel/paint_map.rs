@@ -1,5 +1,5 @@
-//! The map of a camera that was found without a click: paint that stays, and the field's lines over it. A click in it goes to
-//! the frame that shows that place.
+//! The map of a camera that was found without a click: paint that stays, and the field's lines over
+//! it. A click in it goes to the frame that shows that place.
 
 use super::section;
 use crate::ui::{Panel, theme::Themed as _};
@@ -17,34 +17,62 @@ const PLACES: usize = 4000;
 /// The map is at most so high, as a share of its width.
 const MOST_HIGH: f32 = 0.6;
 
-/// Shows the map of a camera; nothing where it was not found without a click since the project was opened.
+/// Shows the map of a camera; nothing where it was not found without a click since the project was
+/// opened.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let is_it = |found: &Arc<FoundCamera>| {
         let base = camera.base();
-        found.camera == camera.id && base.is_none_or(|base| base.position_m == found.found.base.position_m)
+        found.camera == camera.id
+            && base.is_none_or(|base| base.position_m == found.found.base.position_m)
     };
-    let Some(found) = panel.app.operations.camera_search.found.clone().filter(is_it) else { return };
+    let Some(found) = panel
+        .app
+        .operations
+        .camera_search
+        .found
+        .clone()
+        .filter(is_it)
+    else {
+        return;
+    };
     let Some(open) = panel.app.open() else { return };
     let frames: Vec<_> = found.looks(&open.document).collect();
     let looks: Vec<_> = frames.iter().map(|(_, look)| *look).collect();
-    let scene =
-        PaintMapScene { base: &found.found.base, field: &found.found.field, frames: &looks, paint: &found.found.paint };
-    let Some(map) = PaintMapFrame::of(&scene) else { return };
+    let scene = PaintMapScene {
+        base: &found.found.base,
+        field: &found.found.field,
+        frames: &looks,
+        paint: &found.found.paint,
+    };
+    let Some(map) = PaintMapFrame::of(&scene) else {
+        return;
+    };
     section(ui, "PAINT AND LINES");
     let (wide, high) = (map.size.width as f32, map.size.height as f32);
     let scale = ui.available_width() / wide;
-    let size = vec2(ui.available_width(), (high * scale).min(MOST_HIGH * ui.available_width()));
+    let size = vec2(
+        ui.available_width(),
+        (high * scale).min(MOST_HIGH * ui.available_width()),
+    );
     let scale = scale.min(size.y / high);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, describe(&found)));
     let at = |point: ImagePoint| rect.min + vec2(point.x as f32, point.y as f32) * scale;
     draw(ui, rect, &scene, &map, at);
-    let clicked = response.clicked().then(|| response.interact_pointer_pos()).flatten();
+    let clicked = response
+        .clicked()
+        .then(|| response.interact_pointer_pos())
+        .flatten();
     if let Some(pointer) = clicked {
         let offset = (pointer - rect.min) / scale;
-        let place = map.frame_at(&scene, ImagePoint::new(f64::from(offset.x), f64::from(offset.y)));
+        let place = map.frame_at(
+            &scene,
+            ImagePoint::new(f64::from(offset.x), f64::from(offset.y)),
+        );
         if let Some(place) = place {
-            panel.actions.push(Action::Navigate(Navigation::GoTo(frames[place].0)));
+            panel
+                .actions
+                .push(Action::Navigate(Navigation::GoTo(frames[place].0)));
         }
     }
     let tip = "White: paint that stays put while the camera turns. Orange: the field's lines with this camera. Where they coincide, the camera is right. Click to go to the frame that shows that place.";
@@ -60,12 +88,22 @@ fn describe(found: &FoundCamera) -> String {
     )
 }
 
-fn draw(ui: &Ui, rect: Rect, scene: &PaintMapScene<'_>, map: &PaintMapFrame, at: impl Fn(ImagePoint) -> Pos2) {
+fn draw(
+    ui: &Ui,
+    rect: Rect,
+    scene: &PaintMapScene<'_>,
+    map: &PaintMapFrame,
+    at: impl Fn(ImagePoint) -> Pos2,
+) {
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, ui.palette().backdrop);
     for outline in map.outlines(scene) {
         let corners: Vec<Pos2> = outline.into_iter().map(&at).collect();
-        painter.add(Shape::convex_polygon(corners, Color32::from_rgba_unmultiplied(70, 120, 82, 14), Stroke::NONE));
+        painter.add(Shape::convex_polygon(
+            corners,
+            Color32::from_rgba_unmultiplied(70, 120, 82, 14),
+            Stroke::NONE,
+        ));
     }
     for ray in subsample(scene.paint, PLACES) {
         let dot = Rect::from_center_size(at(map.map_from_ray(*ray)), vec2(1.3, 1.3));
@@ -73,6 +111,9 @@ fn draw(ui: &Ui, rect: Rect, scene: &PaintMapScene<'_>, map: &PaintMapFrame, at:
     }
     for piece in line_pieces(scene, map) {
         let points: Vec<Pos2> = piece.into_iter().map(&at).collect();
-        painter.add(Shape::line(points, Stroke::new(1.0, Color32::from_rgb(255, 138, 36))));
+        painter.add(Shape::line(
+            points,
+            Stroke::new(1.0, Color32::from_rgb(255, 138, 36)),
+        ));
     }
 }

@@ -1,8 +1,12 @@
-//! The stadium from above and from the side: the camera's position with its uncertainty, and where its frames look.
+//! The stadium from above and from the side: the camera's position with its uncertainty, and where
+//! its frames look.
 
 use super::section;
 use crate::ui::{Panel, theme::Themed as _};
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{
+    Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
+    vec2,
+};
 use touchline_calibration::calibrate::EstimatedBase;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Vec2, Vec3, covariance_ellipse};
@@ -20,38 +24,68 @@ const LOOK_M: f64 = 45.0;
 
 /// Shows both views.
 pub fn show(panel: &Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
-    let Some(field) = panel.app.current().field().cloned() else { return };
+    let Some(field) = panel.app.current().field().cloned() else {
+        return;
+    };
     section(ui, "CAMERA POSITION");
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
+    let (rect, response) =
+        ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
     let position = found.estimate.base.position_m;
-    let description =
-        format!("From above: the camera at x {:.1}, y {:.1}, height {:.1} m", position.x, position.y, position.z);
+    let description = format!(
+        "From above: the camera at x {:.1}, y {:.1}, height {:.1} m",
+        position.x, position.y, position.z
+    );
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &description));
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, ui.palette().backdrop);
     let top = Rect::from_min_max(rect.min, pos2(rect.right() - SIDE, rect.bottom()));
     let side = Rect::from_min_max(pos2(rect.right() - SIDE, rect.top()), rect.max);
-    from_above(&painter, top.shrink(8.0), &field, found, panel.app.session.frame);
+    from_above(
+        &painter,
+        top.shrink(8.0),
+        &field,
+        found,
+        panel.app.session.frame,
+    );
     from_the_side(&painter, side.shrink2(vec2(6.0, 8.0)), found);
     let tip = "The position with its 1-σ ellipse, and where each frame looks. The shown frame is bright. Frames that look in many directions constrain the position best.";
     response.on_hover_text(tip);
 }
 
-fn from_above(painter: &Painter, rect: Rect, field: &FieldModel, found: &EstimatedBase, shown: usize) {
+fn from_above(
+    painter: &Painter,
+    rect: Rect,
+    field: &FieldModel,
+    found: &EstimatedBase,
+    shown: usize,
+) {
     let estimate = &found.estimate;
     let position = estimate.base.position_m;
     let (half_length, half_width) = (field.length_m / 2.0, field.width_m / 2.0);
     let (left, right) = (position.x.min(-half_length), position.x.max(half_length));
     let room_m = 8.0 + 2.0 * estimate.position_covariance[(1, 1)].max(0.0).sqrt();
-    let (near, far) = ((position.y - room_m).min(-half_width), (position.y + room_m).max(half_width));
-    let scale = (f64::from(rect.width()) / (right - left)).min(f64::from(rect.height()) / (far - near));
+    let (near, far) = (
+        (position.y - room_m).min(-half_width),
+        (position.y + room_m).max(half_width),
+    );
+    let scale =
+        (f64::from(rect.width()) / (right - left)).min(f64::from(rect.height()) / (far - near));
     let middle = (f64::midpoint(left, right), f64::midpoint(near, far));
     let at = |point: Vec3| -> Pos2 {
-        rect.center() + vec2(((point.x - middle.0) * scale) as f32, (-(point.y - middle.1) * scale) as f32)
+        rect.center()
+            + vec2(
+                ((point.x - middle.0) * scale) as f32,
+                (-(point.y - middle.1) * scale) as f32,
+            )
     };
     for line in &field.lines {
-        let points: Vec<Pos2> = (0..=24).map(|step| at(line.curve.point_at(f64::from(step) / 24.0))).collect();
-        painter.add(Shape::line(points, Stroke::new(1.0, Color32::from_rgb(70, 92, 76))));
+        let points: Vec<Pos2> = (0..=24)
+            .map(|step| at(line.curve.point_at(f64::from(step) / 24.0)))
+            .collect();
+        painter.add(Shape::line(
+            points,
+            Stroke::new(1.0, Color32::from_rgb(70, 92, 76)),
+        ));
     }
     let heading = estimate.base.angles().heading;
     for (index, fit) in found.frames.iter().zip(&estimate.frames) {
@@ -67,22 +101,41 @@ fn from_above(painter: &Painter, rect: Rect, field: &FieldModel, found: &Estimat
         };
         painter.line_segment([at(position), at(end)], Stroke::new(width, colour));
     }
-    let covariance = estimate.position_covariance.fixed_view::<2, 2>(0, 0).into_owned();
+    let covariance = estimate
+        .position_covariance
+        .fixed_view::<2, 2>(0, 0)
+        .into_owned();
     let ellipse = covariance_ellipse(covariance, CORNERS);
     let times = enlargement(&ellipse, scale);
     let outline = ellipse.into_iter().map(|offset| {
         let grown = offset * times;
         at(position + Vec3::new(grown.x, grown.y, 0.0))
     });
-    painter.add(Shape::closed_line(outline.collect(), Stroke::new(1.5, painter.palette().caution)));
+    painter.add(Shape::closed_line(
+        outline.collect(),
+        Stroke::new(1.5, painter.palette().caution),
+    ));
     painter.circle_filled(at(position), 3.0, painter.palette().strong);
-    let text = if times > 1.0 { format!("1-σ × {times:.0}") } else { "1-σ".to_owned() };
-    painter.text(rect.left_bottom(), Align2::LEFT_BOTTOM, text, FontId::proportional(11.0), painter.palette().caution);
+    let text = if times > 1.0 {
+        format!("1-σ × {times:.0}")
+    } else {
+        "1-σ".to_owned()
+    };
+    painter.text(
+        rect.left_bottom(),
+        Align2::LEFT_BOTTOM,
+        text,
+        FontId::proportional(11.0),
+        painter.palette().caution,
+    );
 }
 
 /// The height over the ground with its 1-σ.
 fn from_the_side(painter: &Painter, rect: Rect, found: &EstimatedBase) {
-    let (height, sigma) = (found.estimate.base.position_m.z, found.estimate.base.sigma.position_m.z);
+    let (height, sigma) = (
+        found.estimate.base.position_m.z,
+        found.estimate.base.sigma.position_m.z,
+    );
     let ground = rect.bottom() - 14.0;
     let scale = f64::from(ground - rect.top() - 16.0) / (height + sigma).max(1.0);
     let x = rect.center().x;
@@ -91,7 +144,10 @@ fn from_the_side(painter: &Painter, rect: Rect, found: &EstimatedBase) {
         [pos2(rect.left(), ground), pos2(rect.right(), ground)],
         Stroke::new(1.0, painter.palette().line),
     );
-    painter.line_segment([pos2(x, ground), pos2(x, at(height))], Stroke::new(1.0, painter.palette().weak));
+    painter.line_segment(
+        [pos2(x, ground), pos2(x, at(height))],
+        Stroke::new(1.0, painter.palette().weak),
+    );
     painter.line_segment(
         [pos2(x, at(height - sigma)), pos2(x, at(height + sigma))],
         Stroke::new(3.0, painter.palette().caution),
@@ -111,5 +167,9 @@ fn from_the_side(painter: &Painter, rect: Rect, found: &EstimatedBase) {
 fn enlargement(ellipse: &[Vec2], scale: f64) -> f64 {
     let radius_m = ellipse.iter().map(Vec2::norm).fold(0.0, f64::max);
     let seen = |times: &&f64| radius_m * scale * **times >= VISIBLE;
-    [1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0].iter().find(seen).copied().unwrap_or(100.0)
+    [1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0]
+        .iter()
+        .find(seen)
+        .copied()
+        .unwrap_or(100.0)
 }

@@ -18,7 +18,9 @@ const CITATION: &str = "J. Chen, F. Zhu and J. J. Little: A Two-point Method for
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(panel, ctx, "About", vec2(480.0, 420.0), |panel, ui| {
         ui.label(
-            RichText::new(format!("touchline {}", env!("CARGO_PKG_VERSION"))).size(20.0).color(ui.palette().strong),
+            RichText::new(format!("touchline {}", env!("CARGO_PKG_VERSION")))
+                .size(20.0)
+                .color(ui.palette().strong),
         );
         ui.label("Calibrates a pan-tilt-zoom sports camera from two clicks.");
         ui.add_space(2.0 * theme::SPACE);
@@ -27,16 +29,26 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         ui.add_space(2.0 * theme::SPACE);
         theme::title(ui, "IF YOU PUBLISH, CITE THE PAPER");
         ui.add(Label::new(CITATION).wrap().selectable(true));
-        if ui.add(Button::new("Copy citation").small()).on_hover_text("Copy the citation as text.").clicked() {
+        if ui
+            .add(Button::new("Copy citation").small())
+            .on_hover_text("Copy the citation as text.")
+            .clicked()
+        {
             ui.ctx().copy_text(CITATION.to_owned());
         }
         ui.add_space(2.0 * theme::SPACE);
         theme::title(ui, "FOR A BUG REPORT");
         let report = report(panel.app, panel.adapter, ui.ctx());
-        ui.add(Label::new(RichText::new(&report).monospace().color(ui.palette().weak)).wrap().selectable(true));
+        ui.add(
+            Label::new(RichText::new(&report).monospace().color(ui.palette().weak))
+                .wrap()
+                .selectable(true),
+        );
         let copy = ui.button("Copy diagnostic report");
         if copy
-            .on_hover_text("Copy versions, graphics adapter and counts. It contains no paths and no pictures.")
+            .on_hover_text(
+                "Copy versions, graphics adapter and counts. It contains no paths and no pictures.",
+            )
             .clicked()
         {
             ui.ctx().copy_text(report);
@@ -49,7 +61,9 @@ fn report(app: &App, adapter: &str, ctx: &Context) -> String {
     let screen = ctx.content_rect().size();
     let adapter = if adapter.is_empty() { "none" } else { adapter };
     let opencv = opencv_version().unwrap_or_else(|| "not built in".to_owned());
-    let videos = VideoBackend::available().next().map_or_else(|| "none".to_owned(), |backend| backend.to_string());
+    let videos = VideoBackend::available()
+        .next()
+        .map_or_else(|| "none".to_owned(), |backend| backend.to_string());
     let mut text = format!(
         "touchline {}\n{} {}\ngraphics {adapter}\nOpenCV {opencv}\nvideos by {videos}\nwindow {:.0} × {:.0} points at {} px each\n",
         env!("CARGO_PKG_VERSION"),
@@ -61,7 +75,12 @@ fn report(app: &App, adapter: &str, ctx: &Context) -> String {
     );
     match app.open() {
         Some(open) => {
-            let clicks: usize = open.document.frames.iter().map(|frame| frame.clicks.len()).sum();
+            let clicks: usize = open
+                .document
+                .frames
+                .iter()
+                .map(|frame| frame.clicks.len())
+                .sum();
             let _ = write!(
                 text,
                 "frames {}, cameras {}, points {clicks}, field {}",
@@ -82,7 +101,13 @@ mod tests {
     #[test]
     fn the_report_names_versions_and_no_path() {
         let text = report(&App::default(), "llvmpipe (Vulkan)", &Context::default());
-        for part in [env!("CARGO_PKG_VERSION"), std::env::consts::OS, "llvmpipe", "OpenCV", "no document"] {
+        for part in [
+            env!("CARGO_PKG_VERSION"),
+            std::env::consts::OS,
+            "llvmpipe",
+            "OpenCV",
+            "no document",
+        ] {
             assert!(text.contains(part), "{part} is not in {text}");
         }
         assert!(!text.contains(env!("CARGO_MANIFEST_DIR")));

@@ -1,4 +1,5 @@
-//! Accepting suggestions together: how many, how many of them are wrong, and a look at the doubtful ones and at samples.
+//! Accepting suggestions together: how many, how many of them are wrong, and a look at the doubtful
+//! ones and at samples.
 
 use super::{has_just_opened, sheet};
 use crate::ui::{
@@ -6,8 +7,8 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{
-    Align, Align2, Button, Checkbox, Context, FontId, Id, Label, Layout, Rect, RichText, Role, ScrollArea, Sense,
-    Stroke, Ui, UiBuilder, WidgetInfo, vec2,
+    Align, Align2, Button, Checkbox, Context, FontId, Id, Label, Layout, Rect, RichText, Role,
+    ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetInfo, vec2,
 };
 use std::sync::Arc;
 use touchline_application::app::review::{AcceptSheet, BulkAccept, DISAGREES_PX, percent};
@@ -26,28 +27,48 @@ const GAP: f32 = 8.0;
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     let opened = has_just_opened(ctx, "accept all");
-    let Some(shown) = panel.app.accept_sheet().map(Arc::clone) else { return };
+    let Some(shown) = panel.app.accept_sheet().map(Arc::clone) else {
+        return;
+    };
     let bulk = &shown.bulk;
     sheet(panel, ctx, "Accept all above", SIZE, |panel, ui| {
         ui.horizontal(|ui| {
             ui.label("Confidence at least");
             review::threshold(panel, ui);
         });
-        ui.add(Label::new(RichText::new(describe(panel, &shown)).color(ui.palette().strong)).wrap());
+        ui.add(
+            Label::new(RichText::new(describe(panel, &shown)).color(ui.palette().strong)).wrap(),
+        );
         disagreeing(panel, ui, bulk);
         ui.add_space(theme::SPACE);
         let room = ui.available_height().min(SIZE.y - 170.0);
         ui.allocate_ui(vec2(ui.available_width(), room), |ui| grid(panel, ui, bulk));
         ui.add_space(theme::SPACE);
         let row = vec2(ui.available_width(), 28.0);
-        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| buttons(panel, ui, bulk, opened));
+        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
+            buttons(panel, ui, bulk, opened)
+        });
     });
 }
 
-fn describe(panel: &Panel<'_>, AcceptSheet { bulk, expected_wrong }: &AcceptSheet) -> String {
+fn describe(
+    panel: &Panel<'_>,
+    AcceptSheet {
+        bulk,
+        expected_wrong,
+    }: &AcceptSheet,
+) -> String {
     let Some(lowest) = bulk.rows.first().and_then(|row| row.confidence) else {
-        let best = panel.app.review().rows.iter().filter_map(|row| row.confidence).max_by(f64::total_cmp);
-        let best = best.map_or_else(String::new, |best| format!(" The highest is {}.", percent(best)));
+        let best = panel
+            .app
+            .review()
+            .rows
+            .iter()
+            .filter_map(|row| row.confidence)
+            .max_by(f64::total_cmp);
+        let best = best.map_or_else(String::new, |best| {
+            format!(" The highest is {}.", percent(best))
+        });
         return format!("No suggestion has this confidence.{best}");
     };
     let count = bulk.taken().count();
@@ -62,7 +83,10 @@ fn describe(panel: &Panel<'_>, AcceptSheet { bulk, expected_wrong }: &AcceptShee
         0 => String::new(),
         late => format!(" {late} more came since; they wait for the next time."),
     };
-    format!("{count} suggestion{plural}, {expected}. {shown}, from {} on.{late}", percent(lowest))
+    format!(
+        "{count} suggestion{plural}, {expected}. {shown}, from {} on.{late}",
+        percent(lowest)
+    )
 }
 
 /// How many are wrong, with the interval that holds in 95 of 100 cases.
@@ -82,12 +106,19 @@ fn disagreeing(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
     }
     let mut with = before;
     let says = match bulk.left_out {
-        0 => format!("Include those more than {DISAGREES_PX:.0} px out of line with their neighbours"),
-        count => format!("Include the {count} more than {DISAGREES_PX:.0} px out of line with their neighbours"),
+        0 => format!(
+            "Include those more than {DISAGREES_PX:.0} px out of line with their neighbours"
+        ),
+        count => format!(
+            "Include the {count} more than {DISAGREES_PX:.0} px out of line with their neighbours"
+        ),
     };
-    ui.checkbox(&mut with, says).on_hover_text("A jump between neighbours means a wrong camera, a cut, or a fast pan.");
+    ui.checkbox(&mut with, says)
+        .on_hover_text("A jump between neighbours means a wrong camera, a cut, or a fast pan.");
     if with != before {
-        panel.actions.push(Action::View(ViewAction::SetWithDisagreeing(with)));
+        panel
+            .actions
+            .push(Action::View(ViewAction::SetWithDisagreeing(with)));
     }
 }
 
@@ -97,75 +128,140 @@ fn grid(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
     let columns = (((ui.available_width() - 8.0) / (PICTURE.x + GAP)) as usize).max(1);
     let row = PICTURE.y + CAPTION;
     ui.spacing_mut().item_spacing.y = GAP;
-    ScrollArea::vertical().id_salt("accept all").auto_shrink(false).show_rows(
-        ui,
-        row,
-        shown.len().div_ceil(columns),
-        |ui, range| {
+    ScrollArea::vertical()
+        .id_salt("accept all")
+        .auto_shrink(false)
+        .show_rows(ui, row, shown.len().div_ceil(columns), |ui, range| {
             for line in range {
-                let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), row), Sense::hover());
+                let (place, _) =
+                    ui.allocate_exact_size(vec2(ui.available_width(), row), Sense::hover());
                 let first = line * columns;
                 for (column, suggestion) in shown.iter().skip(first).take(columns).enumerate() {
                     let left = place.min + vec2(column as f32 * (PICTURE.x + GAP), 0.0);
                     let confidence = suggestion.confidence.map(percent).unwrap_or_default();
                     let place = Rect::from_min_size(left, vec2(PICTURE.x, row));
                     cell(panel, ui, suggestion.frame, &confidence, place);
-                    tick(panel, ui, suggestion.frame, !bulk.unticked.contains(&suggestion.frame), place);
+                    tick(
+                        panel,
+                        ui,
+                        suggestion.frame,
+                        !bulk.unticked.contains(&suggestion.frame),
+                        place,
+                    );
                 }
             }
-        },
-    );
+        });
 }
 
 fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: Rect) {
     let Some(open) = panel.app.open() else { return };
     let number = open.frame_number(index);
-    let response = ui.interact(place, Id::unique(("accept all cell", index)), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Look at frame {number}, {confidence}")));
+    let response = ui.interact(
+        place,
+        Id::unique(("accept all cell", index)),
+        Sense::click(),
+    );
+    response.widget_info(|| {
+        WidgetInfo::labeled(
+            Role::Button,
+            true,
+            format!("Look at frame {number}, {confidence}"),
+        )
+    });
     let picture = Rect::from_min_size(place.min, PICTURE);
     miniature::paint(panel, ui.painter(), open, index, picture);
     if response.hovered() || response.has_focus() {
-        ui.painter().rect_stroke(picture, 2.0, Stroke::new(2.0, ui.palette().accent), egui::StrokeKind::Inside);
+        ui.painter().rect_stroke(
+            picture,
+            2.0,
+            Stroke::new(2.0, ui.palette().accent),
+            egui::StrokeKind::Inside,
+        );
     }
     let line = place.bottom() - CAPTION / 2.0;
     let small = FontId::proportional(11.0);
     let painter = ui.painter();
-    painter.text(egui::pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, number, small.clone(), ui.palette().weak);
-    painter.text(egui::pos2(place.right() - 1.0, line), Align2::RIGHT_CENTER, confidence, small, ui.palette().text);
-    if response.on_hover_text("Click to look at it first.").clicked() {
+    painter.text(
+        egui::pos2(place.left() + 1.0, line),
+        Align2::LEFT_CENTER,
+        number,
+        small.clone(),
+        ui.palette().weak,
+    );
+    painter.text(
+        egui::pos2(place.right() - 1.0, line),
+        Align2::RIGHT_CENTER,
+        confidence,
+        small,
+        ui.palette().text,
+    );
+    if response
+        .on_hover_text("Click to look at it first.")
+        .clicked()
+    {
         panel.actions.push(Action::View(ViewAction::CloseDialog));
-        panel.actions.push(Action::Navigate(Navigation::GoTo(index)));
+        panel
+            .actions
+            .push(Action::Navigate(Navigation::GoTo(index)));
     }
 }
 
 /// Whether a suggestion is accepted with the others.
 fn tick(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, before: bool, cell: Rect) {
     let mut ticked = before;
-    let number = panel.app.open().map_or(index as u64, |open| open.frame_number(index));
+    let number = panel
+        .app
+        .open()
+        .map_or(index as u64, |open| open.frame_number(index));
     let place = Rect::from_min_size(cell.min + vec2(4.0, 4.0), vec2(20.0, 20.0));
     ui.painter().rect_filled(place, 3.0, ui.palette().panel);
     // A child of its own: the rows stay where they are.
-    let response = ui.new_child(UiBuilder::new().max_rect(place)).add(Checkbox::without_text(&mut ticked));
-    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, before, format!("Accept frame {number}")));
+    let response = ui
+        .new_child(UiBuilder::new().max_rect(place))
+        .add(Checkbox::without_text(&mut ticked));
+    response.widget_info(|| {
+        WidgetInfo::selected(
+            Role::CheckBox,
+            true,
+            before,
+            format!("Accept frame {number}"),
+        )
+    });
     response.on_hover_text("Accept it with the others.");
     if ticked != before {
-        panel.actions.push(Action::View(ViewAction::TickSuggestion { frame: index, ticked }));
+        panel.actions.push(Action::View(ViewAction::TickSuggestion {
+            frame: index,
+            ticked,
+        }));
     }
 }
 
 fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) {
     let count = bulk.taken().count();
-    let accept = ui.add_enabled(count > 0, Button::new(format!("Accept {count}")).fill(ui.palette().accent_ground));
+    let accept = ui.add_enabled(
+        count > 0,
+        Button::new(format!("Accept {count}")).fill(ui.palette().accent_ground),
+    );
     if opened {
         accept.request_focus();
     }
     let undo = panel.app.settings.keys.shown(Command::Undo);
-    if accept.on_hover_text(format!("Accept all of these at once. {undo} undoes it. (Enter)")).clicked() {
+    if accept
+        .on_hover_text(format!(
+            "Accept all of these at once. {undo} undoes it. (Enter)"
+        ))
+        .clicked()
+    {
         panel.actions.push(Action::Edit(EditAction::AcceptAll));
     }
-    if ui.button("Cancel").on_hover_text("Leave them as suggestions. (Esc)").clicked() {
+    if ui
+        .button("Cancel")
+        .on_hover_text("Leave them as suggestions. (Esc)")
+        .clicked()
+    {
         panel.actions.push(Action::View(ViewAction::CloseDialog));
     }
-    let said = format!("They become labels that are not used for training. {undo} undoes all of it.");
+    let said =
+        format!("They become labels that are not used for training. {undo} undoes all of it.");
     ui.add(Label::new(RichText::new(said).small().color(ui.palette().weak)).truncate());
 }

@@ -18,67 +18,96 @@ const LIST: f32 = 200.0;
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, scope: Scope) {
     let memory = Id::unique("name of the new camera");
     let opened = has_just_opened(ctx, "assign to camera");
-    let known = ctx.data_mut(|data| data.get_temp::<String>(memory)).filter(|_| !opened);
+    let known = ctx
+        .data_mut(|data| data.get_temp::<String>(memory))
+        .filter(|_| !opened);
     let mut name = known.unwrap_or_else(|| suggested_name(panel));
-    sheet(panel, ctx, "Assign frames to a camera", vec2(440.0, 420.0), |panel, ui| {
-        let count = scopes(panel, ui, scope);
-        ui.add_space(2.0 * theme::SPACE);
-        theme::title(ui, "ASSIGN TO");
-        cameras(panel, ui, scope, count);
-        ui.add_space(2.0 * theme::SPACE);
-        theme::title(ui, "OR CREATE A NEW CAMERA");
-        ui.horizontal(|ui| {
-            let field = ui.add(TextEdit::singleline(&mut name).desired_width(240.0).hint_text("Name"));
-            let field = field.accessible_name("Name of the new camera");
-            if opened {
-                // So that Enter creates it, and a person may type another name.
-                field.request_focus();
-            }
-            let taken = panel.app.open().is_some_and(|open| open.document.camera(&name.trim().into()).is_some());
-            let possible = count > 0 && !taken && !name.trim().is_empty();
-            let create = ui.add_enabled(possible, Button::new("Create and assign"));
-            let why = if taken {
-                "There is already a camera of this name."
-            } else {
-                "Enter a name and choose at least one frame."
-            };
-            let create = create.on_hover_text("Its base has to be estimated afterwards.").on_disabled_hover_text(why);
-            let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-            if create.clicked() || (entered && possible) {
-                let camera = CameraChoice::New(name.trim().into());
-                panel.actions.push(Action::Edit(EditAction::AssignToCamera { scope, camera }));
-            }
-        });
-        ui.add_space(theme::SPACE);
-        let text =
-            "Their points are solved with the other base. Proposed and manual values are removed. One step of undo.";
-        ui.add(Label::new(RichText::new(text).small().color(ui.palette().weak)).wrap());
-    });
+    sheet(
+        panel,
+        ctx,
+        "Assign frames to a camera",
+        vec2(440.0, 420.0),
+        |panel, ui| {
+            let count = scopes(panel, ui, scope);
+            ui.add_space(2.0 * theme::SPACE);
+            theme::title(ui, "ASSIGN TO");
+            cameras(panel, ui, scope, count);
+            ui.add_space(2.0 * theme::SPACE);
+            theme::title(ui, "OR CREATE A NEW CAMERA");
+            ui.horizontal(|ui| {
+                let field = ui.add(
+                    TextEdit::singleline(&mut name)
+                        .desired_width(240.0)
+                        .hint_text("Name"),
+                );
+                let field = field.accessible_name("Name of the new camera");
+                if opened {
+                    // So that Enter creates it, and a person may type another name.
+                    field.request_focus();
+                }
+                let taken = panel
+                    .app
+                    .open()
+                    .is_some_and(|open| open.document.camera(&name.trim().into()).is_some());
+                let possible = count > 0 && !taken && !name.trim().is_empty();
+                let create = ui.add_enabled(possible, Button::new("Create and assign"));
+                let why = if taken {
+                    "There is already a camera of this name."
+                } else {
+                    "Enter a name and choose at least one frame."
+                };
+                let create = create
+                    .on_hover_text("Its base has to be estimated afterwards.")
+                    .on_disabled_hover_text(why);
+                let entered =
+                    field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+                if create.clicked() || (entered && possible) {
+                    let camera = CameraChoice::New(name.trim().into());
+                    panel
+                        .actions
+                        .push(Action::Edit(EditAction::AssignToCamera { scope, camera }));
+                }
+            });
+            ui.add_space(theme::SPACE);
+            let text = "Their points are solved with the other base. Proposed and manual values are removed. One step of undo.";
+            ui.add(Label::new(RichText::new(text).small().color(ui.palette().weak)).wrap());
+        },
+    );
     ctx.data_mut(|data| data.insert_temp(memory, name));
 }
 
 fn suggested_name(panel: &Panel<'_>) -> String {
     let open = panel.app.open().zip(panel.app.camera_id());
-    open.map_or_else(String::new, |(open, camera)| open.document.free_camera_name(camera).as_str().to_owned())
+    open.map_or_else(String::new, |(open, camera)| {
+        open.document.free_camera_name(camera).as_str().to_owned()
+    })
 }
 
 /// The choice of frames; returns how many they are.
 fn scopes(panel: &mut Panel<'_>, ui: &mut Ui, chosen: Scope) -> usize {
-    let Some(open) = panel.app.open() else { return 0 };
+    let Some(open) = panel.app.open() else {
+        return 0;
+    };
     let mut total = 0;
     for scope in Scope::ALL {
         let count = scope.frames(open, &panel.app.session).len();
         if scope == chosen {
             total = count;
         }
-        let says = if count > 1 { format!("{} ({count})", scope.label()) } else { scope.label().to_owned() };
+        let says = if count > 1 {
+            format!("{} ({count})", scope.label())
+        } else {
+            scope.label().to_owned()
+        };
         let row = ui.add_enabled(count > 0, egui::RadioButton::new(scope == chosen, says));
         let why = match scope {
             Scope::Selected => "Shift-click or Ctrl-click on the filmstrip selects frames.",
             _ => "This frame is not in a shot.",
         };
         if row.on_disabled_hover_text(why).clicked() {
-            panel.actions.push(Action::Navigate(Navigation::AskCamera(scope)));
+            panel
+                .actions
+                .push(Action::Navigate(Navigation::AskCamera(scope)));
         }
     }
     total
@@ -87,28 +116,39 @@ fn scopes(panel: &mut Panel<'_>, ui: &mut Ui, chosen: Scope) -> usize {
 fn cameras(panel: &mut Panel<'_>, ui: &mut Ui, scope: Scope, count: usize) {
     let Some(open) = panel.app.open() else { return };
     let size = panel.app.frame().map(|frame| frame.image_size);
-    ScrollArea::vertical().id_salt("cameras").max_height(LIST).show(ui, |ui| {
-        for camera in &open.document.cameras {
-            let frames = open.counts().of_camera(&camera.id);
-            let known = if camera.base().is_some() { "" } else { ", base not known" };
-            let button = Button::new(camera.id.as_str())
-                .right_text(
-                    RichText::new(format!("{}{known}", counted(frames, "frame"))).small().color(ui.palette().weak),
-                )
-                .min_size(vec2(ui.available_width(), 24.0));
-            let is_own = scope == Scope::Frame && panel.app.camera_id() == Some(&camera.id);
-            let fits = size == Some(camera.image_size);
-            let row = ui.add_enabled(count > 0 && !is_own && fits, button);
-            let why = if is_own {
-                "This frame is already assigned to this camera."
-            } else {
-                "Its pictures have another size."
-            };
-            let tip = format!("Assign to camera {}.", camera.id);
-            if row.on_hover_text(tip).on_disabled_hover_text(why).clicked() {
-                let camera = CameraChoice::Known(CameraId::clone(&camera.id));
-                panel.actions.push(Action::Edit(EditAction::AssignToCamera { scope, camera }));
+    ScrollArea::vertical()
+        .id_salt("cameras")
+        .max_height(LIST)
+        .show(ui, |ui| {
+            for camera in &open.document.cameras {
+                let frames = open.counts().of_camera(&camera.id);
+                let known = if camera.base().is_some() {
+                    ""
+                } else {
+                    ", base not known"
+                };
+                let button = Button::new(camera.id.as_str())
+                    .right_text(
+                        RichText::new(format!("{}{known}", counted(frames, "frame")))
+                            .small()
+                            .color(ui.palette().weak),
+                    )
+                    .min_size(vec2(ui.available_width(), 24.0));
+                let is_own = scope == Scope::Frame && panel.app.camera_id() == Some(&camera.id);
+                let fits = size == Some(camera.image_size);
+                let row = ui.add_enabled(count > 0 && !is_own && fits, button);
+                let why = if is_own {
+                    "This frame is already assigned to this camera."
+                } else {
+                    "Its pictures have another size."
+                };
+                let tip = format!("Assign to camera {}.", camera.id);
+                if row.on_hover_text(tip).on_disabled_hover_text(why).clicked() {
+                    let camera = CameraChoice::Known(CameraId::clone(&camera.id));
+                    panel
+                        .actions
+                        .push(Action::Edit(EditAction::AssignToCamera { scope, camera }));
+                }
             }
-        }
-    });
+        });
 }

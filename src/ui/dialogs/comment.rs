@@ -15,12 +15,16 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
     let memory = Id::unique("comment");
     let opened = has_just_opened(ctx, "comment");
     let known = ctx.data_mut(|data| data.get_temp::<String>(memory));
-    let mut typed = known.filter(|_| !opened).unwrap_or_else(|| before.to_owned());
+    let mut typed = known
+        .filter(|_| !opened)
+        .unwrap_or_else(|| before.to_owned());
     sheet(panel, ctx, "Comment", vec2(440.0, 220.0), |panel, ui| {
         let save = ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::Enter));
         let name = panel.app.frame().map(Frame::name).unwrap_or_default();
         ui.label(RichText::new(file_name(&name)).color(ui.palette().weak));
-        let field = TextEdit::multiline(&mut typed).desired_rows(4).desired_width(f32::INFINITY);
+        let field = TextEdit::multiline(&mut typed)
+            .desired_rows(4)
+            .desired_width(f32::INFINITY);
         let response = ui.add(field).accessible_name("Comment on this frame");
         let response = response.on_hover_text("A note for anybody who opens this frame.");
         if opened {
@@ -30,10 +34,20 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
         let row = vec2(ui.available_width(), 24.0);
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let keep = ui.add(Button::new("Save comment").fill(ui.palette().accent_ground));
-            if keep.on_hover_text("Save the comment; an empty one is removed. (Ctrl+Enter)").clicked() || save {
-                panel.actions.push(Action::Edit(EditAction::SetComment(typed.clone())));
+            if keep
+                .on_hover_text("Save the comment; an empty one is removed. (Ctrl+Enter)")
+                .clicked()
+                || save
+            {
+                panel
+                    .actions
+                    .push(Action::Edit(EditAction::SetComment(typed.clone())));
             }
-            if ui.button("Cancel").on_hover_text("Leave the comment as it was. (Esc)").clicked() {
+            if ui
+                .button("Cancel")
+                .on_hover_text("Leave the comment as it was. (Esc)")
+                .clicked()
+            {
                 panel.actions.push(Action::View(ViewAction::CloseDialog));
             }
         });

@@ -1,9 +1,14 @@
 //! Finding a command by a few of its letters.
 
-/// How well letters match a text: they occur in it in order; beginnings of words and runs count more. None: they do not.
+/// How well letters match a text: they occur in it in order; beginnings of words and runs count
+/// more. None: they do not.
 pub fn score(letters: &str, text: &str) -> Option<u32> {
     let text: Vec<char> = text.to_lowercase().chars().collect();
-    let letters: Vec<char> = letters.to_lowercase().chars().filter(|letter| !letter.is_whitespace()).collect();
+    let letters: Vec<char> = letters
+        .to_lowercase()
+        .chars()
+        .filter(|letter| !letter.is_whitespace())
+        .collect();
     let mut best = None;
     for start in 0..text.len().max(1) {
         best = best.max(score_from(&letters, &text, start));
@@ -16,7 +21,11 @@ fn score_from(letters: &[char], text: &[char], from: usize) -> Option<u32> {
     let (mut total, mut at) = (0, from);
     let mut run = 0;
     for letter in letters {
-        let found = at + text.get(at..)?.iter().position(|candidate| candidate == letter)?;
+        let found = at
+            + text
+                .get(at..)?
+                .iter()
+                .position(|candidate| candidate == letter)?;
         let begins_word = found == 0 || !text[found - 1].is_alphanumeric();
         run = if found == at && total > 0 { run + 1 } else { 0 };
         total += 1 + 4 * u32::from(begins_word) + 2 * run.min(4);

@@ -1,4 +1,5 @@
-//! The user guide: the Markdown of `assets/guide`, a page at a time, with the pictures that it names.
+//! The user guide: the Markdown of `assets/guide`, a page at a time, with the pictures that it
+//! names.
 
 use super::sheet;
 use crate::ui::{
@@ -7,8 +8,8 @@ use crate::ui::{
 };
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
-    Button, ColorImage, Context, FontFamily, FontId, Id, Image, Label, RichText, Role, ScrollArea, TextureHandle,
-    TextureOptions, Ui, WidgetInfo, vec2,
+    Button, ColorImage, Context, FontFamily, FontId, Id, Image, Label, RichText, Role, ScrollArea,
+    TextureHandle, TextureOptions, Ui, WidgetInfo, vec2,
 };
 use image::ImageFormat;
 use touchline_application::app::guide::GuidePage;
@@ -41,9 +42,12 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, page: GuidePage, leads_back: b
             ui.vertical(|ui| {
                 ui.set_width(LIST);
                 for other in GuidePage::ALL {
-                    let button = Button::selectable(other == page, other.title()).min_size(vec2(LIST, 22.0));
+                    let button =
+                        Button::selectable(other == page, other.title()).min_size(vec2(LIST, 22.0));
                     if ui.add(button).clicked() {
-                        panel.actions.push(Action::View(ViewAction::ShowGuidePage(other)));
+                        panel
+                            .actions
+                            .push(Action::View(ViewAction::ShowGuidePage(other)));
                     }
                 }
                 if leads_back {
@@ -54,19 +58,23 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, page: GuidePage, leads_back: b
                     }
                 }
             });
-            ScrollArea::vertical().id_salt(page.title()).auto_shrink(false).show(ui, |ui| {
-                // The area has the layout of the row that it stands in.
-                ui.vertical(|ui| {
-                    for line in text(page).lines() {
-                        show_line(ui, line);
-                    }
+            ScrollArea::vertical()
+                .id_salt(page.title())
+                .auto_shrink(false)
+                .show(ui, |ui| {
+                    // The area has the layout of the row that it stands in.
+                    ui.vertical(|ui| {
+                        for line in text(page).lines() {
+                            show_line(ui, line);
+                        }
+                    });
                 });
-            });
         });
     });
 }
 
-/// A line of Markdown: a title, the heading of a section, a picture, an entry of a list, or a paragraph.
+/// A line of Markdown: a title, the heading of a section, a picture, an entry of a list, or a
+/// paragraph.
 fn show_line(ui: &mut Ui, line: &str) {
     if let Some(title) = line.strip_prefix("# ") {
         ui.label(RichText::new(title).heading().color(ui.palette().strong));
@@ -74,7 +82,12 @@ fn show_line(ui: &mut Ui, line: &str) {
     }
     if let Some(heading) = line.strip_prefix("## ") {
         ui.add_space(theme::SPACE);
-        ui.label(RichText::new(heading).size(15.0).strong().color(ui.palette().strong));
+        ui.label(
+            RichText::new(heading)
+                .size(15.0)
+                .strong()
+                .color(ui.palette().strong),
+        );
         return;
     }
     if let Some((caption, name)) = picture(line) {
@@ -85,7 +98,9 @@ fn show_line(ui: &mut Ui, line: &str) {
         ui.add_space(theme::SPACE);
         return;
     };
-    let numbered = text.split_once(". ").filter(|(number, _)| number.parse::<u32>().is_ok());
+    let numbered = text
+        .split_once(". ")
+        .filter(|(number, _)| number.parse::<u32>().is_ok());
     let (mark, text) = match (numbered, text.strip_prefix("- ")) {
         (Some((number, rest)), _) => (Some(format!("{number}.")), rest),
         (None, Some(rest)) => (Some("•".to_owned()), rest),
@@ -93,9 +108,16 @@ fn show_line(ui: &mut Ui, line: &str) {
     };
     ui.horizontal_top(|ui| {
         if let Some(mark) = mark {
-            ui.add_sized(vec2(20.0, 16.0), Label::new(RichText::new(mark).color(ui.palette().weak)));
+            ui.add_sized(
+                vec2(20.0, 16.0),
+                Label::new(RichText::new(mark).color(ui.palette().weak)),
+            );
         }
-        ui.add(Label::new(laid_out(ui.palette(), text)).wrap().selectable(true));
+        ui.add(
+            Label::new(laid_out(ui.palette(), text))
+                .wrap()
+                .selectable(true),
+        );
     });
 }
 
@@ -108,11 +130,17 @@ fn picture(line: &str) -> Option<(&str, &str)> {
 fn show_picture(ui: &mut Ui, caption: &str, name: &str) {
     let memory = Id::unique(("picture of the guide", name));
     let known = ui.data(|data| data.get_temp::<TextureHandle>(memory));
-    let Some(texture) = known.or_else(|| decoded(ui.ctx(), name)) else { return };
+    let Some(texture) = known.or_else(|| decoded(ui.ctx(), name)) else {
+        return;
+    };
     ui.data_mut(|data| data.insert_temp(memory, texture.clone()));
     let size = texture.size_vec2();
     let width = ui.available_width().min(size.x);
-    let shown = ui.add(Image::from_texture(&texture).fit_to_exact_size(size * (width / size.x)).corner_radius(4.0));
+    let shown = ui.add(
+        Image::from_texture(&texture)
+            .fit_to_exact_size(size * (width / size.x))
+            .corner_radius(4.0),
+    );
     shown.widget_info(|| WidgetInfo::labeled(Role::Image, true, caption));
     shown.on_hover_text(caption);
 }
@@ -120,8 +148,13 @@ fn show_picture(ui: &mut Ui, caption: &str, name: &str) {
 /// A picture of the guide on the graphics adapter.
 fn decoded(ctx: &Context, name: &str) -> Option<TextureHandle> {
     let (_, bytes) = guide::PICTURES.iter().find(|(known, _)| *known == name)?;
-    let picture = image::load_from_memory_with_format(bytes, ImageFormat::WebP).ok()?.into_rgb8();
-    let image = ColorImage::from_rgb([picture.width() as usize, picture.height() as usize], picture.as_raw());
+    let picture = image::load_from_memory_with_format(bytes, ImageFormat::WebP)
+        .ok()?
+        .into_rgb8();
+    let image = ColorImage::from_rgb(
+        [picture.width() as usize, picture.height() as usize],
+        picture.as_raw(),
+    );
     Some(ctx.load_texture(name, image, TextureOptions::LINEAR))
 }
 
@@ -130,10 +163,26 @@ fn laid_out(palette: &Palette, text: &str) -> LayoutJob {
     let mut job = LayoutJob::default();
     for (part, is_set_off) in parts(text) {
         let key = is_set_off && part.starts_with('`');
-        let family = if key { FontFamily::Monospace } else { FontFamily::Proportional };
-        let colour = if is_set_off { palette.strong } else { palette.text };
-        let shown = if is_set_off { part.trim_matches(['`', '*']) } else { part };
-        job.append(shown, 0.0, TextFormat::simple(FontId::new(13.0, family), colour));
+        let family = if key {
+            FontFamily::Monospace
+        } else {
+            FontFamily::Proportional
+        };
+        let colour = if is_set_off {
+            palette.strong
+        } else {
+            palette.text
+        };
+        let shown = if is_set_off {
+            part.trim_matches(['`', '*'])
+        } else {
+            part
+        };
+        job.append(
+            shown,
+            0.0,
+            TextFormat::simple(FontId::new(13.0, family), colour),
+        );
     }
     job
 }
@@ -142,8 +191,14 @@ fn laid_out(palette: &Palette, text: &str) -> LayoutJob {
 fn parts(text: &str) -> Vec<(&str, bool)> {
     let (mut found, mut rest) = (Vec::new(), text);
     while let Some(start) = rest.find(['`', '*']) {
-        let mark = if rest[start..].starts_with("**") { "**" } else { &rest[start..=start] };
-        let Some(length) = rest[start + mark.len()..].find(mark) else { break };
+        let mark = if rest[start..].starts_with("**") {
+            "**"
+        } else {
+            &rest[start..=start]
+        };
+        let Some(length) = rest[start + mark.len()..].find(mark) else {
+            break;
+        };
         let end = start + mark.len() + length + mark.len();
         found.extend([(&rest[..start], false), (&rest[start..end], true)]);
         rest = &rest[end..];
@@ -160,7 +215,11 @@ mod tests {
     #[test]
     fn marks_set_words_off_and_single_ones_are_text() {
         let found = parts("Press `Ctrl-K` or *File › Open*, **never** 2 * 3.");
-        let set_off: Vec<&str> = found.iter().filter(|(_, is_set_off)| *is_set_off).map(|(part, _)| *part).collect();
+        let set_off: Vec<&str> = found
+            .iter()
+            .filter(|(_, is_set_off)| *is_set_off)
+            .map(|(part, _)| *part)
+            .collect();
         assert_eq!(set_off, ["`Ctrl-K`", "*File › Open*", "**never**"]);
         assert_eq!(
             found.iter().map(|(part, _)| *part).collect::<String>(),
@@ -175,23 +234,33 @@ mod tests {
             let (name, text) = (page.title(), text(page));
             assert!(text.starts_with("# "), "{name}");
             for line in text.lines().filter(|line| picture(line).is_none()) {
-                assert!(!line.contains('<') && !line.contains("](") && !line.starts_with("  "), "{name}: {line}");
+                assert!(
+                    !line.contains('<') && !line.contains("](") && !line.starts_with("  "),
+                    "{name}: {line}"
+                );
             }
         }
     }
 
     #[test]
     fn every_picture_that_a_page_names_is_there_and_has_a_caption() {
-        let named: Vec<(&str, &str)> =
-            GuidePage::ALL.into_iter().flat_map(|page| text(page).lines().filter_map(picture)).collect();
+        let named: Vec<(&str, &str)> = GuidePage::ALL
+            .into_iter()
+            .flat_map(|page| text(page).lines().filter_map(picture))
+            .collect();
         let ctx = Context::default();
         for (caption, name) in &named {
             assert!(caption.len() > 20, "{name}");
             let size = decoded(&ctx, name).map(|texture| texture.size());
-            assert!(size.is_some_and(|[width, _]| width >= 900), "{name}: {size:?}");
+            assert!(
+                size.is_some_and(|[width, _]| width >= 900),
+                "{name}: {size:?}"
+            );
         }
-        let unused: Vec<_> =
-            guide::PICTURES.iter().filter(|(name, _)| !named.iter().any(|(_, used)| used == name)).collect();
+        let unused: Vec<_> = guide::PICTURES
+            .iter()
+            .filter(|(name, _)| !named.iter().any(|(_, used)| used == name))
+            .collect();
         assert_eq!(unused.len(), 0);
     }
 }

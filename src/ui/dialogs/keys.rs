@@ -5,18 +5,29 @@ use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
-use egui::{Button, Context, Event, Grid, Id, Key, Label, Modifiers, RichText, ScrollArea, Ui, vec2};
+use egui::{
+    Button, Context, Event, Grid, Id, Key, Label, Modifiers, RichText, ScrollArea, Ui, vec2,
+};
 use touchline_application::app::{Action, Chord, Command, Keymap, MenuGroup, SettingsAction};
 
 /// Keys that are not commands and cannot be changed.
 const FIXED: [(&str, &str); 9] = [
     ("Click", "place a point, or grab one"),
     ("1–5, letters", "choose a name, filter the names"),
-    ("Arrows", "move the selected point 0.1 px; Shift 1 px, Alt 10 px"),
-    ("Tab", "while naming a point: switch between landmarks and lines"),
+    (
+        "Arrows",
+        "move the selected point 0.1 px; Shift 1 px, Alt 10 px",
+    ),
+    (
+        "Tab",
+        "while naming a point: switch between landmarks and lines",
+    ),
     ("Wheel", "zoom to the pointer"),
     ("Space-drag, middle drag", "move the picture"),
-    ("Alt while releasing", "the point stays there instead of snapping to paint nearby"),
+    (
+        "Alt while releasing",
+        "the point stays there instead of snapping to paint nearby",
+    ),
     ("Shift while dragging", "a tenth of the pointer's speed"),
     ("1–6", "the reason, after Not calibratable"),
 ];
@@ -31,7 +42,9 @@ fn waiting() -> Id {
 
 /// Whether the next key press is recorded for a command.
 pub fn captures_keys(ctx: &Context) -> bool {
-    ctx.data(|data| data.get_temp::<Option<Command>>(waiting())).flatten().is_some()
+    ctx.data(|data| data.get_temp::<Option<Command>>(waiting()))
+        .flatten()
+        .is_some()
 }
 
 fn set_waiting(ctx: &Context, command: Option<Command>) {
@@ -43,17 +56,26 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     if super::has_just_opened(ctx, "keys") {
         set_waiting(ctx, None);
     }
-    let chosen = ctx.data(|data| data.get_temp::<Option<Command>>(waiting())).flatten();
+    let chosen = ctx
+        .data(|data| data.get_temp::<Option<Command>>(waiting()))
+        .flatten();
     if let Some(command) = chosen {
         capture(panel, ctx, command);
     }
     sheet(panel, ctx, "Keys", vec2(860.0, 560.0), |panel, ui| {
         ui.horizontal(|ui| {
             let hint = match chosen {
-                Some(command) => format!("Press the new key for “{}”. Esc keeps the old one.", command.name()),
+                Some(command) => format!(
+                    "Press the new key for “{}”. Esc keeps the old one.",
+                    command.name()
+                ),
                 None => "Click a key to change it.".to_owned(),
             };
-            let colour = if chosen.is_some() { ui.palette().accent } else { ui.palette().weak };
+            let colour = if chosen.is_some() {
+                ui.palette().accent
+            } else {
+                ui.palette().weak
+            };
             ui.label(RichText::new(hint).color(colour));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let changed = panel.app.settings.keys.is_changed();
@@ -62,34 +84,43 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                     .on_hover_text("Give every command its default key.")
                     .on_disabled_hover_text("Every command has its default key.");
                 if reset.clicked() {
-                    panel.actions.push(Action::Settings(SettingsAction::ResetKeys));
+                    panel
+                        .actions
+                        .push(Action::Settings(SettingsAction::ResetKeys));
                 }
             });
         });
         ui.add_space(theme::SPACE);
-        ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
-            ui.columns(2, |columns| {
-                for group in [MenuGroup::File, MenuGroup::Edit, MenuGroup::View] {
-                    table(panel, &mut columns[0], group, chosen);
-                }
-                for group in [MenuGroup::Frame, MenuGroup::Camera, MenuGroup::Help] {
-                    table(panel, &mut columns[1], group, chosen);
-                }
-                fixed(&mut columns[1]);
+        ScrollArea::vertical()
+            .auto_shrink([false, true])
+            .show(ui, |ui| {
+                ui.columns(2, |columns| {
+                    for group in [MenuGroup::File, MenuGroup::Edit, MenuGroup::View] {
+                        table(panel, &mut columns[0], group, chosen);
+                    }
+                    for group in [MenuGroup::Frame, MenuGroup::Camera, MenuGroup::Help] {
+                        table(panel, &mut columns[1], group, chosen);
+                    }
+                    fixed(&mut columns[1]);
+                });
             });
-        });
     });
 }
 
 fn table(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup, chosen: Option<Command>) {
     theme::title(ui, &group.title().to_uppercase());
-    Grid::new(("keys", group.title())).num_columns(2).min_col_width(KEY).spacing([12.0, 2.0]).show(ui, |ui| {
-        for command in Command::all().filter(|command| command.group() == group) {
-            key(panel, ui, command, chosen == Some(command));
-            ui.add(Label::new(command.name()).truncate()).on_hover_text(command.about());
-            ui.end_row();
-        }
-    });
+    Grid::new(("keys", group.title()))
+        .num_columns(2)
+        .min_col_width(KEY)
+        .spacing([12.0, 2.0])
+        .show(ui, |ui| {
+            for command in Command::all().filter(|command| command.group() == group) {
+                key(panel, ui, command, chosen == Some(command));
+                ui.add(Label::new(command.name()).truncate())
+                    .on_hover_text(command.about());
+                ui.end_row();
+            }
+        });
     ui.add_space(3.0 * theme::SPACE);
 }
 
@@ -101,47 +132,76 @@ fn key(panel: &Panel<'_>, ui: &mut Ui, command: Command, waits: bool) {
         (false, false) => RichText::new(&shown).monospace().color(ui.palette().strong),
     };
     let button = ui.add(Button::new(text).min_size(vec2(KEY, 20.0)).selected(waits));
-    let name = format!("Key of {}: {}", command.name(), if shown.is_empty() { "none" } else { &shown });
-    if button.accessible_name(name).on_hover_text(format!("{} Click to change the key.", command.about())).clicked() {
+    let name = format!(
+        "Key of {}: {}",
+        command.name(),
+        if shown.is_empty() { "none" } else { &shown }
+    );
+    if button
+        .accessible_name(name)
+        .on_hover_text(format!("{} Click to change the key.", command.about()))
+        .clicked()
+    {
         set_waiting(ui.ctx(), (!waits).then_some(command));
     }
 }
 
 /// Every key of a command.
 fn shown(keys: &Keymap, command: Command) -> String {
-    let chords: Vec<String> = keys.chords(command).iter().map(ToString::to_string).collect();
+    let chords: Vec<String> = keys
+        .chords(command)
+        .iter()
+        .map(ToString::to_string)
+        .collect();
     chords.join(", ")
 }
 
 fn fixed(ui: &mut Ui) {
     theme::title(ui, "POINTER AND FIXED KEYS");
-    Grid::new("fixed keys").num_columns(2).min_col_width(KEY).spacing([12.0, 4.0]).show(ui, |ui| {
-        for (key, about) in FIXED {
-            ui.label(RichText::new(key).color(ui.palette().strong));
-            ui.add(Label::new(about).wrap());
-            ui.end_row();
-        }
-    });
+    Grid::new("fixed keys")
+        .num_columns(2)
+        .min_col_width(KEY)
+        .spacing([12.0, 4.0])
+        .show(ui, |ui| {
+            for (key, about) in FIXED {
+                ui.label(RichText::new(key).color(ui.palette().strong));
+                ui.add(Label::new(about).wrap());
+                ui.end_row();
+            }
+        });
 }
 
 /// Records the next key press for the command.
 fn capture(panel: &mut Panel<'_>, ctx: &Context, command: Command) {
     let pressed = ctx.input_mut(|input| {
         let found = input.events.iter().find_map(|event| match event {
-            Event::Key { key, pressed: true, repeat: false, modifiers, .. } if !is_modifier(*key) => {
-                Some((*key, *modifiers))
-            }
+            Event::Key {
+                key,
+                pressed: true,
+                repeat: false,
+                modifiers,
+                ..
+            } if !is_modifier(*key) => Some((*key, *modifiers)),
             _ => None,
         });
         if found.is_some() {
-            input.events.retain(|event| !matches!(event, Event::Key { .. } | Event::Text(_)));
+            input
+                .events
+                .retain(|event| !matches!(event, Event::Key { .. } | Event::Text(_)));
         }
         found
     });
-    let Some((key, modifiers)) = pressed else { return };
+    let Some((key, modifiers)) = pressed else {
+        return;
+    };
     set_waiting(ctx, None);
     if key != Key::Escape {
-        panel.actions.push(Action::Settings(SettingsAction::AssignKey(command, chord(key, modifiers))));
+        panel
+            .actions
+            .push(Action::Settings(SettingsAction::AssignKey(
+                command,
+                chord(key, modifiers),
+            )));
     }
 }
 
@@ -159,15 +219,24 @@ const fn is_modifier(key: Key) -> bool {
     )
 }
 
-/// A key as the settings write it. Whether a sign needs Shift is the layout's business, not the chord's.
+/// A key as the settings write it. Whether a sign needs Shift is the layout's business, not the
+/// chord's.
 fn chord(key: Key, modifiers: Modifiers) -> Chord {
     let question = key == Key::Questionmark || key == Key::Slash && modifiers.shift;
-    let sign = question || matches!(key, Key::Plus | Key::Colon | Key::Exclamationmark | Key::Pipe);
+    let sign = question
+        || matches!(
+            key,
+            Key::Plus | Key::Colon | Key::Exclamationmark | Key::Pipe
+        );
     Chord {
         ctrl: modifiers.command,
         shift: modifiers.shift && !sign,
         alt: modifiers.alt,
-        key: if question { "?".to_owned() } else { key.name().to_owned() },
+        key: if question {
+            "?".to_owned()
+        } else {
+            key.name().to_owned()
+        },
     }
 }
 
@@ -179,7 +248,11 @@ mod tests {
     fn a_pressed_key_is_written_as_the_settings_read_it() {
         for (key, modifiers, written) in [
             (Key::N, Modifiers::NONE, "N"),
-            (Key::Z, Modifiers::COMMAND | Modifiers::SHIFT, "Ctrl+Shift+Z"),
+            (
+                Key::Z,
+                Modifiers::COMMAND | Modifiers::SHIFT,
+                "Ctrl+Shift+Z",
+            ),
             (Key::Period, Modifiers::SHIFT, "Shift+Period"),
             (Key::Plus, Modifiers::SHIFT, "Plus"),
             (Key::Slash, Modifiers::SHIFT, "?"),

@@ -14,19 +14,27 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         let command = Command::DismissNotices;
         let why_not = panel.app.why_not(command);
         let dismiss = ui.add_enabled(why_not.is_none(), Button::new(command.name()));
-        let dismiss = dismiss.on_hover_text(command.about()).on_disabled_hover_text(why_not.unwrap_or_default());
+        let dismiss = dismiss
+            .on_hover_text(command.about())
+            .on_disabled_hover_text(why_not.unwrap_or_default());
         if dismiss.clicked() {
             panel.actions.push(Action::Command(command));
         }
         ui.add_space(theme::SPACE);
-        ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
-            for (level, text) in panel.app.session.messages.log.iter().rev() {
-                ui.horizontal_top(|ui| {
-                    let (sign, colour) = notices::look(ui.palette(), *level);
-                    symbol::show(ui, sign, colour);
-                    ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap().selectable(true));
-                });
-            }
-        });
+        ScrollArea::vertical()
+            .auto_shrink([false, true])
+            .show(ui, |ui| {
+                for (level, text) in panel.app.session.messages.log.iter().rev() {
+                    ui.horizontal_top(|ui| {
+                        let (sign, colour) = notices::look(ui.palette(), *level);
+                        symbol::show(ui, sign, colour);
+                        ui.add(
+                            Label::new(RichText::new(text).color(ui.palette().text))
+                                .wrap()
+                                .selectable(true),
+                        );
+                    });
+                }
+            });
     });
 }

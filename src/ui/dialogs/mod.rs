@@ -1,6 +1,6 @@
-//! Dialogs: user guide, palette, keys, preferences, messages, about, sport, overlay style, look of the picture, comment,
-//! camera assignment, path, and the questions about saving. Escape or a click beside a dialog closes it. Tab stays inside
-//! one that darkens the window.
+//! Dialogs: user guide, palette, keys, preferences, messages, about, sport, overlay style, look of
+//! the picture, comment, camera assignment, path, and the questions about saving. Escape or a click
+//! beside a dialog closes it. Tab stays inside one that darkens the window.
 
 mod about;
 mod accept_all;
@@ -30,7 +30,8 @@ use super::{
     theme::{self, Themed as _},
 };
 use egui::{
-    Align, Align2, Area, Button, Color32, Context, Frame, Id, Layout, Margin, Order, RichText, Sense, Ui, Vec2, vec2,
+    Align, Align2, Area, Button, Color32, Context, Frame, Id, Layout, Margin, Order, RichText,
+    Sense, Ui, Vec2, vec2,
 };
 use touchline_application::app::session::Dialog;
 use touchline_application::app::{Action, Command, ViewAction};
@@ -61,9 +62,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
     }
 }
 
-/// Whether this dialog has just opened: then it takes the focus and forgets what was typed into it before.
+/// Whether this dialog has just opened: then it takes the focus and forgets what was typed into it
+/// before.
 fn has_just_opened(ctx: &Context, dialog: &str) -> bool {
-    let (memory, now) = (Id::unique(("dialog was shown", dialog)), ctx.cumulative_frame_nr());
+    let (memory, now) = (
+        Id::unique(("dialog was shown", dialog)),
+        ctx.cumulative_frame_nr(),
+    );
     ctx.data_mut(|data| {
         let before = data.get_temp::<u64>(memory);
         data.insert_temp(memory, now);
@@ -71,14 +76,18 @@ fn has_just_opened(ctx: &Context, dialog: &str) -> bool {
     })
 }
 
-/// The darkened backdrop of a dialog; a click on it closes the dialog. Nothing behind it takes the keyboard's focus.
+/// The darkened backdrop of a dialog; a click on it closes the dialog. Nothing behind it takes the
+/// keyboard's focus.
 fn curtain(panel: &mut Panel<'_>, ctx: &Context) {
     let all = ctx.content_rect();
-    let area = Area::new(Id::unique("curtain")).order(Order::Middle).fixed_pos(all.min);
+    let area = Area::new(Id::unique("curtain"))
+        .order(Order::Middle)
+        .fixed_pos(all.min);
     ctx.memory_mut(|memory| memory.set_modal_layer(area.layer()));
     area.show(ctx, |ui| {
         let (_, response) = ui.allocate_exact_size(all.size(), Sense::CLICK);
-        ui.painter().rect_filled(all, 0.0, Color32::from_black_alpha(96));
+        ui.painter()
+            .rect_filled(all, 0.0, Color32::from_black_alpha(96));
         if response.clicked() {
             panel.actions.push(Action::View(ViewAction::CloseDialog));
         }
@@ -121,7 +130,12 @@ fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
         ui.label(RichText::new(title).heading().color(ui.palette().strong));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let palette = ui.palette();
-            let close = symbol::button(ui, symbol::Symbol::Cross, &format!("Close: {title}"), palette.weak);
+            let close = symbol::button(
+                ui,
+                symbol::Symbol::Cross,
+                &format!("Close: {title}"),
+                palette.weak,
+            );
             if close.on_hover_text("Close. (Esc)").clicked() {
                 panel.actions.push(Action::View(ViewAction::CloseDialog));
             }
@@ -133,11 +147,21 @@ fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
 
 /// The way to the page of the guide that speaks of the dialog.
 fn to_guide(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(page) = panel.app.guide_page() else { return };
+    let Some(page) = panel.app.guide_page() else {
+        return;
+    };
     let button = Button::new(RichText::new("Guide").small().color(ui.palette().weak)).small();
     let key = panel.app.settings.keys.shown(Command::Guide);
-    let tip = format!("Open the user guide at “{}”; closing it leads back here. ({key})", page.title());
-    if ui.add(button).accessible_name(format!("Guide: {}", page.title())).on_hover_text(tip).clicked() {
+    let tip = format!(
+        "Open the user guide at “{}”; closing it leads back here. ({key})",
+        page.title()
+    );
+    if ui
+        .add(button)
+        .accessible_name(format!("Guide: {}", page.title()))
+        .on_hover_text(tip)
+        .clicked()
+    {
         panel.actions.push(Action::Command(Command::Guide));
     }
 }

@@ -13,7 +13,9 @@ use touchline_application::app::{Action, Command, ViewAction};
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
     let (title, does, does_only) = match leaving {
         Leaving::Close => ("Quit without saving?", "Quit and lose edits", "Quit"),
-        Leaving::Open(_) | Leaving::OpenDemo => ("Open without saving?", "Open and lose edits", "Open"),
+        Leaving::Open(_) | Leaving::OpenDemo => {
+            ("Open without saving?", "Open and lose edits", "Open")
+        }
     };
     sheet(panel, ctx, title, vec2(520.0, 220.0), |panel, ui| {
         let (what, does) = match &panel.app.session.disk.saving {
@@ -37,14 +39,24 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
         let row = vec2(ui.available_width(), 28.0);
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let elsewhere = ui.add(Button::new("Save elsewhere…").fill(ui.palette().accent_ground));
-            if elsewhere.on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs)).clicked() {
+            if elsewhere
+                .on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs))
+                .clicked()
+            {
                 panel.actions.push(Action::View(ViewAction::CloseDialog));
                 panel.actions.push(Action::Command(Command::SaveAs));
             }
-            if ui.button("Cancel").on_hover_text("Continue working; saving is tried again. (Esc)").clicked() {
+            if ui
+                .button("Cancel")
+                .on_hover_text("Continue working; saving is tried again. (Esc)")
+                .clicked()
+            {
                 panel.actions.push(Action::View(ViewAction::CloseDialog));
             }
-            if ui.button(RichText::new(does).color(ui.palette().bad)).on_hover_text("This cannot be undone.").clicked()
+            if ui
+                .button(RichText::new(does).color(ui.palette().bad))
+                .on_hover_text("This cannot be undone.")
+                .clicked()
             {
                 panel.actions.push(Action::LeaveUnsaved);
             }

@@ -11,23 +11,37 @@ use touchline_documents::store::Orphan;
 
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
-    sheet(panel, ctx, "Edits set aside", vec2(560.0, 320.0), |panel, ui| {
-        let text = "These edits were made to another version of this document and are not part of it.";
-        ui.add(Label::new(RichText::new(text).color(ui.palette().strong)).wrap());
-        ui.add_space(2.0 * theme::SPACE);
-        ScrollArea::vertical().id_salt("edits set aside").show(ui, |ui| {
-            for orphan in &panel.app.session.disk.orphans.clone() {
-                entry(panel, ui, orphan);
-            }
-        });
-    });
+    sheet(
+        panel,
+        ctx,
+        "Edits set aside",
+        vec2(560.0, 320.0),
+        |panel, ui| {
+            let text =
+                "These edits were made to another version of this document and are not part of it.";
+            ui.add(Label::new(RichText::new(text).color(ui.palette().strong)).wrap());
+            ui.add_space(2.0 * theme::SPACE);
+            ScrollArea::vertical()
+                .id_salt("edits set aside")
+                .show(ui, |ui| {
+                    for orphan in &panel.app.session.disk.orphans.clone() {
+                        entry(panel, ui, orphan);
+                    }
+                });
+        },
+    );
 }
 
 fn entry(panel: &mut Panel<'_>, ui: &mut Ui, orphan: &Orphan) {
     let count = orphan.edits.len();
     let last = orphan.edits.last().map(String::as_str).unwrap_or_default();
-    let text = if count == 1 { format!("1 edit: {last}") } else { format!("{count} edits, the last: {last}") };
-    ui.add(Label::new(text).truncate()).on_hover_text(orphan.path.display().to_string());
+    let text = if count == 1 {
+        format!("1 edit: {last}")
+    } else {
+        format!("{count} edits, the last: {last}")
+    };
+    ui.add(Label::new(text).truncate())
+        .on_hover_text(orphan.path.display().to_string());
     ui.horizontal(|ui| {
         let merge = ui.button("Merge").on_hover_text(
             "Merge them into the document frame by frame. Where both sides changed a frame, these edits win. One step of \

@@ -23,7 +23,9 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 let mut style = before;
                 controls(ui, &mut style);
                 if style != before {
-                    panel.actions.push(Action::Settings(SettingsAction::OverlayStyle(style)));
+                    panel
+                        .actions
+                        .push(Action::Settings(SettingsAction::OverlayStyle(style)));
                 }
             });
         });
@@ -31,9 +33,16 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
 
 /// The colour of the shown sport's lines.
 fn colour(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let template = panel.app.shown_field_spec().map(|spec| spec.template.clone()).unwrap_or_default();
+    let template = panel
+        .app
+        .shown_field_spec()
+        .map(|spec| spec.template.clone())
+        .unwrap_or_default();
     let sport = Sport::of_template(&template);
-    ui.label(sport.map_or_else(|| "Colour".to_owned(), |sport| format!("Colour for {}", sport.name.to_lowercase())));
+    ui.label(sport.map_or_else(
+        || "Colour".to_owned(),
+        |sport| format!("Colour for {}", sport.name.to_lowercase()),
+    ));
     let ground = sport.map(|sport| sport.ground);
     if let Some(taken) = swatches::show(ui, "", ground, panel.app.overlay_style().colour) {
         panel.actions.push(match sport {
@@ -48,30 +57,58 @@ fn colour(panel: &mut Panel<'_>, ui: &mut Ui) {
 }
 
 fn controls(ui: &mut Ui, style: &mut OverlayStyle) {
-    Grid::new("overlay style").num_columns(2).spacing([12.0, 8.0]).show(ui, |ui| {
-        for (name, value, range, tip) in [
-            ("Width", &mut style.width, 0.5..=12.0, "The width of a line on the screen, points."),
-            ("Opacity", &mut style.opacity, 0.05..=1.0, "1 is solid; hold H to hide the lines."),
-            ("Outline", &mut style.outline, 0.0..=4.0, "The dark outline on each side, points; 0: none."),
-        ] {
-            ui.label(name);
-            ui.add(Slider::new(value, range).fixed_decimals(2)).accessible_name(name).on_hover_text(tip);
+    Grid::new("overlay style")
+        .num_columns(2)
+        .spacing([12.0, 8.0])
+        .show(ui, |ui| {
+            for (name, value, range, tip) in [
+                (
+                    "Width",
+                    &mut style.width,
+                    0.5..=12.0,
+                    "The width of a line on the screen, points.",
+                ),
+                (
+                    "Opacity",
+                    &mut style.opacity,
+                    0.05..=1.0,
+                    "1 is solid; hold H to hide the lines.",
+                ),
+                (
+                    "Outline",
+                    &mut style.outline,
+                    0.0..=4.0,
+                    "The dark outline on each side, points; 0: none.",
+                ),
+            ] {
+                ui.label(name);
+                ui.add(Slider::new(value, range).fixed_decimals(2))
+                    .accessible_name(name)
+                    .on_hover_text(tip);
+                ui.end_row();
+            }
+            ui.label("");
+            ui.checkbox(&mut style.landmarks, "Landmarks as rings")
+                .on_hover_text("Mark every landmark in view once there is a solution.");
             ui.end_row();
-        }
-        ui.label("");
-        ui.checkbox(&mut style.landmarks, "Landmarks as rings")
-            .on_hover_text("Mark every landmark in view once there is a solution.");
-        ui.end_row();
-        ui.label("");
-        ui.checkbox(&mut style.residuals_times_ten, "Residuals × 10")
-            .on_hover_text("Draw the distance between a point and the solution ten times as long.");
-        ui.end_row();
-    });
+            ui.label("");
+            ui.checkbox(&mut style.residuals_times_ten, "Residuals × 10")
+                .on_hover_text(
+                    "Draw the distance between a point and the solution ten times as long.",
+                );
+            ui.end_row();
+        });
     ui.add_space(theme::SPACE);
-    let delivered = OverlayStyle { colour: style.colour, ..OverlayStyle::default() };
+    let delivered = OverlayStyle {
+        colour: style.colour,
+        ..OverlayStyle::default()
+    };
     let reset = ui.add_enabled(*style != delivered, Button::new("Reset to defaults"));
     let reset = reset.on_hover_text("Restore width, opacity and outline.");
-    if reset.on_disabled_hover_text("These are the defaults.").clicked() {
+    if reset
+        .on_disabled_hover_text("These are the defaults.")
+        .clicked()
+    {
         *style = delivered;
     }
 }

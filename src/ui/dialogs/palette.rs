@@ -6,8 +6,8 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{
-    Align2, Area, Context, CornerRadius, FontId, Frame, Id, Key, Margin, Modifiers, Order, Role, ScrollArea, Sense,
-    TextEdit, Ui, WidgetInfo, pos2, vec2,
+    Align2, Area, Context, CornerRadius, FontId, Frame, Id, Key, Margin, Modifiers, Order, Role,
+    ScrollArea, Sense, TextEdit, Ui, WidgetInfo, pos2, vec2,
 };
 use std::cmp::Reverse;
 use touchline_application::app::synonyms::synonyms;
@@ -34,20 +34,28 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     curtain(panel, ctx);
     let memory = Id::unique("palette");
     let opened = has_just_opened(ctx, "palette");
-    let mut state: State =
-        if opened { State::default() } else { ctx.data_mut(|data| data.get_temp(memory).unwrap_or_default()) };
+    let mut state: State = if opened {
+        State::default()
+    } else {
+        ctx.data_mut(|data| data.get_temp(memory).unwrap_or_default())
+    };
     let all = ctx.content_rect();
     Area::new(Id::unique("command palette"))
         .order(Order::Foreground)
         .pivot(Align2::CENTER_TOP)
-        .fixed_pos(pos2(all.center().x, all.top() + (all.height() * 0.14).round()))
+        .fixed_pos(pos2(
+            all.center().x,
+            all.top() + (all.height() * 0.14).round(),
+        ))
         .role(egui::accesskit::Role::Dialog)
         .accessible_name("Command palette")
         .show(ctx, |ui| {
-            Frame::window(ui.style()).inner_margin(Margin::same(8)).show(ui, |ui| {
-                ui.set_width(WIDTH.min(all.width() - 48.0));
-                contents(panel, ui, &mut state, opened);
-            });
+            Frame::window(ui.style())
+                .inner_margin(Margin::same(8))
+                .show(ui, |ui| {
+                    ui.set_width(WIDTH.min(all.width() - 48.0));
+                    contents(panel, ui, &mut state, opened);
+                });
         });
     ctx.data_mut(|data| data.insert_temp(memory, state));
 }
@@ -64,8 +72,10 @@ fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool)
         .desired_width(f32::INFINITY)
         .font(FontId::proportional(15.0))
         .margin(Margin::symmetric(8, 6));
-    let response =
-        ui.add(field).accessible_name("Command").on_hover_text("Arrows choose, Enter runs the command, Esc closes.");
+    let response = ui
+        .add(field)
+        .accessible_name("Command")
+        .on_hover_text("Arrows choose, Enter runs the command, Esc closes.");
     if opened {
         response.request_focus();
     }
@@ -81,46 +91,75 @@ fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool)
         ui.add_space(theme::SPACE);
         ui.weak(format!("No command matches “{}”.", state.typed.trim()));
     }
-    ScrollArea::vertical().max_height(ROWS * ROW).auto_shrink([false, true]).show(ui, |ui| {
-        for (index, command) in found.iter().enumerate() {
-            let chosen = index == state.highlighted;
-            let clicked = row(panel.app, ui, *command, chosen, chosen && (step != 0 || response.changed()));
-            if (clicked || chosen && take) && panel.app.why_not(*command).is_none() {
-                panel.actions.extend([Action::View(ViewAction::CloseDialog), Action::Command(*command)]);
+    ScrollArea::vertical()
+        .max_height(ROWS * ROW)
+        .auto_shrink([false, true])
+        .show(ui, |ui| {
+            for (index, command) in found.iter().enumerate() {
+                let chosen = index == state.highlighted;
+                let clicked = row(
+                    panel.app,
+                    ui,
+                    *command,
+                    chosen,
+                    chosen && (step != 0 || response.changed()),
+                );
+                if (clicked || chosen && take) && panel.app.why_not(*command).is_none() {
+                    panel.actions.extend([
+                        Action::View(ViewAction::CloseDialog),
+                        Action::Command(*command),
+                    ]);
+                }
             }
-        }
-    });
+        });
 }
 
-/// The commands that match, those that can be done now first, then the best match; in menu order while nothing is typed.
+/// The commands that match, those that can be done now first, then the best match; in menu order
+/// while nothing is typed.
 fn found(app: &App, typed: &str) -> Vec<Command> {
     let candidates = Command::all().filter(|command| *command != Command::Palette);
     let mut scored: Vec<((bool, Reverse<u32>), Command)> = candidates
-        .filter_map(|command| Some(((app.why_not(command).is_some(), Reverse(score(typed, command)?)), command)))
+        .filter_map(|command| {
+            Some((
+                (
+                    app.why_not(command).is_some(),
+                    Reverse(score(typed, command)?),
+                ),
+                command,
+            ))
+        })
         .collect();
     scored.sort_by_key(|(rank, _)| *rank);
     scored.into_iter().map(|(_, command)| command).collect()
 }
 
-/// How well a command matches what was typed: by its name, its menu, or another word for it. None: it does not.
+/// How well a command matches what was typed: by its name, its menu, or another word for it. None:
+/// it does not.
 fn score(typed: &str, command: Command) -> Option<u32> {
     let typed = typed.trim();
     if typed.is_empty() {
         return Some(0);
     }
     let by_name = fuzzy::score(typed, command.name());
-    let by_group = fuzzy::score(typed, &format!("{} {}", command.group().title(), command.name()));
-    // Another word counts by its beginning, and less than a name of which every word begins as typed.
+    let by_group = fuzzy::score(
+        typed,
+        &format!("{} {}", command.group().title(), command.name()),
+    );
+    // Another word counts by its beginning, and less than a name of which every word begins as
+    // typed.
     let wanted = typed.to_lowercase();
     let begins = |word: &str| word.to_lowercase().starts_with(&wanted);
-    let by_synonym = (wanted.len() > 2 && synonyms(command).split(' ').any(begins)).then_some(BY_SYNONYM);
+    let by_synonym =
+        (wanted.len() > 2 && synonyms(command).split(' ').any(begins)).then_some(BY_SYNONYM);
     by_name.max(by_group).max(by_synonym)
 }
 
 fn row(app: &App, ui: &mut Ui, command: Command, chosen: bool, into_view: bool) -> bool {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let why_not = app.why_not(command);
-    response.widget_info(|| WidgetInfo::selected(Role::Button, why_not.is_none(), chosen, command.name()));
+    response.widget_info(|| {
+        WidgetInfo::selected(Role::Button, why_not.is_none(), chosen, command.name())
+    });
     if into_view {
         response.scroll_to_me(None);
     }
@@ -129,11 +168,19 @@ fn row(app: &App, ui: &mut Ui, command: Command, chosen: bool, into_view: bool) 
     }
     let painter = ui.painter();
     if chosen || response.hovered() {
-        let ground = if chosen { ui.palette().accent_ground } else { ui.palette().raised };
+        let ground = if chosen {
+            ui.palette().accent_ground
+        } else {
+            ui.palette().raised
+        };
         painter.rect_filled(rect, CornerRadius::same(4), ground);
     }
     let middle = rect.center().y;
-    let name = if why_not.is_some() { ui.palette().weak } else { ui.palette().strong };
+    let name = if why_not.is_some() {
+        ui.palette().weak
+    } else {
+        ui.palette().strong
+    };
     let end = painter.text(
         pos2(rect.left() + 8.0, middle),
         Align2::LEFT_CENTER,
@@ -175,7 +222,8 @@ mod tests {
             ("accept", Command::Accept),
             ("key", Command::Keys),
         ] {
-            let best = Command::all().max_by_key(|command| (score(typed, *command), *command == wanted));
+            let best =
+                Command::all().max_by_key(|command| (score(typed, *command), *command == wanted));
             assert_eq!(best, Some(wanted), "{typed}");
         }
         assert!(found(&app, "zzzz").is_empty());
@@ -191,7 +239,14 @@ mod tests {
         assert!(found(&app, "shortcuts").contains(&Command::Keys));
         // Nothing is open: what needs a document comes after everything that does not.
         let found = found(&app, "");
-        let first_refused = found.iter().position(|command| app.why_not(*command).is_some()).unwrap();
-        assert!(found[first_refused..].iter().all(|command| app.why_not(*command).is_some()));
+        let first_refused = found
+            .iter()
+            .position(|command| app.why_not(*command).is_some())
+            .unwrap();
+        assert!(
+            found[first_refused..]
+                .iter()
+                .all(|command| app.why_not(*command).is_some())
+        );
     }
 }

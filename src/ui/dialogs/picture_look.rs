@@ -23,18 +23,35 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 header(panel, ui, "Brightness and contrast");
                 let before = panel.app.settings.picture;
                 let mut look = before;
-                Grid::new("picture look").num_columns(2).spacing([12.0, 8.0]).show(ui, |ui| {
-                    for (name, value, tip) in [
-                        ("Brightness", &mut look.brightness, "How bright the picture is; 1: as it is."),
-                        ("Contrast", &mut look.contrast, "Differences from a middle grey; 1: as they are."),
-                        ("Gamma", &mut look.gamma, "More brightens shadows and keeps black and white; 1: as it is."),
-                    ] {
-                        ui.label(name);
-                        let slider = Slider::new(value, PictureLook::RANGE).logarithmic(true).fixed_decimals(2);
-                        ui.add(slider).accessible_name(name).on_hover_text(tip);
-                        ui.end_row();
-                    }
-                });
+                Grid::new("picture look")
+                    .num_columns(2)
+                    .spacing([12.0, 8.0])
+                    .show(ui, |ui| {
+                        for (name, value, tip) in [
+                            (
+                                "Brightness",
+                                &mut look.brightness,
+                                "How bright the picture is; 1: as it is.",
+                            ),
+                            (
+                                "Contrast",
+                                &mut look.contrast,
+                                "Differences from a middle grey; 1: as they are.",
+                            ),
+                            (
+                                "Gamma",
+                                &mut look.gamma,
+                                "More brightens shadows and keeps black and white; 1: as it is.",
+                            ),
+                        ] {
+                            ui.label(name);
+                            let slider = Slider::new(value, PictureLook::RANGE)
+                                .logarithmic(true)
+                                .fixed_decimals(2);
+                            ui.add(slider).accessible_name(name).on_hover_text(tip);
+                            ui.end_row();
+                        }
+                    });
                 ui.add_space(theme::SPACE);
                 let default = PictureLook::default();
                 let reset = ui.add_enabled(look != default, Button::new("Reset to defaults"));
@@ -44,10 +61,15 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 if reset.clicked() {
                     look = default;
                 }
-                let tip = format!("{} opens and closes this.", panel.app.settings.keys.shown(Command::PictureLook));
+                let tip = format!(
+                    "{} opens and closes this.",
+                    panel.app.settings.keys.shown(Command::PictureLook)
+                );
                 ui.label(egui::RichText::new(tip).small().color(ui.palette().weak));
                 if look != before {
-                    panel.actions.push(Action::Settings(SettingsAction::PictureLook(look)));
+                    panel
+                        .actions
+                        .push(Action::Settings(SettingsAction::PictureLook(look)));
                 }
             });
         });

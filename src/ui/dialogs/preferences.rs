@@ -11,8 +11,12 @@ use touchline_application::app::{Action, Command, SettingsAction};
 use touchline_application::scene::SPORTS;
 
 /// Switches, with what the settings say of each.
-const SWITCHES: [Command; 4] =
-    [Command::SnapPoints, Command::SnapSuggestions, Command::BaseOnPaint, Command::ShowFieldMap];
+const SWITCHES: [Command; 4] = [
+    Command::SnapPoints,
+    Command::SnapSuggestions,
+    Command::BaseOnPaint,
+    Command::ShowFieldMap,
+];
 /// Dialogs with more of the user's own.
 const MORE: [Command; 3] = [Command::OverlayStyle, Command::PictureLook, Command::Keys];
 /// What is kept, and where nothing goes.
@@ -25,37 +29,51 @@ const SPORT: f32 = 130.0;
 
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
-    sheet(panel, ctx, "Preferences", vec2(520.0, 620.0), |panel, ui| {
-        ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
-            group(ui, "WINDOW", |ui| {
-                theme_choice(panel, ui);
-                text_size(panel, ui);
-                panel_sizes(panel, ui);
-            });
-            group(ui, "LABELLING", |ui| {
-                for command in SWITCHES {
-                    switch(panel, ui, command);
-                }
-            });
-            group(ui, "LOUPE", |ui| loupe(panel, ui));
-            group(ui, "COLOUR OF THE FIELD'S LINES, BY SPORT", |ui| colours(panel, ui));
-            group(ui, "MEMORY", |ui| memory(panel, ui));
-            group(ui, "MORE", |ui| {
-                ui.horizontal(|ui| {
-                    for command in MORE {
-                        if ui.button(command.name()).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
-                            panel.actions.push(Action::Command(command));
+    sheet(
+        panel,
+        ctx,
+        "Preferences",
+        vec2(520.0, 620.0),
+        |panel, ui| {
+            ScrollArea::vertical()
+                .auto_shrink([false, true])
+                .show(ui, |ui| {
+                    group(ui, "WINDOW", |ui| {
+                        theme_choice(panel, ui);
+                        text_size(panel, ui);
+                        panel_sizes(panel, ui);
+                    });
+                    group(ui, "LABELLING", |ui| {
+                        for command in SWITCHES {
+                            switch(panel, ui, command);
                         }
-                    }
+                    });
+                    group(ui, "LOUPE", |ui| loupe(panel, ui));
+                    group(ui, "COLOUR OF THE FIELD'S LINES, BY SPORT", |ui| {
+                        colours(panel, ui)
+                    });
+                    group(ui, "MEMORY", |ui| memory(panel, ui));
+                    group(ui, "MORE", |ui| {
+                        ui.horizontal(|ui| {
+                            for command in MORE {
+                                if ui
+                                    .button(command.name())
+                                    .on_hover_text(panel.app.settings.keys.tooltip(command))
+                                    .clicked()
+                                {
+                                    panel.actions.push(Action::Command(command));
+                                }
+                            }
+                        });
+                    });
+                    group(ui, "WHAT IS KEPT AND SENT", |ui| {
+                        for text in [KEPT, TELEMETRY] {
+                            ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap());
+                        }
+                    });
                 });
-            });
-            group(ui, "WHAT IS KEPT AND SENT", |ui| {
-                for text in [KEPT, TELEMETRY] {
-                    ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap());
-                }
-            });
-        });
-    });
+        },
+    );
 }
 
 fn group(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
@@ -69,23 +87,47 @@ fn theme_choice(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.horizontal(|ui| {
         ui.label("Theme");
         for (choice, name, tip) in [
-            (ThemeChoice::Dark, "Dark", "Light on dark: pictures are judged best on a dark ground."),
+            (
+                ThemeChoice::Dark,
+                "Dark",
+                "Light on dark: pictures are judged best on a dark ground.",
+            ),
             (ThemeChoice::Light, "Light", "Dark on light."),
-            (ThemeChoice::System, "As the system", "Dark or light, as the system has it."),
+            (
+                ThemeChoice::System,
+                "As the system",
+                "Dark or light, as the system has it.",
+            ),
         ] {
-            if ui.radio(before == choice, name).on_hover_text(tip).clicked() && before != choice {
-                panel.actions.push(Action::Settings(SettingsAction::Theme(choice)));
+            if ui
+                .radio(before == choice, name)
+                .on_hover_text(tip)
+                .clicked()
+                && before != choice
+            {
+                panel
+                    .actions
+                    .push(Action::Settings(SettingsAction::Theme(choice)));
             }
         }
     });
 }
 
 fn panel_sizes(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let sized = panel.app.settings.side_width.is_some() || panel.app.settings.filmstrip_height.is_some();
+    let sized =
+        panel.app.settings.side_width.is_some() || panel.app.settings.filmstrip_height.is_some();
     let reset = ui.add_enabled(sized, Button::new("Reset the sizes of the panels"));
     let reset = reset.on_hover_text("Give side panel and filmstrip their default sizes.");
-    if reset.on_disabled_hover_text("The panels have their default sizes.").clicked() {
-        panel.actions.push(Action::Settings(SettingsAction::PanelSizes { side: None, filmstrip: None }));
+    if reset
+        .on_disabled_hover_text("The panels have their default sizes.")
+        .clicked()
+    {
+        panel
+            .actions
+            .push(Action::Settings(SettingsAction::PanelSizes {
+                side: None,
+                filmstrip: None,
+            }));
     }
 }
 
@@ -96,36 +138,56 @@ fn loupe(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.checkbox(&mut look.shown, "Show the loupe")
         .on_hover_text("A magnified view around a point while you place or drag it.");
     ui.add_enabled_ui(look.shown, |ui| {
-        Grid::new("loupe").num_columns(2).spacing([12.0, 4.0]).show(ui, |ui| {
-            ui.label("Magnification");
-            let slider = Slider::new(&mut look.magnification, Loupe::MAGNIFICATION).step_by(1.0).suffix(" ×");
-            ui.add(slider).accessible_name("Magnification of the loupe").on_hover_text("Points of the screen per px.");
-            ui.end_row();
-            ui.label("Size");
-            let slider = Slider::new(&mut look.side, Loupe::SIDE).step_by(20.0);
-            ui.add(slider).accessible_name("Size of the loupe").on_hover_text("The side of the loupe, points.");
-            ui.end_row();
-        });
+        Grid::new("loupe")
+            .num_columns(2)
+            .spacing([12.0, 4.0])
+            .show(ui, |ui| {
+                ui.label("Magnification");
+                let slider = Slider::new(&mut look.magnification, Loupe::MAGNIFICATION)
+                    .step_by(1.0)
+                    .suffix(" ×");
+                ui.add(slider)
+                    .accessible_name("Magnification of the loupe")
+                    .on_hover_text("Points of the screen per px.");
+                ui.end_row();
+                ui.label("Size");
+                let slider = Slider::new(&mut look.side, Loupe::SIDE).step_by(20.0);
+                ui.add(slider)
+                    .accessible_name("Size of the loupe")
+                    .on_hover_text("The side of the loupe, points.");
+                ui.end_row();
+            });
     });
     if look != before {
-        panel.actions.push(Action::Settings(SettingsAction::Loupe(look)));
+        panel
+            .actions
+            .push(Action::Settings(SettingsAction::Loupe(look)));
     }
 }
 
-/// The colours of lines: the underlined ones are told from the sport's ground by every colour vision.
+/// The colours of lines: the underlined ones are told from the sport's ground by every colour
+/// vision.
 fn colours(panel: &mut Panel<'_>, ui: &mut Ui) {
     let text = "Underlined: people with any colour vision tell it from the sport's ground.";
     ui.label(RichText::new(text).small().color(ui.palette().weak));
-    Grid::new("line colours").num_columns(2).min_col_width(SPORT).spacing([8.0, 4.0]).show(ui, |ui| {
-        for sport in &SPORTS {
-            ui.label(sport.name);
-            let chosen = panel.app.settings.overlay_of(sport.id).colour;
-            if let Some(taken) = swatches::show(ui, &format!("{}: ", sport.name), Some(sport.ground), chosen) {
-                panel.actions.push(Action::Settings(SettingsAction::LineColour(sport, taken)));
+    Grid::new("line colours")
+        .num_columns(2)
+        .min_col_width(SPORT)
+        .spacing([8.0, 4.0])
+        .show(ui, |ui| {
+            for sport in &SPORTS {
+                ui.label(sport.name);
+                let chosen = panel.app.settings.overlay_of(sport.id).colour;
+                if let Some(taken) =
+                    swatches::show(ui, &format!("{}: ", sport.name), Some(sport.ground), chosen)
+                {
+                    panel
+                        .actions
+                        .push(Action::Settings(SettingsAction::LineColour(sport, taken)));
+                }
+                ui.end_row();
             }
-            ui.end_row();
-        }
-    });
+        });
 }
 
 /// The memory for decoded frames.
@@ -140,18 +202,25 @@ fn memory(panel: &mut Panel<'_>, ui: &mut Ui) {
         );
     });
     if mib != before {
-        panel.actions.push(Action::Settings(SettingsAction::PictureMemory(mib)));
+        panel
+            .actions
+            .push(Action::Settings(SettingsAction::PictureMemory(mib)));
     }
 }
 
-/// How large texts and controls are; it changes once the slider is let go, as it moves the slider itself.
+/// How large texts and controls are; it changes once the slider is let go, as it moves the slider
+/// itself.
 fn text_size(panel: &mut Panel<'_>, ui: &mut Ui) {
     let memory = egui::Id::unique("text size");
     let known = panel.app.settings.text_size;
-    let mut size = ui.data(|data| data.get_temp::<f32>(memory)).unwrap_or(known);
+    let mut size = ui
+        .data(|data| data.get_temp::<f32>(memory))
+        .unwrap_or(known);
     ui.horizontal(|ui| {
         ui.label("Text size");
-        let slider = Slider::new(&mut size, TEXT_SIZE).step_by(0.05).fixed_decimals(2);
+        let slider = Slider::new(&mut size, TEXT_SIZE)
+            .step_by(0.05)
+            .fixed_decimals(2);
         let response = ui.add(slider).accessible_name("Text size");
         let response = response.on_hover_text("The size of texts and controls; 1 is the system's.");
         let held = response.dragged();
@@ -163,7 +232,9 @@ fn text_size(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
         });
         if !held && size != known {
-            panel.actions.push(Action::Settings(SettingsAction::TextSize(size)));
+            panel
+                .actions
+                .push(Action::Settings(SettingsAction::TextSize(size)));
         }
     });
 }
@@ -179,7 +250,9 @@ fn switch(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
     let why_not = panel.app.why_not(command);
     let mut on = before;
     ui.add_enabled_ui(why_not.is_none(), |ui| {
-        let switch = ui.checkbox(&mut on, command.name()).on_hover_text(command.about());
+        let switch = ui
+            .checkbox(&mut on, command.name())
+            .on_hover_text(command.about());
         switch.on_disabled_hover_text(why_not.unwrap_or_default());
     });
     if on != before {

@@ -7,8 +7,8 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{
-    Align2, Color32, Context, CornerRadius, FontId, Label, Painter, Rect, Response, RichText, Role, ScrollArea, Sense,
-    Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, Context, CornerRadius, FontId, Label, Painter, Rect, Response, RichText, Role,
+    ScrollArea, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::{Action, App, EditAction};
 use touchline_core::field::{FieldModel, builtin, builtin_names};
@@ -23,28 +23,52 @@ const PIECES: u32 = 32;
 /// Shows the fields to choose from.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     let opened = has_just_opened(ctx, "sport");
-    sheet(panel, ctx, "Sport and field", vec2(660.0, 500.0), |panel, ui| {
-        ui.add(Label::new(RichText::new(cost(panel.app)).color(ui.palette().text)).wrap());
-        ui.add_space(theme::SPACE);
-        let chosen = panel.app.shown_field_spec().map(|spec| spec.template.clone()).unwrap_or_default();
-        let guess = panel.app.session.sport_guess;
-        ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
-            ui.horizontal_wrapped(|ui| {
-                for name in builtin_names() {
-                    let Ok(template) = builtin(name) else { continue };
-                    let Ok(field) = template.default_model() else { continue };
-                    let card = card(ui, &template.title, &field, name == chosen, guess == Some(name));
-                    // Enter takes what is likely.
-                    if opened && name == guess.unwrap_or(&chosen) {
-                        card.request_focus();
-                    }
-                    if card.clicked() {
-                        panel.actions.push(Action::Edit(EditAction::ChooseSport(name.to_owned())));
-                    }
-                }
-            });
-        });
-    });
+    sheet(
+        panel,
+        ctx,
+        "Sport and field",
+        vec2(660.0, 500.0),
+        |panel, ui| {
+            ui.add(Label::new(RichText::new(cost(panel.app)).color(ui.palette().text)).wrap());
+            ui.add_space(theme::SPACE);
+            let chosen = panel
+                .app
+                .shown_field_spec()
+                .map(|spec| spec.template.clone())
+                .unwrap_or_default();
+            let guess = panel.app.session.sport_guess;
+            ScrollArea::vertical()
+                .auto_shrink([false, true])
+                .show(ui, |ui| {
+                    ui.horizontal_wrapped(|ui| {
+                        for name in builtin_names() {
+                            let Ok(template) = builtin(name) else {
+                                continue;
+                            };
+                            let Ok(field) = template.default_model() else {
+                                continue;
+                            };
+                            let card = card(
+                                ui,
+                                &template.title,
+                                &field,
+                                name == chosen,
+                                guess == Some(name),
+                            );
+                            // Enter takes what is likely.
+                            if opened && name == guess.unwrap_or(&chosen) {
+                                card.request_focus();
+                            }
+                            if card.clicked() {
+                                panel
+                                    .actions
+                                    .push(Action::Edit(EditAction::ChooseSport(name.to_owned())));
+                            }
+                        }
+                    });
+                });
+        },
+    );
 }
 
 /// What a change costs.
@@ -67,7 +91,11 @@ fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: boo
     painter.rect_filled(
         rect,
         CornerRadius::same(5),
-        if chosen { ui.palette().accent_ground } else { ui.palette().raised },
+        if chosen {
+            ui.palette().accent_ground
+        } else {
+            ui.palette().raised
+        },
     );
     if chosen || response.hovered() || response.has_focus() {
         let line = Stroke::new(if chosen { 2.0 } else { 1.0 }, ui.palette().accent);
@@ -77,26 +105,64 @@ fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: boo
     draw(painter, ground, field);
     let (sport, rules) = title.split_once(" (").unwrap_or((title, ""));
     let at = pos2(rect.center().x, rect.bottom() - NAME);
-    painter.text(at, Align2::CENTER_TOP, sport, FontId::proportional(12.0), ui.palette().strong);
+    painter.text(
+        at,
+        Align2::CENTER_TOP,
+        sport,
+        FontId::proportional(12.0),
+        ui.palette().strong,
+    );
     let at = at + vec2(0.0, NAME / 2.0 - 2.0);
-    painter.text(at, Align2::CENTER_TOP, rules.trim_end_matches(')'), FontId::proportional(11.0), ui.palette().text);
+    painter.text(
+        at,
+        Align2::CENTER_TOP,
+        rules.trim_end_matches(')'),
+        FontId::proportional(11.0),
+        ui.palette().text,
+    );
     if guessed {
-        let style = PlateStyle::new(FontId::proportional(11.0), ui.palette().on_accent, ui.palette().accent);
-        plate(painter, rect.left_top() + vec2(10.0, 12.0), Align2::LEFT_CENTER, "guessed from its name", style);
+        let style = PlateStyle::new(
+            FontId::proportional(11.0),
+            ui.palette().on_accent,
+            ui.palette().accent,
+        );
+        plate(
+            painter,
+            rect.left_top() + vec2(10.0, 12.0),
+            Align2::LEFT_CENTER,
+            "guessed from its name",
+            style,
+        );
     }
-    response.on_hover_text(format!("{title}: {:.1} × {:.1} m.", field.length_m, field.width_m))
+    response.on_hover_text(format!(
+        "{title}: {:.1} × {:.1} m.",
+        field.length_m, field.width_m
+    ))
 }
 
 /// The lines of a field from above.
 fn draw(painter: &Painter, ground: Rect, field: &FieldModel) {
-    let scale =
-        (f64::from(ground.width()) / (1.1 * field.length_m)).min(f64::from(ground.height()) / (1.1 * field.width_m));
-    let (half_length, half_width) = ((0.53 * field.length_m * scale) as f32, (0.53 * field.width_m * scale) as f32);
+    let scale = (f64::from(ground.width()) / (1.1 * field.length_m))
+        .min(f64::from(ground.height()) / (1.1 * field.width_m));
+    let (half_length, half_width) = (
+        (0.53 * field.length_m * scale) as f32,
+        (0.53 * field.width_m * scale) as f32,
+    );
     let turf = Rect::from_center_size(ground.center(), 2.0 * vec2(half_length, half_width));
     painter.rect_filled(turf, CornerRadius::same(2), Color32::from_rgb(38, 74, 48));
-    for line in field.lines.iter().filter(|line| line.curve.point_at(0.5).z == 0.0) {
-        let points = (0..=PIECES).map(|piece| line.curve.point_at(f64::from(piece) / f64::from(PIECES)));
-        let shown = points.map(|point| ground.center() + vec2((point.x * scale) as f32, (-point.y * scale) as f32));
-        painter.add(Shape::line(shown.collect(), Stroke::new(1.0, Color32::from_gray(225))));
+    for line in field
+        .lines
+        .iter()
+        .filter(|line| line.curve.point_at(0.5).z == 0.0)
+    {
+        let points =
+            (0..=PIECES).map(|piece| line.curve.point_at(f64::from(piece) / f64::from(PIECES)));
+        let shown = points.map(|point| {
+            ground.center() + vec2((point.x * scale) as f32, (-point.y * scale) as f32)
+        });
+        painter.add(Shape::line(
+            shown.collect(),
+            Stroke::new(1.0, Color32::from_gray(225)),
+        ));
     }
 }

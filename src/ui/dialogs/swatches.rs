@@ -1,25 +1,39 @@
-//! Colours of lines to choose from; those that every colour vision tells from the sport's ground come first.
+//! Colours of lines to choose from; those that every colour vision tells from the sport's ground
+//! come first.
 
 use crate::ui::theme::{self, Themed as _};
-use egui::{Color32, CornerRadius, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2};
+use egui::{
+    Color32, CornerRadius, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
+};
 use touchline_application::scene::{Ground, LINE_COLOURS, LineColour};
 
 /// The side of a colour, points.
 const SIDE: f32 = 20.0;
 
-/// Shows the colours, and any other at the end; returns the one that was chosen. `whose` goes before their accessible names.
+/// Shows the colours, and any other at the end; returns the one that was chosen. `whose` goes
+/// before their accessible names.
 pub fn show(ui: &mut Ui, whose: &str, ground: Option<Ground>, chosen: [u8; 3]) -> Option<[u8; 3]> {
-    let is_safe = |colour: &LineColour| ground.is_some_and(|ground| colour.safe_on.contains(&ground));
+    let is_safe =
+        |colour: &LineColour| ground.is_some_and(|ground| colour.safe_on.contains(&ground));
     let (safe, other): (Vec<_>, Vec<_>) = LINE_COLOURS.iter().partition(|colour| is_safe(colour));
     let mut taken = None;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = theme::SPACE;
         let safe_width = safe.len() as f32 * (SIDE + theme::SPACE) - theme::SPACE;
-        let below = Rect::from_min_size(ui.cursor().left_top() + vec2(0.0, SIDE + 1.0), vec2(safe_width, 1.0));
+        let below = Rect::from_min_size(
+            ui.cursor().left_top() + vec2(0.0, SIDE + 1.0),
+            vec2(safe_width, 1.0),
+        );
         for colour in safe.iter().chain(&other) {
             let tip = match (ground, is_safe(colour)) {
-                (Some(_), true) => format!("{}: told from the ground by every colour vision.", colour.name),
-                (Some(_), false) => format!("{}: not told from the ground by every colour vision.", colour.name),
+                (Some(_), true) => format!(
+                    "{}: told from the ground by every colour vision.",
+                    colour.name
+                ),
+                (Some(_), false) => format!(
+                    "{}: not told from the ground by every colour vision.",
+                    colour.name
+                ),
                 (None, _) => format!("{}.", colour.name),
             };
             if swatch(ui, colour, whose, chosen == colour.rgb, &tip) {
@@ -27,7 +41,11 @@ pub fn show(ui: &mut Ui, whose: &str, ground: Option<Ground>, chosen: [u8; 3]) -
             }
         }
         if !safe.is_empty() {
-            ui.painter().hline(below.x_range(), below.top(), Stroke::new(2.0, ui.palette().good));
+            ui.painter().hline(
+                below.x_range(),
+                below.top(),
+                Stroke::new(2.0, ui.palette().good),
+            );
         }
         let mut any = chosen;
         ui.color_edit_button_srgb(&mut any)
@@ -46,10 +64,19 @@ fn swatch(ui: &mut Ui, colour: &LineColour, whose: &str, chosen: bool, tip: &str
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &name));
     let painter = ui.painter();
     let [r, g, b] = colour.rgb;
-    painter.rect_filled(rect.shrink(2.0), CornerRadius::same(3), Color32::from_rgb(r, g, b));
+    painter.rect_filled(
+        rect.shrink(2.0),
+        CornerRadius::same(3),
+        Color32::from_rgb(r, g, b),
+    );
     // White on a light ground.
     let border = Stroke::new(1.0, ui.palette().window_line);
-    painter.rect_stroke(rect.shrink(2.0), CornerRadius::same(3), border, StrokeKind::Inside);
+    painter.rect_stroke(
+        rect.shrink(2.0),
+        CornerRadius::same(3),
+        border,
+        StrokeKind::Inside,
+    );
     if chosen || response.hovered() || response.has_focus() {
         let line = Stroke::new(if chosen { 2.0 } else { 1.0 }, ui.palette().strong);
         painter.rect_stroke(rect, CornerRadius::same(4), line, StrokeKind::Inside);

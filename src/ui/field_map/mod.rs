@@ -1,5 +1,6 @@
-//! The field map: the field from above with the camera's view and the clicks. It can name a point or choose what to click
-//! next. It is rotated to the camera's side; names never depend on the view.
+//! The field map: the field from above with the camera's view and the clicks. It can name a point
+//! or choose what to click next. It is rotated to the camera's side; names never depend on the
+//! view.
 
 mod pick;
 
@@ -8,8 +9,8 @@ use super::placement::Placement;
 use super::viewport::Gesture;
 use super::{Panel, canvas, menu};
 use egui::{
-    Align2, Button, Color32, FontId, Id, LayerId, Order, Painter, PointerButton, Pos2, RichText, Role, Sense, Shape,
-    Stroke, WidgetInfo, pos2, vec2,
+    Align2, Button, Color32, FontId, Id, LayerId, Order, Painter, PointerButton, Pos2, RichText,
+    Role, Sense, Shape, Stroke, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
 use touchline_application::app::App;
@@ -31,25 +32,46 @@ const PX_PER_M: f64 = 10.0;
 /// The map's height as a share of its width.
 const SHAPE: f32 = 0.65;
 /// A landmark that has not been clicked.
-const UNCLICKED: Colour = Colour { r: 214, g: 226, b: 218, a: 150 };
+const UNCLICKED: Colour = Colour {
+    r: 214,
+    g: 226,
+    b: 218,
+    a: 150,
+};
 /// The colour of the chosen or pointed landmark's ring.
 const POINTED: Color32 = Color32::from_rgb(255, 221, 64);
 
 /// Shows the map across the available width, at most `most_height` points high.
 pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
-    let Some(field) = panel.app.current().field().cloned() else { return };
+    let Some(field) = panel.app.current().field().cloned() else {
+        return;
+    };
     let width = ui.available_width();
     let size = vec2(width, (width * SHAPE).min(most_height).round());
     let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK | Sense::DRAG);
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Field map"));
     let pixels_per_point = ui.pixels_per_point();
     let rect = egui::emath::GuiRounding::round_to_pixels(rect, pixels_per_point);
-    let turned = panel.app.current().base.is_some_and(|base| base.position_m.y > 0.0);
-    let map = FieldMap { turned, ..FieldMap::new(&field, MARGIN_M, PX_PER_M) };
+    let turned = panel
+        .app
+        .current()
+        .base
+        .is_some_and(|base| base.position_m.y > 0.0);
+    let map = FieldMap {
+        turned,
+        ..FieldMap::new(&field, MARGIN_M, PX_PER_M)
+    };
 
     let view_id = Id::NULL.with("field map's view");
-    let mut view = ui.data(|data| data.get_temp::<PictureView>(view_id)).unwrap_or_default();
-    view = moved(ui, &response, Placement::new(rect, pixels_per_point, map.size_px(), view), view);
+    let mut view = ui
+        .data(|data| data.get_temp::<PictureView>(view_id))
+        .unwrap_or_default();
+    view = moved(
+        ui,
+        &response,
+        Placement::new(rect, pixels_per_point, map.size_px(), view),
+        view,
+    );
     ui.data_mut(|data| data.insert_temp(view_id, view));
     let placement = Placement::new(rect, pixels_per_point, map.size_px(), view);
 
@@ -58,11 +80,17 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
         Mode::Naming(naming) => naming.lines,
         _ => panel.app.session.points.next_on_line,
     };
-    let pointed =
-        response.hover_pos().and_then(|at| pick::under(&field, &map, &placement, &spots, at, lines).zip(Some(at)));
+    let pointed = response
+        .hover_pos()
+        .and_then(|at| pick::under(&field, &map, &placement, &spots, at, lines).zip(Some(at)));
     paint(panel.app, ui, &field, &map, &placement, &spots);
     let painter = ui.painter_at(rect);
-    let on_map = Place { field: &field, map: &map, placement: &placement, spots: &spots };
+    let on_map = Place {
+        field: &field,
+        map: &map,
+        placement: &placement,
+        spots: &spots,
+    };
     camera_icon(panel.app, &painter, &on_map);
     if let Some(target) = chosen(panel.app) {
         ring(&painter, &on_map, &target);
@@ -79,7 +107,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
     let pointed = pointed.filter(|_| panel.app.round().is_none());
     if let Some((target, at)) = pointed {
         ring(&painter, &on_map, &target);
-        name(ui, at, &format!("{} · {}", panel.app.label(&target), code(&field, &target)));
+        name(
+            ui,
+            at,
+            &format!("{} · {}", panel.app.label(&target), code(&field, &target)),
+        );
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         if response.clicked() {
             panel.actions.push(Action::Edit(EditAction::Pick(target)));
@@ -89,15 +121,24 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
 
 /// The sport, as a button under the map.
 fn sport(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
-    let Some(spec) = panel.app.shown_field_spec() else { return };
-    let title = builtin(&spec.template).map_or_else(|_| spec.template.clone(), |template| template.title.clone());
+    let Some(spec) = panel.app.shown_field_spec() else {
+        return;
+    };
+    let title = builtin(&spec.template)
+        .map_or_else(|_| spec.template.clone(), |template| template.title.clone());
     let command = Command::ChooseSport;
     let why_not = panel.app.why_not(command);
     ui.horizontal(|ui| {
         ui.add_space(8.0);
-        let button = ui.add_enabled(why_not.is_none(), Button::new(RichText::new(title).small()).small());
+        let button = ui.add_enabled(
+            why_not.is_none(),
+            Button::new(RichText::new(title).small()).small(),
+        );
         let button = button.on_hover_text(panel.app.settings.keys.tooltip(command));
-        if button.on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
+        if button
+            .on_disabled_hover_text(why_not.unwrap_or_default())
+            .clicked()
+        {
             panel.actions.push(Action::Command(command));
         }
     });
@@ -112,10 +153,21 @@ struct Place<'a> {
 }
 
 /// The view after this frame's gestures: the wheel zooms, dragging moves.
-fn moved(ui: &egui::Ui, response: &egui::Response, placement: Placement, mut view: PictureView) -> PictureView {
+fn moved(
+    ui: &egui::Ui,
+    response: &egui::Response,
+    placement: Placement,
+    mut view: PictureView,
+) -> PictureView {
     let mut placement = placement;
     if let Some(at) = response.hover_pos() {
-        for gesture in ui.input(|input| input.events.iter().filter_map(Gesture::from_event).collect::<Vec<_>>()) {
+        for gesture in ui.input(|input| {
+            input
+                .events
+                .iter()
+                .filter_map(Gesture::from_event)
+                .collect::<Vec<_>>()
+        }) {
             view = match gesture {
                 Gesture::Zoom(factor) => placement.zoomed(factor, at),
                 Gesture::Pan(along) => placement.panned(along),
@@ -129,20 +181,37 @@ fn moved(ui: &egui::Ui, response: &egui::Response, placement: Placement, mut vie
     view
 }
 
-fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement: &Placement, spots: &[Pos2]) {
+fn paint(
+    app: &App,
+    ui: &egui::Ui,
+    field: &FieldModel,
+    map: &FieldMap,
+    placement: &Placement,
+    spots: &[Pos2],
+) {
     let rect = placement.rect;
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, labels::colour(SURROUND));
     // The label stays hidden during a blind round.
     let hidden = app.round().is_some();
-    let clicks = app.frame().filter(|_| !hidden).map(|frame| frame.clicks.as_slice()).unwrap_or_default();
+    let clicks = app
+        .frame()
+        .filter(|_| !hidden)
+        .map(|frame| frame.clicks.as_slice())
+        .unwrap_or_default();
     let shown = app.shown();
-    let preview = app.current().preview.as_ref().filter(|_| !shown.is_estimated);
+    let preview = app
+        .current()
+        .preview
+        .as_ref()
+        .filter(|_| !shown.is_estimated);
     let scene = OverlayScene {
         field,
         camera: preview.or(shown.camera.as_ref()).filter(|_| !hidden),
         standing: Standing::Solved,
-        image_size: app.frame().map_or_else(|| map.size_px(), |frame| frame.image_size),
+        image_size: app
+            .frame()
+            .map_or_else(|| map.size_px(), |frame| frame.image_size),
         clicks,
         selected: app.session.points.selected,
         disputed: shown.disputed,
@@ -150,12 +219,30 @@ fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement
         zoom: placement.scale,
     };
     let drawn = field_map(&scene, map);
-    let dots = dots(field, placement, spots, clicks.iter().filter_map(|click| click.target.as_ref()));
+    let dots = dots(
+        field,
+        placement,
+        spots,
+        clicks.iter().filter_map(|click| click.target.as_ref()),
+    );
     let layers = [drawn.ground, dots, drawn.over].map(|drawing| Layer::Drawing(Arc::new(drawing)));
-    canvas::paint(&painter, canvas::FIELD_MAP, rect, placement.render_view(), layers.into());
+    canvas::paint(
+        &painter,
+        canvas::FIELD_MAP,
+        rect,
+        placement.render_view(),
+        layers.into(),
+    );
     for (index, click) in clicks.iter().enumerate() {
-        let Some(Target::Landmark(id)) = &click.target else { continue };
-        let spot = field.landmarks.iter().zip(spots).find(|(landmark, _)| landmark.id == *id).map(|(_, spot)| *spot);
+        let Some(Target::Landmark(id)) = &click.target else {
+            continue;
+        };
+        let spot = field
+            .landmarks
+            .iter()
+            .zip(spots)
+            .find(|(landmark, _)| landmark.id == *id)
+            .map(|(_, spot)| *spot);
         if let Some(spot) = spot.filter(|spot| rect.contains(*spot)) {
             let behind = Color32::from_black_alpha(150);
             let font = FontId::proportional(10.0);
@@ -171,7 +258,8 @@ fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement
     }
 }
 
-/// The landmarks that can be picked: those on the ground as dots, those above the ground as small rings.
+/// The landmarks that can be picked: those on the ground as dots, those above the ground as small
+/// rings.
 fn dots<'a>(
     field: &FieldModel,
     placement: &Placement,
@@ -179,20 +267,39 @@ fn dots<'a>(
     clicked: impl Iterator<Item = &'a Target>,
 ) -> Drawing {
     let clicked: Vec<&str> = clicked.map(Target::as_str).collect();
-    let unclicked = field.landmarks.iter().zip(spots).filter(|(landmark, _)| !clicked.contains(&landmark.id.as_str()));
+    let unclicked = field
+        .landmarks
+        .iter()
+        .zip(spots)
+        .filter(|(landmark, _)| !clicked.contains(&landmark.id.as_str()));
     let markers = unclicked.map(|(landmark, spot)| {
         let on_ground = landmark.nominal_m.z <= 0.0;
         let ImagePoint { x, y } = placement.image_from_screen(*spot);
         Marker {
             at: [x as f32, y as f32],
-            shape: if on_ground { MarkerShape::Dot } else { MarkerShape::Ring },
+            shape: if on_ground {
+                MarkerShape::Dot
+            } else {
+                MarkerShape::Ring
+            },
             colour: UNCLICKED,
             radius_pt: 2.25,
             line_pt: 1.0,
-            outline: Some(Outline { colour: Colour { r: 10, g: 14, b: 12, a: 120 }, width_pt: 0.5 }),
+            outline: Some(Outline {
+                colour: Colour {
+                    r: 10,
+                    g: 14,
+                    b: 12,
+                    a: 120,
+                },
+                width_pt: 0.5,
+            }),
         }
     });
-    Drawing { markers: markers.collect(), ..Drawing::default() }
+    Drawing {
+        markers: markers.collect(),
+        ..Drawing::default()
+    }
 }
 
 /// The landmark or line that has been chosen and is about to be placed.
@@ -200,7 +307,9 @@ fn chosen(app: &App) -> Option<Target> {
     match &app.session.mode {
         Mode::Naming(naming) => naming.chosen().map(|candidate| candidate.target.clone()),
         Mode::Placing(target) => Some(target.clone()),
-        Mode::ClickingAgain(round) => round.asked().map(|asked| Target::Landmark(asked.landmark.clone())),
+        Mode::ClickingAgain(round) => round
+            .asked()
+            .map(|asked| Target::Landmark(asked.landmark.clone())),
         _ => None,
     }
 }
@@ -210,7 +319,12 @@ fn ring(painter: &Painter, place: &Place<'_>, target: &Target) {
     let rim = Color32::from_black_alpha(160);
     match target {
         Target::Landmark(id) => {
-            let found = place.field.landmarks.iter().zip(place.spots).find(|(landmark, _)| landmark.id == *id);
+            let found = place
+                .field
+                .landmarks
+                .iter()
+                .zip(place.spots)
+                .find(|(landmark, _)| landmark.id == *id);
             if let Some((_, spot)) = found {
                 painter.circle_stroke(*spot, 6.0, Stroke::new(3.5, rim));
                 painter.circle_stroke(*spot, 6.0, Stroke::new(1.75, POINTED));
@@ -228,11 +342,20 @@ fn ring(painter: &Painter, place: &Place<'_>, target: &Target) {
 
 /// Shows the name under the pointer; the text may leave the map, but not the window.
 fn name(ui: &egui::Ui, at: Pos2, text: &str) {
-    let painter = ui.ctx().layer_painter(LayerId::new(Order::Tooltip, Id::NULL.with("field map's name")));
+    let painter = ui.ctx().layer_painter(LayerId::new(
+        Order::Tooltip,
+        Id::NULL.with("field map's name"),
+    ));
     let font = FontId::proportional(12.5);
     let window = ui.ctx().content_rect();
-    let width = painter.layout_no_wrap(text.to_owned(), font.clone(), Color32::WHITE).size().x;
-    let middle = at.x.clamp(window.left() + width / 2.0 + 8.0, (window.right() - width / 2.0 - 8.0).max(window.left()));
+    let width = painter
+        .layout_no_wrap(text.to_owned(), font.clone(), Color32::WHITE)
+        .size()
+        .x;
+    let middle = at.x.clamp(
+        window.left() + width / 2.0 + 8.0,
+        (window.right() - width / 2.0 - 8.0).max(window.left()),
+    );
     plate(
         &painter,
         pos2(middle, at.y + 26.0),
@@ -246,17 +369,34 @@ fn name(ui: &egui::Ui, at: Pos2, text: &str) {
 fn camera_icon(app: &App, painter: &Painter, place: &Place<'_>) {
     let Some(base) = app.shown().base else { return };
     let position = Vec3::new(base.position_m.x, base.position_m.y, 0.0);
-    let stands = place.placement.screen_from_image(place.map.map_from_world(position));
+    let stands = place
+        .placement
+        .screen_from_image(place.map.map_from_world(position));
     let bounds = place.placement.rect.shrink(10.0);
     let at = stands.clamp(bounds.min, bounds.max);
-    let field_centre = place.placement.screen_from_image(place.map.map_from_world(Vec3::zeros()));
+    let field_centre = place
+        .placement
+        .screen_from_image(place.map.map_from_world(Vec3::zeros()));
     let ahead = (field_centre - stands).normalized();
     let aside = ahead.rot90();
     let corner = |along: f32, across: f32| at + ahead * along + aside * across;
-    let body = vec![corner(-6.0, -4.0), corner(2.0, -4.0), corner(2.0, 4.0), corner(-6.0, 4.0)];
-    let lens = vec![corner(3.5, -2.0), corner(8.0, -5.0), corner(8.0, 5.0), corner(3.5, 2.0)];
+    let body = vec![
+        corner(-6.0, -4.0),
+        corner(2.0, -4.0),
+        corner(2.0, 4.0),
+        corner(-6.0, 4.0),
+    ];
+    let lens = vec![
+        corner(3.5, -2.0),
+        corner(8.0, -5.0),
+        corner(8.0, 5.0),
+        corner(3.5, 2.0),
+    ];
     for outline in [body.clone(), lens.clone()] {
-        painter.add(Shape::closed_line(outline, Stroke::new(3.0, Color32::from_black_alpha(170))));
+        painter.add(Shape::closed_line(
+            outline,
+            Stroke::new(3.0, Color32::from_black_alpha(170)),
+        ));
     }
     for part in [body, lens] {
         painter.add(Shape::convex_polygon(part, Color32::WHITE, Stroke::NONE));
@@ -264,5 +404,8 @@ fn camera_icon(app: &App, painter: &Painter, place: &Place<'_>) {
 }
 
 fn code<'a>(field: &'a FieldModel, target: &Target) -> &'a str {
-    target.element(field).and_then(|element| element.code(field)).unwrap_or_default()
+    target
+        .element(field)
+        .and_then(|element| element.code(field))
+        .unwrap_or_default()
 }

@@ -20,7 +20,8 @@ const PIECES: u32 = 48;
 
 /// Where each landmark of the field is drawn on the screen, in the field's order.
 pub fn spots(field: &FieldModel, map: &FieldMap, placement: &Placement) -> Vec<Pos2> {
-    let on_screen = |landmark: &Landmark| placement.screen_from_image(map.map_from_world(landmark.nominal_m));
+    let on_screen =
+        |landmark: &Landmark| placement.screen_from_image(map.map_from_world(landmark.nominal_m));
     field
         .landmarks
         .iter()
@@ -29,7 +30,11 @@ pub fn spots(field: &FieldModel, map: &FieldMap, placement: &Placement) -> Vec<P
                 let apart = other.nominal_m.xy() - landmark.nominal_m.xy();
                 apart.norm() < SAME_PLACE_M && other.nominal_m.z < landmark.nominal_m.z
             });
-            let away = if stands_above { outwards(field, map, landmark) * RAISED_PT } else { Vec2::ZERO };
+            let away = if stands_above {
+                outwards(field, map, landmark) * RAISED_PT
+            } else {
+                Vec2::ZERO
+            };
             on_screen(landmark) + away
         })
         .collect()
@@ -39,10 +44,24 @@ pub fn spots(field: &FieldModel, map: &FieldMap, placement: &Placement) -> Vec<P
 fn outwards(field: &FieldModel, map: &FieldMap, landmark: &Landmark) -> Vec2 {
     /// A landmark beyond this share of the half field counts as on its border.
     const BORDER: f64 = 0.98;
-    let over = |at: f64, extent: f64| if at.abs() > BORDER * extent / 2.0 { at.signum() as f32 } else { 0.0 };
+    let over = |at: f64, extent: f64| {
+        if at.abs() > BORDER * extent / 2.0 {
+            at.signum() as f32
+        } else {
+            0.0
+        }
+    };
     let sign = if map.turned { -1.0 } else { 1.0 };
-    let away = sign * vec2(over(landmark.nominal_m.x, field.length_m), -over(landmark.nominal_m.y, field.width_m));
-    if away == Vec2::ZERO { Vec2::UP } else { away.normalized() }
+    let away = sign
+        * vec2(
+            over(landmark.nominal_m.x, field.length_m),
+            -over(landmark.nominal_m.y, field.width_m),
+        );
+    if away == Vec2::ZERO {
+        Vec2::UP
+    } else {
+        away.normalized()
+    }
 }
 
 /// The landmark under the pointer, else the line; with `lines` only a line.
@@ -55,21 +74,40 @@ pub fn under(
     lines: bool,
 ) -> Option<Target> {
     let landmark = || {
-        let near = field.landmarks.iter().zip(spots).map(|(landmark, spot)| (landmark, spot.distance(at)));
-        let nearest = near.filter(|(_, distance)| *distance <= LANDMARK_REACH_PT).min_by(|a, b| a.1.total_cmp(&b.1));
+        let near = field
+            .landmarks
+            .iter()
+            .zip(spots)
+            .map(|(landmark, spot)| (landmark, spot.distance(at)));
+        let nearest = near
+            .filter(|(_, distance)| *distance <= LANDMARK_REACH_PT)
+            .min_by(|a, b| a.1.total_cmp(&b.1));
         nearest.map(|(landmark, _)| Target::Landmark(landmark.id.clone()))
     };
     let line = || {
-        let near = field.lines.iter().map(|line| (line, distance_to_curve(&line.curve, map, placement, at)));
-        let nearest = near.filter(|(_, distance)| *distance <= LINE_REACH_PT).min_by(|a, b| a.1.total_cmp(&b.1));
+        let near = field
+            .lines
+            .iter()
+            .map(|line| (line, distance_to_curve(&line.curve, map, placement, at)));
+        let nearest = near
+            .filter(|(_, distance)| *distance <= LINE_REACH_PT)
+            .min_by(|a, b| a.1.total_cmp(&b.1));
         nearest.map(|(line, _)| Target::Line(line.id.clone()))
     };
-    if lines { line() } else { landmark().or_else(line) }
+    if lines {
+        line()
+    } else {
+        landmark().or_else(line)
+    }
 }
 
 /// A curve of the field on the screen.
 pub fn on_screen(curve: &Curve, map: &FieldMap, placement: &Placement) -> Vec<Pos2> {
-    let pieces = if matches!(curve, Curve::Segment { .. }) { 1 } else { PIECES };
+    let pieces = if matches!(curve, Curve::Segment { .. }) {
+        1
+    } else {
+        PIECES
+    };
     (0..=pieces)
         .map(|piece| curve.point_at(f64::from(piece) / f64::from(pieces)))
         .map(|point| placement.screen_from_image(map.map_from_world(point)))
@@ -79,7 +117,9 @@ pub fn on_screen(curve: &Curve, map: &FieldMap, placement: &Placement) -> Vec<Po
 fn distance_to_curve(curve: &Curve, map: &FieldMap, placement: &Placement, at: Pos2) -> f32 {
     let point = |at: &Pos2| ImagePoint::new(f64::from(at.x), f64::from(at.y));
     let points: Vec<ImagePoint> = on_screen(curve, map, placement).iter().map(point).collect();
-    let distances = points.windows(2).map(|ends| point(&at).distance_from_segment_px(ends[0], ends[1]) as f32);
+    let distances = points
+        .windows(2)
+        .map(|ends| point(&at).distance_from_segment_px(ends[0], ends[1]) as f32);
     distances.min_by(f32::total_cmp).unwrap_or(f32::INFINITY)
 }
 
@@ -97,7 +137,10 @@ mod tests {
 
     fn scene(turned: bool) -> (FieldModel, FieldMap, Placement) {
         let field = soccer();
-        let map = FieldMap { turned, ..FieldMap::new(&field, 6.0, 10.0) };
+        let map = FieldMap {
+            turned,
+            ..FieldMap::new(&field, 6.0, 10.0)
+        };
         let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(300.0, 195.0));
         let placement = Placement::new(rect, 1.0, map.size_px(), PictureView::Fit);
         (field, map, placement)
@@ -110,7 +153,12 @@ mod tests {
             let spots = spots(&field, &map, &placement);
             for (landmark, spot) in field.landmarks.iter().zip(&spots) {
                 let picked = under(&field, &map, &placement, &spots, *spot, false);
-                assert_eq!(picked, Some(Target::Landmark(landmark.id.clone())), "{}", landmark.label);
+                assert_eq!(
+                    picked,
+                    Some(Target::Landmark(landmark.id.clone())),
+                    "{}",
+                    landmark.label
+                );
             }
         }
     }
@@ -122,7 +170,13 @@ mod tests {
         let at = pos2(placement.rect.center().x, placement.rect.top() + 60.0);
         let pick = |at, lines| under(&field, &map, &placement, &spots, at, lines);
         assert_eq!(pick(at, false), Some(Target::Line("halfway_line".into())));
-        assert_eq!(pick(placement.rect.center(), true), Some(Target::Line("halfway_line".into())));
-        assert_eq!(pick(placement.rect.center() + vec2(45.0, 60.0), false), None);
+        assert_eq!(
+            pick(placement.rect.center(), true),
+            Some(Target::Line("halfway_line".into()))
+        );
+        assert_eq!(
+            pick(placement.rect.center() + vec2(45.0, 60.0), false),
+            None
+        );
     }
 }

@@ -6,7 +6,8 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{
-    Align2, Color32, CornerRadius, FontId, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, CornerRadius, FontId, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui,
+    WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::{Action, Navigation};
 
@@ -14,7 +15,13 @@ use touchline_application::app::{Action, Navigation};
 const SHEET: f32 = 3.0;
 
 /// Shows the cell; a click goes to the frame in the middle, which unfolds them.
-pub fn show(panel: &mut Panel<'_>, ui: &Ui, (first, last): (usize, usize), count: usize, place: Rect) {
+pub fn show(
+    panel: &mut Panel<'_>,
+    ui: &Ui,
+    (first, last): (usize, usize),
+    count: usize,
+    place: Rect,
+) {
     let response = ui.interact(place, Id::unique(("filmstrip fold", first)), Sense::click());
     let Some(open) = panel.app.open() else { return };
     let (from, to) = (open.frame_number(first), open.frame_number(last));
@@ -22,20 +29,43 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, (first, last): (usize, usize), count
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &said));
     let middle = first.midpoint(last);
     let painter = ui.painter();
-    let picture = Rect::from_min_max(place.min, pos2(place.right(), place.bottom() - CAPTION - BAR - 2.0));
-    let top = Rect::from_min_max(picture.min + vec2(0.0, 2.0 * SHEET), picture.max - vec2(2.0 * SHEET, 0.0));
+    let picture = Rect::from_min_max(
+        place.min,
+        pos2(place.right(), place.bottom() - CAPTION - BAR - 2.0),
+    );
+    let top = Rect::from_min_max(
+        picture.min + vec2(0.0, 2.0 * SHEET),
+        picture.max - vec2(2.0 * SHEET, 0.0),
+    );
     for sheet in [2.0, 1.0, 0.0] {
         let shape = top.translate(vec2(SHEET * sheet, -SHEET * sheet));
         painter.rect_filled(shape, CornerRadius::same(3), theme::ON_PICTURE.raised);
-        painter.rect_stroke(shape, CornerRadius::same(3), Stroke::new(1.0, ui.palette().line), StrokeKind::Inside);
+        painter.rect_stroke(
+            shape,
+            CornerRadius::same(3),
+            Stroke::new(1.0, ui.palette().line),
+            StrokeKind::Inside,
+        );
     }
     if let Some(texture) = panel.pictures.thumbnail(open, middle) {
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture.id(), top.shrink(1.0), whole, Color32::from_gray(70));
     }
-    painter.text(top.center(), Align2::CENTER_CENTER, count, FontId::proportional(18.0), theme::ON_PICTURE.strong);
+    painter.text(
+        top.center(),
+        Align2::CENTER_CENTER,
+        count,
+        FontId::proportional(18.0),
+        theme::ON_PICTURE.strong,
+    );
     let below = top.center() + vec2(0.0, 16.0);
-    painter.text(below, Align2::CENTER_CENTER, "no answer", FontId::proportional(11.0), theme::ON_PICTURE.text);
+    painter.text(
+        below,
+        Align2::CENTER_CENTER,
+        "no answer",
+        FontId::proportional(11.0),
+        theme::ON_PICTURE.text,
+    );
     let line = place.bottom() - CAPTION / 2.0;
     let numbers = format!("{from}–{to}");
     painter.text(
@@ -53,8 +83,12 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, (first, last): (usize, usize), count
             StrokeKind::Outside,
         );
     }
-    let tip = format!("{said}. The forest does not recognise them. A label on one of them may answer the others.");
+    let tip = format!(
+        "{said}. The forest does not recognise them. A label on one of them may answer the others."
+    );
     if response.on_hover_text(tip).clicked() {
-        panel.actions.push(Action::Navigate(Navigation::GoTo(middle)));
+        panel
+            .actions
+            .push(Action::Navigate(Navigation::GoTo(middle)));
     }
 }

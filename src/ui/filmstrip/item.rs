@@ -8,13 +8,15 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{
-    Align2, Color32, CornerRadius, FontId, Id, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2,
-    vec2,
+    Align2, Color32, CornerRadius, FontId, Id, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui,
+    WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::review::percent;
 use touchline_application::app::selection::Selecting;
 use touchline_application::app::session::{reason_label, status_label};
-use touchline_application::app::{Action, Command, Navigation, OpenProject, PaintSays, ViewAction, sentence};
+use touchline_application::app::{
+    Action, Command, Navigation, OpenProject, PaintSays, ViewAction, sentence,
+};
 use touchline_documents::document::{Frame, FrameStatus, Solution};
 
 /// The height of the line below a thumbnail, points.
@@ -32,38 +34,78 @@ pub fn separator(ui: &Ui, first: Rect, name: String) {
     let galley = painter.layout_no_wrap(name, FontId::proportional(10.0), ui.palette().weak);
     let at = pos2(x + 1.0, first.bottom() - CAPTION - BAR - 2.0);
     // Upwards along the line, so that a long name takes no room.
-    painter.add(egui::epaint::TextShape::new(at, galley, ui.palette().weak).with_angle(-std::f32::consts::FRAC_PI_2));
+    painter.add(
+        egui::epaint::TextShape::new(at, galley, ui.palette().weak)
+            .with_angle(-std::f32::consts::FRAC_PI_2),
+    );
 }
 
 /// A frame: thumbnail, status, number; a click goes there.
 pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
     let app = panel.app;
-    let Some((open, frame)) = app.open().and_then(|open| Some((open, open.frame(index)?))) else { return };
-    let response = ui.interact(place, Id::unique(("filmstrip frame", index)), Sense::click());
+    let Some((open, frame)) = app.open().and_then(|open| Some((open, open.frame(index)?))) else {
+        return;
+    };
+    let response = ui.interact(
+        place,
+        Id::unique(("filmstrip frame", index)),
+        Sense::click(),
+    );
     let current = index == app.session.frame;
     response.widget_info(|| {
-        let selected = if app.session.frames_selected.contains(&index) { ", selected" } else { "" };
+        let selected = if app.session.frames_selected.contains(&index) {
+            ", selected"
+        } else {
+            ""
+        };
         let status = status_label(frame.status);
-        let label = format!("Frame {}, {}, {status}{selected}", frame.number_at(index), file_name(&frame.name()));
+        let label = format!(
+            "Frame {}, {}, {status}{selected}",
+            frame.number_at(index),
+            file_name(&frame.name())
+        );
         WidgetInfo::selected(Role::Button, true, current, label)
     });
-    paint(panel, ui, &Item { open, index, frame, place, hovered: response.hovered() });
+    paint(
+        panel,
+        ui,
+        &Item {
+            open,
+            index,
+            frame,
+            place,
+            hovered: response.hovered(),
+        },
+    );
     if response.clicked() {
         let modifiers = ui.input(|input| input.modifiers);
         match (modifiers.shift, modifiers.command) {
             (true, _) => {
-                panel.actions.push(Action::Navigate(Navigation::SelectFrame { frame: index, how: Selecting::Range }));
+                panel
+                    .actions
+                    .push(Action::Navigate(Navigation::SelectFrame {
+                        frame: index,
+                        how: Selecting::Range,
+                    }));
             }
             (false, true) => {
-                panel.actions.push(Action::Navigate(Navigation::SelectFrame { frame: index, how: Selecting::Toggle }));
+                panel
+                    .actions
+                    .push(Action::Navigate(Navigation::SelectFrame {
+                        frame: index,
+                        how: Selecting::Toggle,
+                    }));
             }
-            (false, false) => panel
-                .actions
-                .extend([Action::View(ViewAction::SelectNoFrames), Action::Navigate(Navigation::GoTo(index))]),
+            (false, false) => panel.actions.extend([
+                Action::View(ViewAction::SelectNoFrames),
+                Action::Navigate(Navigation::GoTo(index)),
+            ]),
         }
     }
     if response.secondary_clicked() {
-        panel.actions.push(Action::Navigate(Navigation::GoTo(index)));
+        panel
+            .actions
+            .push(Action::Navigate(Navigation::GoTo(index)));
     }
     response.context_menu(|ui| context_menu(panel, ui));
     tooltip(response, index, frame, app.paint_says(index));
@@ -73,7 +115,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
 fn context_menu(panel: &mut Panel<'_>, ui: &mut Ui) {
     let selected = panel.app.session.frames_selected.len();
     if selected > 1 {
-        ui.label(egui::RichText::new(format!("{selected} frames selected")).color(ui.palette().strong));
+        ui.label(
+            egui::RichText::new(format!("{selected} frames selected")).color(ui.palette().strong),
+        );
         menu::entries(panel, ui, &[Command::AssignToCamera]);
         ui.separator();
         ui.label(egui::RichText::new("This frame").color(ui.palette().weak));
@@ -107,16 +151,37 @@ struct Item<'a> {
 }
 
 fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
-    let &Item { open, index, frame, place, hovered } = item;
+    let &Item {
+        open,
+        index,
+        frame,
+        place,
+        hovered,
+    } = item;
     let painter = ui.painter();
-    let (letter, colour) = (theme::status_letter(frame.status), ui.palette().status(frame.status));
-    let picture = Rect::from_min_max(place.min, pos2(place.right(), place.bottom() - CAPTION - BAR - 2.0));
+    let (letter, colour) = (
+        theme::status_letter(frame.status),
+        ui.palette().status(frame.status),
+    );
+    let picture = Rect::from_min_max(
+        place.min,
+        pos2(place.right(), place.bottom() - CAPTION - BAR - 2.0),
+    );
     painter.rect_filled(picture, CornerRadius::same(3), ui.palette().raised);
     if let Some(texture) = panel.pictures.thumbnail(open, index) {
         let shape = fitted(texture.size_vec2(), picture);
         let rejected = frame.status == FrameStatus::Rejected;
-        let tint = if rejected { Color32::from_gray(90) } else { Color32::WHITE };
-        painter.image(texture.id(), shape, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), tint);
+        let tint = if rejected {
+            Color32::from_gray(90)
+        } else {
+            Color32::WHITE
+        };
+        painter.image(
+            texture.id(),
+            shape,
+            Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)),
+            tint,
+        );
     } else if panel.pictures.has_no_thumbnail(open, index) {
         painter.text(
             picture.center(),
@@ -126,21 +191,45 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
             ui.palette().weak,
         );
     }
-    let bar = Rect::from_min_size(pos2(place.left(), picture.bottom() + 2.0), vec2(place.width(), BAR));
+    let bar = Rect::from_min_size(
+        pos2(place.left(), picture.bottom() + 2.0),
+        vec2(place.width(), BAR),
+    );
     theme::paint_status_bar(painter, bar, frame.status, confidence(frame));
     let line = place.bottom() - CAPTION / 2.0;
     let small = FontId::proportional(11.0);
     let current = index == panel.app.session.frame;
-    let number = if current { ui.palette().strong } else { ui.palette().weak };
-    painter.text(pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, frame.number_at(index), small.clone(), number);
+    let number = if current {
+        ui.palette().strong
+    } else {
+        ui.palette().weak
+    };
+    painter.text(
+        pos2(place.left() + 1.0, line),
+        Align2::LEFT_CENTER,
+        frame.number_at(index),
+        small.clone(),
+        number,
+    );
     let mark = match confidence(frame) {
         // Whole per cent, as a decimal would touch the next frame's number.
         Some(confidence) => format!("{:.0} % {}", (100.0 * confidence).round().min(99.0), letter),
         None => letter.to_string(),
     };
-    painter.text(pos2(place.right() - 1.0, line), Align2::RIGHT_CENTER, mark, small, colour);
-    if frame.solution.as_ref().is_some_and(|solution| solution.warnings_of_frame().next().is_some()) {
-        let corner = Rect::from_center_size(picture.right_top() + vec2(-9.0, 9.0), vec2(16.0, 16.0));
+    painter.text(
+        pos2(place.right() - 1.0, line),
+        Align2::RIGHT_CENTER,
+        mark,
+        small,
+        colour,
+    );
+    if frame
+        .solution
+        .as_ref()
+        .is_some_and(|solution| solution.warnings_of_frame().next().is_some())
+    {
+        let corner =
+            Rect::from_center_size(picture.right_top() + vec2(-9.0, 9.0), vec2(16.0, 16.0));
         symbol::paint(painter, Symbol::Warning, corner, theme::ON_PICTURE.caution);
     }
     if frame.comment.is_some() {
@@ -164,23 +253,41 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
         painter.circle_filled(mark, 3.5, GOLD);
     }
     if panel.app.session.frames_selected.contains(&index) {
-        painter.rect_filled(picture, CornerRadius::same(3), theme::ON_PICTURE.accent.gamma_multiply(0.35));
+        painter.rect_filled(
+            picture,
+            CornerRadius::same(3),
+            theme::ON_PICTURE.accent.gamma_multiply(0.35),
+        );
         let mark = picture.left_bottom() + vec2(9.0, -9.0);
         painter.circle_filled(mark, 6.0, theme::ON_PICTURE.accent);
-        symbol::paint(painter, Symbol::Tick, Rect::from_center_size(mark, vec2(12.0, 12.0)), theme::ON_PICTURE.strong);
+        symbol::paint(
+            painter,
+            Symbol::Tick,
+            Rect::from_center_size(mark, vec2(12.0, 12.0)),
+            theme::ON_PICTURE.strong,
+        );
     }
     let frame_line = match (current, hovered) {
         (true, _) => Stroke::new(2.0, ui.palette().accent),
         (false, true) => Stroke::new(1.0, ui.palette().weak),
         (false, false) => return,
     };
-    painter.rect_stroke(picture.expand(1.0), CornerRadius::same(4), frame_line, StrokeKind::Outside);
+    painter.rect_stroke(
+        picture.expand(1.0),
+        CornerRadius::same(4),
+        frame_line,
+        StrokeKind::Outside,
+    );
 }
 
 /// The confidence of a suggestion; none for a frame of another status.
 fn confidence(frame: &Frame) -> Option<f64> {
     let suggested = frame.status == FrameStatus::Suggested;
-    frame.solution.as_ref().filter(|_| suggested).and_then(|solution| solution.confidence)
+    frame
+        .solution
+        .as_ref()
+        .filter(|_| suggested)
+        .and_then(|solution| solution.confidence)
 }
 
 /// A picture's place within a box, in its own shape.
@@ -192,7 +299,9 @@ fn fitted(size: egui::Vec2, within: Rect) -> Rect {
 fn tooltip(response: Response, index: usize, frame: &Frame, paint: Option<PaintSays>) {
     response.on_hover_ui(|ui| {
         ui.label(egui::RichText::new(file_name(&frame.name())).color(ui.palette().strong));
-        let reason = frame.reason.map(|reason| format!(": {}", reason_label(reason).to_lowercase()));
+        let reason = frame
+            .reason
+            .map(|reason| format!(": {}", reason_label(reason).to_lowercase()));
         ui.label(format!(
             "Frame {} · {}{}",
             frame.number_at(index),

@@ -1,4 +1,5 @@
-//! The filmstrip: frames by shot with thumbnail, status and warnings. Only visible frames are laid out.
+//! The filmstrip: frames by shot with thumbnail, status and warnings. Only visible frames are laid
+//! out.
 
 mod fold;
 mod item;
@@ -20,16 +21,29 @@ const ASPECT: f32 = 16.0 / 9.0;
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let area = ui.max_rect();
     let column = Rect::from_min_size(area.min, vec2(COLUMN, area.height())).shrink2(vec2(8.0, 6.0));
-    ui.scope_builder(UiBuilder::new().max_rect(column).layout(Layout::top_down(egui::Align::Min)), |ui| {
-        filter(panel, ui);
-    });
+    ui.scope_builder(
+        UiBuilder::new()
+            .max_rect(column)
+            .layout(Layout::top_down(egui::Align::Min)),
+        |ui| {
+            filter(panel, ui);
+        },
+    );
     let frames = Rect::from_min_max(pos2(area.left() + COLUMN, area.top()), area.max);
-    ui.scope_builder(UiBuilder::new().max_rect(frames), |ui| strip_of_frames(panel, ui));
+    ui.scope_builder(UiBuilder::new().max_rect(frames), |ui| {
+        strip_of_frames(panel, ui)
+    });
 }
 
 /// The filter, with the number of frames of each kind.
 fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(open) = panel.app.open().filter(|open| !open.document.frames.is_empty()) else { return };
+    let Some(open) = panel
+        .app
+        .open()
+        .filter(|open| !open.document.frames.is_empty())
+    else {
+        return;
+    };
     let counts = open.counts();
     let chosen = panel.app.session.filter;
     let shown = ComboBox::from_id_salt("filter")
@@ -37,23 +51,41 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
         .selected_text(RichText::new(chosen.label()).color(ui.palette().strong))
         .show_ui(ui, |ui| {
             for filter in Filter::ALL {
-                let row = egui::Button::selectable(filter == chosen, filter.label())
-                    .right_text(RichText::new(counts.shown_by(filter).to_string()).color(ui.palette().weak));
+                let row = egui::Button::selectable(filter == chosen, filter.label()).right_text(
+                    RichText::new(counts.shown_by(filter).to_string()).color(ui.palette().weak),
+                );
                 if ui.add(row).clicked() {
-                    panel.actions.push(Action::View(ViewAction::SetFilter(filter)));
+                    panel
+                        .actions
+                        .push(Action::View(ViewAction::SetFilter(filter)));
                     ui.close();
                 }
             }
         });
-    shown.response.accessible_name("Frames shown").on_hover_text("Which frames the filmstrip shows.");
+    shown
+        .response
+        .accessible_name("Frames shown")
+        .on_hover_text("Which frames the filmstrip shows.");
     let (references, needed) = (counts.of_status(FrameStatus::Reference), counts.to_do);
-    ui.label(RichText::new(format!("{references} reference{}", if references == 1 { "" } else { "s" })).small())
-        .on_hover_text("Frames that you have accepted.");
+    ui.label(
+        RichText::new(format!(
+            "{references} reference{}",
+            if references == 1 { "" } else { "s" }
+        ))
+        .small(),
+    )
+    .on_hover_text("Frames that you have accepted.");
     let reasons = counts.describe_to_do();
-    let needed = if needed == 0 { "all done".to_owned() } else { format!("{needed} to do") };
+    let needed = if needed == 0 {
+        "all done".to_owned()
+    } else {
+        format!("{needed} to do")
+    };
     let tip = "Frames that are neither accepted nor marked as not calibratable";
     ui.label(RichText::new(needed).small().color(ui.palette().weak))
-        .on_hover_text(reasons.map_or_else(|| format!("{tip}."), |reasons| format!("{tip}: {reasons}.")));
+        .on_hover_text(
+            reasons.map_or_else(|| format!("{tip}."), |reasons| format!("{tip}: {reasons}.")),
+        );
 }
 
 fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -72,7 +104,13 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
     let memory = Id::unique("filmstrip shows");
     let before = ui.data(|data| data.get_temp::<Shown>(memory));
     let mut area = ScrollArea::horizontal().auto_shrink(false);
-    if let Some(offset) = offset(app.session.frame, app.session.filter, &strip, before, ui.available_width()) {
+    if let Some(offset) = offset(
+        app.session.frame,
+        app.session.filter,
+        &strip,
+        before,
+        ui.available_width(),
+    ) {
         area = area.horizontal_scroll_offset(offset);
     }
     let scrolled = area.show_viewport(ui, |ui, viewport| {
@@ -86,7 +124,9 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
             match strip.cells[at] {
                 StripCell::Frame(frame) => item::show(panel, ui, frame, place(at)),
-                StripCell::Unanswered { first, last, count } => fold::show(panel, ui, (first, last), count, place(at)),
+                StripCell::Unanswered { first, last, count } => {
+                    fold::show(panel, ui, (first, last), count, place(at))
+                }
             }
         }
     });
@@ -96,7 +136,10 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
         frame: app.session.frame,
         filter: app.session.filter,
         offset,
-        anchor: strip.cells.get(anchor).map(|cell| (cell.first(), strip.left(anchor))),
+        anchor: strip
+            .cells
+            .get(anchor)
+            .map(|cell| (cell.first(), strip.left(anchor))),
     };
     ui.data_mut(|data| data.insert_temp(memory, shown));
 }
@@ -112,9 +155,16 @@ struct Shown {
     anchor: Option<(usize, f32)>,
 }
 
-/// Where the strip is to be scrolled to, points; none: it stays. The current frame is scrolled into view when it or the filter
-/// changes. Where cells fold or unfold before it, the visible frames keep their places.
-fn offset(frame: usize, filter: Filter, strip: &Strip, before: Option<Shown>, width: f32) -> Option<f32> {
+/// Where the strip is to be scrolled to, points; none: it stays. The current frame is scrolled into
+/// view when it or the filter changes. Where cells fold or unfold before it, the visible frames
+/// keep their places.
+fn offset(
+    frame: usize,
+    filter: Filter,
+    strip: &Strip,
+    before: Option<Shown>,
+    width: f32,
+) -> Option<f32> {
     let before = before.filter(|before| before.filter == filter);
     let kept = before.and_then(|before| {
         let (anchor, left) = before.anchor?;

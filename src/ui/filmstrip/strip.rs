@@ -65,7 +65,8 @@ struct LaidOutFor {
     item: f32,
 }
 
-/// What the strip takes from each frame: a long video's frames lie all over the memory, and are not looked at anew each time.
+/// What the strip takes from each frame: a long video's frames lie all over the memory, and are not
+/// looked at anew each time.
 #[derive(Clone, Debug, Default)]
 struct Parts {
     frames: Frames,
@@ -83,8 +84,14 @@ struct Part {
 
 impl Parts {
     fn of(frames: &Frames, filter: Filter) -> Self {
-        let mut parts = Self { frames: frames.clone(), ..Self::default() };
-        parts.of_frames = frames.iter().map(|frame| parts.part_of(frame, filter)).collect();
+        let mut parts = Self {
+            frames: frames.clone(),
+            ..Self::default()
+        };
+        parts.of_frames = frames
+            .iter()
+            .map(|frame| parts.part_of(frame, filter))
+            .collect();
         parts
     }
 
@@ -109,19 +116,33 @@ impl Parts {
             self.clips.insert(frame.clip.clone(), next);
             next
         });
-        Part { is_shown: filter.shows(frame), may_fold: may_fold(filter, frame), clip }
+        Part {
+            is_shown: filter.shows(frame),
+            may_fold: may_fold(filter, frame),
+            clip,
+        }
     }
 }
 
 impl Strip {
-    /// As [`Self::new`]; the one that was laid out last is kept as long as its cells stay where they are.
+    /// As [`Self::new`]; the one that was laid out last is kept as long as its cells stay where
+    /// they are.
     pub fn of(ui: &Ui, open: &OpenProject, filter: Filter, shown: usize, item: f32) -> Arc<Self> {
         type Known = Option<(LaidOutFor, Parts, Arc<Strip>)>;
         let memory = Id::unique("filmstrip as laid out");
         let frames = &open.document.frames;
-        let unfolded = frames.get(shown).filter(|frame| may_fold(filter, frame)).map(|_| shown);
-        let now = LaidOutFor { filter, unfolded, item };
-        let known = ui.data_mut(|data| data.remove_temp::<Known>(memory)).flatten();
+        let unfolded = frames
+            .get(shown)
+            .filter(|frame| may_fold(filter, frame))
+            .map(|_| shown);
+        let now = LaidOutFor {
+            filter,
+            unfolded,
+            item,
+        };
+        let known = ui
+            .data_mut(|data| data.remove_temp::<Known>(memory))
+            .flatten();
         let known = known.filter(|known| known.0.filter == filter);
         let (parts, kept) = match known {
             Some((before, mut parts, strip)) => {
@@ -131,7 +152,9 @@ impl Strip {
             None => (Parts::of(frames, filter), None),
         };
         let strip = kept.unwrap_or_else(|| Arc::new(Self::new(&parts, shown, item)));
-        ui.data_mut(|data| data.insert_temp::<Known>(memory, Some((now, parts, Arc::clone(&strip)))));
+        ui.data_mut(|data| {
+            data.insert_temp::<Known>(memory, Some((now, parts, Arc::clone(&strip))))
+        });
         strip
     }
 
@@ -142,7 +165,12 @@ impl Strip {
         let mut run = 0;
         let mut shots = Vec::new();
         let mut shot = None;
-        for (index, part) in parts.of_frames.iter().enumerate().filter(|(_, part)| part.is_shown) {
+        for (index, part) in parts
+            .of_frames
+            .iter()
+            .enumerate()
+            .filter(|(_, part)| part.is_shown)
+        {
             if shot.replace(part.clip) != Some(part.clip) {
                 fold(&mut cells, std::mem::take(&mut run));
                 shots.push((cells.len(), parts.frames[index].clip.clone()));
@@ -160,7 +188,10 @@ impl Strip {
 
     /// The width of the whole strip, points.
     pub fn width(&self) -> f32 {
-        self.cells.len().checked_sub(1).map_or(0.0, |last| self.left(last) + self.item + GAP)
+        self.cells
+            .len()
+            .checked_sub(1)
+            .map_or(0.0, |last| self.left(last) + self.item + GAP)
     }
 
     /// Where a frame begins, points from the strip's start.
@@ -192,8 +223,8 @@ impl Strip {
         partition(self.cells.len(), |at| self.left(at) < left)
     }
 
-    /// How far a window of `width` points is scrolled from `offset` to show a place and some of its neighbours: no farther
-    /// than it takes, points.
+    /// How far a window of `width` points is scrolled from `offset` to show a place and some of its
+    /// neighbours: no farther than it takes, points.
     pub fn offset_showing(&self, at: usize, offset: f32, width: f32) -> f32 {
         let margin = (1.5 * self.item).min((width - self.item) / 2.0).max(0.0);
         let (first, last) = (self.left(at) - margin, self.left(at) + self.item + margin);
@@ -201,11 +232,20 @@ impl Strip {
         needed.clamp(0.0, (self.width() - width).max(0.0))
     }
 
-    /// The title before the first frame of a shot; none within a shot, and none if no frame belongs to a shot.
+    /// The title before the first frame of a shot; none within a shot, and none if no frame belongs
+    /// to a shot.
     pub fn shot_beginning_at(&self, at: usize) -> Option<String> {
-        let shot = self.shots.binary_search_by_key(&at, |(begin, _)| *begin).ok()?;
+        let shot = self
+            .shots
+            .binary_search_by_key(&at, |(begin, _)| *begin)
+            .ok()?;
         let named = self.shots.len() > 1 || self.shots[0].1.is_some();
-        named.then(|| self.shots[shot].1.as_ref().map_or_else(|| "no shot".to_owned(), |clip| format!("shot {clip}")))
+        named.then(|| {
+            self.shots[shot]
+                .1
+                .as_ref()
+                .map_or_else(|| "no shot".to_owned(), |clip| format!("shot {clip}"))
+        })
     }
 }
 
@@ -222,15 +262,24 @@ fn fold(cells: &mut Vec<StripCell>, run: usize) {
     let begin = cells.len() - run;
     let (first, last) = (cells[begin].last(), cells[cells.len() - 1].last());
     cells.truncate(begin);
-    cells.push(StripCell::Unanswered { first, last, count: run });
+    cells.push(StripCell::Unanswered {
+        first,
+        last,
+        count: run,
+    });
 }
 
-/// How many of the first `count` numbers satisfy `is_before`, which holds for a prefix of them (binary search).
+/// How many of the first `count` numbers satisfy `is_before`, which holds for a prefix of them
+/// (binary search).
 fn partition(count: usize, is_before: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (0, count);
     while low < high {
         let middle = usize::midpoint(low, high);
-        if is_before(middle) { low = middle + 1 } else { high = middle }
+        if is_before(middle) {
+            low = middle + 1
+        } else {
+            high = middle
+        }
     }
     low
 }
@@ -239,17 +288,28 @@ fn partition(count: usize, is_before: impl Fn(usize) -> bool) -> usize {
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Document, FieldSpec, FrameStatus, Solution, SolutionSource};
+    use touchline_documents::document::{
+        Document, FieldSpec, FrameStatus, Solution, SolutionSource,
+    };
 
     fn open(clips: &[i64]) -> OpenProject {
         let mut document = Document::new(FieldSpec::new("soccer"));
         for (index, clip) in clips.iter().enumerate() {
             let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
             frame.clip = Some(Clip::Number(*clip));
-            frame.status = if index % 2 == 0 { FrameStatus::New } else { FrameStatus::Reference };
+            frame.status = if index % 2 == 0 {
+                FrameStatus::New
+            } else {
+                FrameStatus::Reference
+            };
             document.frames.push(frame.into());
         }
-        OpenProject::new(document, "/match/project.json".into(), "/match".into(), None)
+        OpenProject::new(
+            document,
+            "/match/project.json".into(),
+            "/match".into(),
+            None,
+        )
     }
 
     fn laid_out(open: &OpenProject, filter: Filter, shown: usize) -> Strip {
@@ -276,13 +336,23 @@ mod tests {
         let strip = laid_out(&open, Filter::All, 0);
         assert_eq!(strip.offset_showing(1, 0.0, 500.0), 0.0, "it is in view");
         let far = strip.offset_showing(50, 0.0, 500.0);
-        assert!((far + 500.0 - (strip.left(50) + 250.0)).abs() < 1e-3, "two more than the frame on its right");
+        assert!(
+            (far + 500.0 - (strip.left(50) + 250.0)).abs() < 1e-3,
+            "two more than the frame on its right"
+        );
         assert_eq!(strip.offset_showing(50, far, 500.0), far, "it stays");
         assert!((strip.offset_showing(20, far, 500.0) - (strip.left(20) - 150.0)).abs() < 1e-3);
-        assert_eq!(strip.offset_showing(99, 0.0, 500.0), strip.width() - 500.0, "no farther than the end");
+        assert_eq!(
+            strip.offset_showing(99, 0.0, 500.0),
+            strip.width() - 500.0,
+            "no farther than the end"
+        );
         assert_eq!(strip.offset_showing(0, far, 500.0), 0.0);
         let narrow = strip.offset_showing(50, 0.0, 40.0);
-        assert!(narrow <= strip.left(50) && strip.left(50) < narrow + 100.0, "no room for it, but it is what is seen");
+        assert!(
+            narrow <= strip.left(50) && strip.left(50) < narrow + 100.0,
+            "no room for it, but it is what is seen"
+        );
     }
 
     #[test]
@@ -291,14 +361,19 @@ mod tests {
         let strip = laid_out(&open, Filter::Status(FrameStatus::Reference), 0);
         assert_eq!(strip.cells, [1, 3].map(StripCell::Frame));
         assert_eq!((strip.place_of(3), strip.place_of(2)), (Some(1), None));
-        assert!(laid_out(&open, Filter::Status(FrameStatus::Rejected), 0).cells.is_empty());
+        assert!(
+            laid_out(&open, Filter::Status(FrameStatus::Rejected), 0)
+                .cells
+                .is_empty()
+        );
     }
 
     #[test]
     fn the_strip_is_laid_out_again_only_where_a_cell_moves() {
         let mut open = open(&[1; 10]);
         let references = Filter::Status(FrameStatus::Reference);
-        let [mut all, mut some] = [Filter::All, references].map(|filter| Parts::of(&open.document.frames, filter));
+        let [mut all, mut some] =
+            [Filter::All, references].map(|filter| Parts::of(&open.document.frames, filter));
         let mut follows = |open: &OpenProject| {
             let (parts, frames) = ([&mut all, &mut some], &open.document.frames);
             let of = |(parts, filter): (&mut Parts, Filter)| {
@@ -306,10 +381,18 @@ mod tests {
                 assert_eq!(parts.of_frames, Parts::of(frames, filter).of_frames);
                 is_other
             };
-            parts.into_iter().zip([Filter::All, references]).map(of).collect::<Vec<_>>()
+            parts
+                .into_iter()
+                .zip([Filter::All, references])
+                .map(of)
+                .collect::<Vec<_>>()
         };
         open.document.frames[4].status = FrameStatus::Reference;
-        assert_eq!(follows(&open), [false, true], "every frame is shown whatever its status");
+        assert_eq!(
+            follows(&open),
+            [false, true],
+            "every frame is shown whatever its status"
+        );
         open.document.frames[4].gold = true;
         assert_eq!(follows(&open), [false, false]);
         open.document.frames[4].clip = Some(Clip::Number(2));
@@ -324,9 +407,16 @@ mod tests {
         for index in 1..11 {
             let frame = &mut open.document.frames[index];
             frame.status = FrameStatus::New;
-            frame.solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
+            frame.solution = Some(Solution {
+                source: Some(SolutionSource::Forest),
+                ..Solution::default()
+            });
         }
-        let fold = |first, last| StripCell::Unanswered { first, last, count: last - first + 1 };
+        let fold = |first, last| StripCell::Unanswered {
+            first,
+            last,
+            count: last - first + 1,
+        };
         let strip = laid_out(&open, Filter::All, 0);
         assert_eq!(strip.cells, [StripCell::Frame(0), fold(1, 5), fold(6, 10)]);
         assert_eq!(
@@ -335,7 +425,15 @@ mod tests {
         );
         assert_eq!(strip.shot_beginning_at(2).as_deref(), Some("shot 2"));
         let shown = laid_out(&open, Filter::All, 6);
-        assert_eq!(shown.cells, [StripCell::Frame(0), fold(1, 5), StripCell::Frame(6), fold(7, 10)]);
+        assert_eq!(
+            shown.cells,
+            [
+                StripCell::Frame(0),
+                fold(1, 5),
+                StripCell::Frame(6),
+                fold(7, 10)
+            ]
+        );
         let middle = laid_out(&open, Filter::All, 3);
         assert_eq!(middle.cells.len(), 7, "two and two are too few to fold");
         assert_eq!(laid_out(&open, Filter::Unanswered, 0).cells.len(), 10);

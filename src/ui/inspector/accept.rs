@@ -1,8 +1,12 @@
-//! The main button: it makes the frame a reference; while an estimated base waits for a decision it takes that base.
+//! The main button: it makes the frame a reference; while an estimated base waits for a decision it
+//! takes that base.
 
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme::Themed as _};
-use egui::{Button, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2};
+use egui::{
+    Button, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2,
+    WidgetInfo, vec2,
+};
 use touchline_application::app::{Action, Command};
 use touchline_documents::document::FrameStatus;
 
@@ -18,7 +22,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         return;
     }
     let why_not = panel.app.unacceptable();
-    let accepted = panel.app.frame().is_some_and(|frame| frame.status == FrameStatus::Reference);
+    let accepted = panel
+        .app
+        .frame()
+        .is_some_and(|frame| frame.status == FrameStatus::Reference);
     let says = if accepted { "Accepted" } else { "Accept" };
     ui.add_enabled_ui(why_not.is_none(), |ui| {
         let look = if accepted { Look::Done } else { Look::ToDo };
@@ -42,12 +49,22 @@ fn base(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.horizontal(|ui| {
         let width = ui.available_width() - DISCARD - ui.spacing().item_spacing.x;
         let take = button(ui, "Use this base", None, Look::ToDo, width);
-        if take.on_hover_text(keys.tooltip(Command::UseEstimatedBase)).clicked() {
-            panel.actions.push(Action::Command(Command::UseEstimatedBase));
+        if take
+            .on_hover_text(keys.tooltip(Command::UseEstimatedBase))
+            .clicked()
+        {
+            panel
+                .actions
+                .push(Action::Command(Command::UseEstimatedBase));
         }
         let discard = ui.add(Button::new("Discard").min_size(vec2(DISCARD, HEIGHT)));
-        if discard.on_hover_text(keys.tooltip(Command::DropEstimatedBase)).clicked() {
-            panel.actions.push(Action::Command(Command::DropEstimatedBase));
+        if discard
+            .on_hover_text(keys.tooltip(Command::DropEstimatedBase))
+            .clicked()
+        {
+            panel
+                .actions
+                .push(Action::Command(Command::DropEstimatedBase));
         }
     });
 }
@@ -64,7 +81,11 @@ fn button(ui: &mut Ui, says: &str, sign: Option<Symbol>, look: Look, width: f32)
     let (rect, response) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::click());
     let enabled = ui.is_enabled();
     response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, says));
-    let (ground, text) = match (enabled, response.is_pointer_button_down_on(), response.hovered()) {
+    let (ground, text) = match (
+        enabled,
+        response.is_pointer_button_down_on(),
+        response.hovered(),
+    ) {
         (false, ..) => (ui.palette().raised, ui.palette().weak),
         _ if look == Look::Done && !response.hovered() => (ui.palette().raised, ui.palette().good),
         (_, true, _) | (_, _, true) => (ui.palette().accent_hovered, ui.palette().on_accent),
@@ -73,10 +94,19 @@ fn button(ui: &mut Ui, says: &str, sign: Option<Symbol>, look: Look, width: f32)
     let painter = ui.painter();
     painter.rect_filled(rect, CornerRadius::same(6), ground);
     if response.has_focus() {
-        painter.rect_stroke(rect, CornerRadius::same(6), Stroke::new(2.0, ui.palette().strong), StrokeKind::Inside);
+        painter.rect_stroke(
+            rect,
+            CornerRadius::same(6),
+            Stroke::new(2.0, ui.palette().strong),
+            StrokeKind::Inside,
+        );
     }
     let galley = painter.layout_no_wrap(says.to_owned(), FontId::proportional(16.0), text);
-    let beside = if sign.is_some() { vec2(12.0, 0.0) } else { Vec2::ZERO };
+    let beside = if sign.is_some() {
+        vec2(12.0, 0.0)
+    } else {
+        Vec2::ZERO
+    };
     let word = Rect::from_center_size(rect.center() - beside, galley.size());
     painter.galley(word.min, galley, text);
     if let Some(sign) = sign {

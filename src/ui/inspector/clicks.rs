@@ -7,8 +7,8 @@ use crate::ui::{
 };
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
-    Align, Align2, Color32, CornerRadius, FontId, Layout, Rect, RichText, Role, ScrollArea, Sense, Ui, UiBuilder,
-    WidgetInfo, pos2, vec2,
+    Align, Align2, Color32, CornerRadius, FontId, Layout, Rect, RichText, Role, ScrollArea, Sense,
+    Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::{Action, App, Command, EditAction, Navigation};
 use touchline_application::scene::drawing;
@@ -20,34 +20,53 @@ use touchline_documents::document::Click;
 const RESIDUAL: [f32; 2] = [50.0, 68.0];
 
 /// What can be done with a point.
-const MENU: [Command; 4] = [Command::RenameClick, Command::ToggleCheck, Command::ZoomToClick, Command::DeleteClick];
+const MENU: [Command; 4] = [
+    Command::RenameClick,
+    Command::ToggleCheck,
+    Command::ZoomToClick,
+    Command::DeleteClick,
+];
 
 /// Shows the points; more than fit into `room` scroll.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
     ui.horizontal(|ui| {
         let count = panel.app.frame().map_or(0, |frame| frame.clicks.len());
-        let heading = if count == 0 { "POINTS".to_owned() } else { format!("POINTS  {count}") };
+        let heading = if count == 0 {
+            "POINTS".to_owned()
+        } else {
+            format!("POINTS  {count}")
+        };
         theme::title(ui, &heading);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| on_line_switch(panel, ui));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            on_line_switch(panel, ui)
+        });
     });
     let height = room.max(4.0 * theme::LIST_ROW);
-    ScrollArea::vertical().id_salt("points").max_height(height).min_scrolled_height(height).show(ui, |ui| {
-        ui.spacing_mut().item_spacing.y = 0.0;
-        ui.set_min_height(4.0 * theme::LIST_ROW);
-        let clicks = panel.app.frame().map(|frame| frame.clicks.clone()).unwrap_or_default();
-        if clicks.is_empty() {
-            ui.add_space(theme::SPACE);
-            let says = if panel.app.current().base.is_some() {
-                "Two points that you can name are enough."
-            } else {
-                "Points that you click in the picture are listed here."
-            };
-            ui.label(RichText::new(says).color(ui.palette().weak));
-        }
-        for (index, click) in clicks.iter().enumerate() {
-            row(panel, ui, index, click);
-        }
-    });
+    ScrollArea::vertical()
+        .id_salt("points")
+        .max_height(height)
+        .min_scrolled_height(height)
+        .show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            ui.set_min_height(4.0 * theme::LIST_ROW);
+            let clicks = panel
+                .app
+                .frame()
+                .map(|frame| frame.clicks.clone())
+                .unwrap_or_default();
+            if clicks.is_empty() {
+                ui.add_space(theme::SPACE);
+                let says = if panel.app.current().base.is_some() {
+                    "Two points that you can name are enough."
+                } else {
+                    "Points that you click in the picture are listed here."
+                };
+                ui.label(RichText::new(says).color(ui.palette().weak));
+            }
+            for (index, click) in clicks.iter().enumerate() {
+                row(panel, ui, index, click);
+            }
+        });
 }
 
 fn on_line_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -55,14 +74,18 @@ fn on_line_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
     let on = panel.app.session.points.next_on_line;
     let palette = ui.palette();
     let response = symbol::toggle(ui, Symbol::OnLine, command.name(), on, palette.accent);
-    if response.on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+    if response
+        .on_hover_text(panel.app.settings.keys.tooltip(command))
+        .clicked()
+    {
         panel.actions.push(Action::Command(command));
     }
 }
 
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     let app = panel.app;
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
+    let (rect, response) =
+        ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
     let selected = app.session.points.selected == Some(index);
     if selected && has_been_selected(ui, index) {
         response.scroll_to_me(None);
@@ -79,25 +102,51 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
         (false, false) => None,
     };
     if let Some(ground) = ground {
-        ui.painter().rect_filled(rect, CornerRadius::same(4), ground);
+        ui.painter()
+            .rect_filled(rect, CornerRadius::same(4), ground);
     }
     let colour = colour(app, index, click);
     let painter = ui.painter().clone();
     let middle = rect.center().y;
     let small = FontId::proportional(12.0);
-    painter.text(pos2(rect.left() + 14.0, middle), Align2::RIGHT_CENTER, index + 1, small.clone(), ui.palette().weak);
-    let on_line = click.target.as_ref().is_some_and(|target| target.line().is_some());
-    let kind = if on_line { Symbol::OnLine } else { Symbol::Landmark };
+    painter.text(
+        pos2(rect.left() + 14.0, middle),
+        Align2::RIGHT_CENTER,
+        index + 1,
+        small.clone(),
+        ui.palette().weak,
+    );
+    let on_line = click
+        .target
+        .as_ref()
+        .is_some_and(|target| target.line().is_some());
+    let kind = if on_line {
+        Symbol::OnLine
+    } else {
+        Symbol::Landmark
+    };
     let mark = Rect::from_center_size(pos2(rect.left() + 26.0, middle), vec2(16.0, 16.0));
     // The colours of points are made for pictures.
-    painter.rect_filled(mark, CornerRadius::same(3), theme::under_colours_of_pictures(ui));
+    painter.rect_filled(
+        mark,
+        CornerRadius::same(3),
+        theme::under_colours_of_pictures(ui),
+    );
     symbol::paint(&painter, kind, mark, colour);
 
     let buttons = 2.0 * theme::SYMBOL.x;
-    let has_evidence = app.shown().solved().is_none_or(FrameSolution::residuals_are_evidence);
+    let has_evidence = app
+        .shown()
+        .solved()
+        .is_none_or(FrameSolution::residuals_are_evidence);
     let text_left = rect.left() + 38.0;
-    let text_width = rect.right() - buttons - RESIDUAL[usize::from(!has_evidence)] - 4.0 - text_left;
-    let strength = if click.target.is_none() { ui.palette().caution } else { ui.palette().text };
+    let text_width =
+        rect.right() - buttons - RESIDUAL[usize::from(!has_evidence)] - 4.0 - text_left;
+    let strength = if click.target.is_none() {
+        ui.palette().caution
+    } else {
+        ui.palette().text
+    };
     let laid_out = |text: String| {
         let mut line = LayoutJob::simple(text, FontId::proportional(13.0), strength, text_width);
         line.wrap = TextWrapping::truncate_at_width(text_width);
@@ -106,22 +155,39 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     let mut galley = laid_out(name.clone());
     if galley.elided {
         // Names that begin alike must not be cut alike.
-        galley = laid_out(code(app, click).map_or_else(|| name.clone(), |code| format!("{code} · {name}")));
+        galley = laid_out(
+            code(app, click).map_or_else(|| name.clone(), |code| format!("{code} · {name}")),
+        );
     }
-    painter.galley(pos2(text_left, middle - galley.size().y / 2.0), galley, strength);
+    painter.galley(
+        pos2(text_left, middle - galley.size().y / 2.0),
+        galley,
+        strength,
+    );
     let right = pos2(rect.right() - buttons - 4.0, middle);
-    painter.text(right, Align2::RIGHT_CENTER, &residual.text, small, residual.colour);
+    painter.text(
+        right,
+        Align2::RIGHT_CENTER,
+        &residual.text,
+        small,
+        residual.colour,
+    );
 
     let response = response.on_hover_ui(|ui| tooltip(ui, app, index, click, &name));
     if response.double_clicked() {
+        panel.actions.extend([
+            Action::Navigate(Navigation::Select(Some(index))),
+            Action::Command(Command::RenameClick),
+        ]);
+    } else if response.clicked() {
         panel
             .actions
-            .extend([Action::Navigate(Navigation::Select(Some(index))), Action::Command(Command::RenameClick)]);
-    } else if response.clicked() {
-        panel.actions.push(Action::Navigate(Navigation::Select(Some(index))));
+            .push(Action::Navigate(Navigation::Select(Some(index))));
     }
     if response.secondary_clicked() {
-        panel.actions.push(Action::Navigate(Navigation::Select(Some(index))));
+        panel
+            .actions
+            .push(Action::Navigate(Navigation::Select(Some(index))));
     }
     response.context_menu(|ui| menu::entries(panel, ui, &MENU));
     let tail = Rect::from_min_max(pos2(rect.right() - buttons, rect.top()), rect.max);
@@ -145,20 +211,41 @@ fn has_been_selected(ui: &Ui, index: usize) -> bool {
 fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     let keys = &panel.app.settings.keys;
     let palette = ui.palette();
-    let delete = symbol::button(ui, Symbol::Cross, &format!("Delete point {}", index + 1), palette.weak);
+    let delete = symbol::button(
+        ui,
+        Symbol::Cross,
+        &format!("Delete point {}", index + 1),
+        palette.weak,
+    );
     let key = keys.shown(Command::DeleteClick);
-    if delete.on_hover_text(format!("Delete this point. ({key} deletes the selected one)")).clicked() {
-        panel.actions.push(Action::Edit(EditAction::DeleteClick(index)));
+    if delete
+        .on_hover_text(format!(
+            "Delete this point. ({key} deletes the selected one)"
+        ))
+        .clicked()
+    {
+        panel
+            .actions
+            .push(Action::Edit(EditAction::DeleteClick(index)));
     }
     let name = format!("Check point {}", index + 1);
     let check = symbol::toggle(ui, Symbol::Diamond, &name, click.check, shown(CHECK));
-    if check.on_hover_text(keys.tooltip(Command::ToggleCheck)).clicked() {
-        panel.actions.push(Action::Edit(EditAction::SetCheck { click: index, check: !click.check }));
+    if check
+        .on_hover_text(keys.tooltip(Command::ToggleCheck))
+        .clicked()
+    {
+        panel.actions.push(Action::Edit(EditAction::SetCheck {
+            click: index,
+            check: !click.check,
+        }));
     }
 }
 
 fn name(app: &App, click: &Click) -> String {
-    click.target.as_ref().map_or_else(|| "no name yet".to_owned(), |target| app.label(target))
+    click
+        .target
+        .as_ref()
+        .map_or_else(|| "no name yet".to_owned(), |target| app.label(target))
 }
 
 /// The letters by which the point's name is typed.
@@ -183,29 +270,43 @@ struct Residual {
 }
 
 fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residual {
-    let quiet = |text: &str| Residual { text: text.to_owned(), colour: palette.weak };
+    let quiet = |text: &str| Residual {
+        text: text.to_owned(),
+        colour: palette.weak,
+    };
     if click.target.is_none() {
         return quiet("");
     }
     let loud = |px: f64, limit_px: f64| Residual {
         text: format!("{px:.1} px"),
-        colour: if px > limit_px { palette.caution } else { palette.text },
+        colour: if px > limit_px {
+            palette.caution
+        } else {
+            palette.text
+        },
     };
     let solved = app.shown().solved();
     if let Some(solved) = solved.filter(|_| click.check) {
-        let Some(check) = solved.checks.iter().find(|check| check.click == index) else { return quiet("–") };
+        let Some(check) = solved.checks.iter().find(|check| check.click == index) else {
+            return quiet("–");
+        };
         return match (check.error_px, check.z_score) {
-            (Some(px), Some(z)) => {
-                Residual { text: format!("{px:.1} px  {z:.1} σ"), ..loud(px, if z > 3.0 { 0.0 } else { px }) }
-            }
+            (Some(px), Some(z)) => Residual {
+                text: format!("{px:.1} px  {z:.1} σ"),
+                ..loud(px, if z > 3.0 { 0.0 } else { px })
+            },
             (Some(px), None) => loud(px, px),
             (None, _) => quiet("out of sight"),
         };
     }
-    let Some(residual) = app.shown().residual(index) else { return quiet("–") };
+    let Some(residual) = app.shown().residual(index) else {
+        return quiet("–");
+    };
     match residual.distance_px() {
         None => quiet("out of sight"),
-        Some(_) if solved.is_some_and(|solved| !solved.residuals_are_evidence()) => quiet("no evidence"),
+        Some(_) if solved.is_some_and(|solved| !solved.residuals_are_evidence()) => {
+            quiet("no evidence")
+        }
         Some(px) => loud(px, 3.0 * residual.sigma_px),
     }
 }
@@ -220,12 +321,19 @@ fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
     }
     if click.check {
         ui.label("Check point: left out of the solve, its error is shown.");
-    } else if app.shown().solved().is_some_and(|solved| !solved.residuals_are_evidence()) {
+    } else if app
+        .shown()
+        .solved()
+        .is_some_and(|solved| !solved.residuals_are_evidence())
+    {
         ui.label("Two points can always be fitted, so their residual proves nothing.");
     }
     let keys = &app.settings.keys;
     ui.label(
-        RichText::new(format!("Double-click or press {} to rename it.", keys.shown(Command::RenameClick)))
-            .color(ui.palette().weak),
+        RichText::new(format!(
+            "Double-click or press {} to rename it.",
+            keys.shown(Command::RenameClick)
+        ))
+        .color(ui.palette().weak),
     );
 }

@@ -1,4 +1,5 @@
-//! The details, collapsed by default: uncertainties, residuals, the second root, the camera, every warning.
+//! The details, collapsed by default: uncertainties, residuals, the second root, the camera, every
+//! warning.
 
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
@@ -14,11 +15,26 @@ use touchline_documents::document::{Solution, Target};
 /// Shows the details, or the line that expands them.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let open = panel.app.settings.details;
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
+    let (rect, response) =
+        ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, open, "Details"));
-    let colour = if response.hovered() { ui.palette().strong } else { ui.palette().weak };
-    let sign = egui::Rect::from_center_size(pos2(rect.left() + 6.0, rect.center().y), vec2(12.0, 12.0));
-    symbol::paint(ui.painter(), if open { Symbol::Unfolded } else { Symbol::Folded }, sign, colour);
+    let colour = if response.hovered() {
+        ui.palette().strong
+    } else {
+        ui.palette().weak
+    };
+    let sign =
+        egui::Rect::from_center_size(pos2(rect.left() + 6.0, rect.center().y), vec2(12.0, 12.0));
+    symbol::paint(
+        ui.painter(),
+        if open {
+            Symbol::Unfolded
+        } else {
+            Symbol::Folded
+        },
+        sign,
+        colour,
+    );
     ui.painter().text(
         pos2(rect.left() + 18.0, rect.center().y),
         egui::Align2::LEFT_CENTER,
@@ -28,7 +44,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     );
     let response = response.on_hover_text("Uncertainties, residuals, the camera, every warning.");
     if response.clicked() {
-        panel.actions.push(Action::Settings(SettingsAction::Details(!open)));
+        panel
+            .actions
+            .push(Action::Settings(SettingsAction::Details(!open)));
     }
     if has_just_unfolded(ui, open) && rect.top() > ui.clip_rect().center().y {
         response.scroll_to_me(Some(egui::Align::TOP));
@@ -46,8 +64,17 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             next_clicks(panel, ui);
             other_root(panel, ui, solved);
         }
-        warnings(ui, solved.warnings.iter().map(|warning| warning.message.as_str()));
-    } else if let Some(solution) = app.frame().filter(|_| !shown.is_estimated).and_then(|frame| frame.solution.as_ref())
+        warnings(
+            ui,
+            solved
+                .warnings
+                .iter()
+                .map(|warning| warning.message.as_str()),
+        );
+    } else if let Some(solution) = app
+        .frame()
+        .filter(|_| !shown.is_estimated)
+        .and_then(|frame| frame.solution.as_ref())
     {
         recorded(ui, solution);
     }
@@ -68,7 +95,8 @@ fn has_just_unfolded(ui: &Ui, open: bool) -> bool {
 const VALUE: f32 = 172.0;
 
 fn pair(ui: &mut Ui, name: &str, value: impl Into<String>, tip: &str) {
-    ui.label(RichText::new(name).color(ui.palette().weak)).on_hover_text(tip);
+    ui.label(RichText::new(name).color(ui.palette().weak))
+        .on_hover_text(tip);
     // A long value must not widen the panel.
     let value = Label::new(RichText::new(value.into()).color(ui.palette().text)).truncate();
     ui.scope(|ui| {
@@ -79,19 +107,38 @@ fn pair(ui: &mut Ui, name: &str, value: impl Into<String>, tip: &str) {
 }
 
 fn grid(ui: &mut Ui, name: &str, rows: impl FnOnce(&mut Ui)) {
-    Grid::new(name).num_columns(2).min_col_width(92.0).spacing([8.0, 2.0]).show(ui, rows);
+    Grid::new(name)
+        .num_columns(2)
+        .min_col_width(92.0)
+        .spacing([8.0, 2.0])
+        .show(ui, rows);
 }
 
 fn uncertainty(ui: &mut Ui, solved: &FrameSolution) {
     theme::title(ui, "1-σ");
     grid(ui, "uncertainty", |ui| {
-        pair(ui, "Pan", format!("±{:.3}°", solved.sigma_pan().degrees()), "1-σ of the pan.");
-        pair(ui, "Tilt", format!("±{:.3}°", solved.sigma_tilt().degrees()), "1-σ of the tilt.");
+        pair(
+            ui,
+            "Pan",
+            format!("±{:.3}°", solved.sigma_pan().degrees()),
+            "1-σ of the pan.",
+        );
+        pair(
+            ui,
+            "Tilt",
+            format!("±{:.3}°", solved.sigma_tilt().degrees()),
+            "1-σ of the tilt.",
+        );
         let share = 100.0 * solved.sigma_focal_px() / solved.ptz.focal_px;
         let focal = format!("±{:.1} px  ({share:.2} %)", solved.sigma_focal_px());
         pair(ui, "Focal length", focal, "1-σ of the focal length.");
         let corner = format!("±{:.1} px", solved.worst_corner_sigma_px);
-        pair(ui, "Worst corner", corner, "1-σ of the lines at the worst corner of the picture.");
+        pair(
+            ui,
+            "Worst corner",
+            corner,
+            "1-σ of the lines at the worst corner of the picture.",
+        );
     });
     ui.add_space(theme::SPACE);
 }
@@ -109,9 +156,19 @@ fn evidence(ui: &mut Ui, solved: &FrameSolution) {
             }
             _ => "no evidence: two points always fit".to_owned(),
         };
-        pair(ui, "Fit", fit, "The distances of the points from their projections.");
+        pair(
+            ui,
+            "Fit",
+            fit,
+            "The distances of the points from their projections.",
+        );
         if !solved.lens.is_none() {
-            pair(ui, "k1", format!("{:.4}", solved.lens.k1), "Radial distortion at this focal length.");
+            pair(
+                ui,
+                "k1",
+                format!("{:.4}", solved.lens.k1),
+                "Radial distortion at this focal length.",
+            );
         }
     });
     ui.add_space(theme::SPACE);
@@ -122,24 +179,32 @@ fn residuals(ui: &mut Ui, solved: &FrameSolution) {
         return;
     }
     theme::title(ui, "RESIDUALS, px");
-    Grid::new("residuals").num_columns(4).min_col_width(48.0).spacing([8.0, 2.0]).show(ui, |ui| {
-        for head in ["point", "right", "down", "1-σ"] {
-            ui.label(RichText::new(head).small().color(ui.palette().weak));
-        }
-        ui.end_row();
-        for residual in &solved.residuals {
-            ui.label((residual.click + 1).to_string());
-            let offset = residual.offset_px.filter(|_| solved.residuals_are_evidence());
-            for axis in 0..2 {
-                ui.label(offset.map_or_else(|| "–".to_owned(), |offset| signed(offset[axis])));
+    Grid::new("residuals")
+        .num_columns(4)
+        .min_col_width(48.0)
+        .spacing([8.0, 2.0])
+        .show(ui, |ui| {
+            for head in ["point", "right", "down", "1-σ"] {
+                ui.label(RichText::new(head).small().color(ui.palette().weak));
             }
-            ui.label(format!("{:.1}", residual.sigma_px));
             ui.end_row();
-        }
-    });
+            for residual in &solved.residuals {
+                ui.label((residual.click + 1).to_string());
+                let offset = residual
+                    .offset_px
+                    .filter(|_| solved.residuals_are_evidence());
+                for axis in 0..2 {
+                    ui.label(offset.map_or_else(|| "–".to_owned(), |offset| signed(offset[axis])));
+                }
+                ui.label(format!("{:.1}", residual.sigma_px));
+                ui.end_row();
+            }
+        });
     for check in &solved.checks {
         let description = match (check.error_px, check.z_score) {
-            (Some(px), Some(z)) => format!("Check point {}: {px:.1} px off, {z:.1} σ", check.click + 1),
+            (Some(px), Some(z)) => {
+                format!("Check point {}: {px:.1} px off, {z:.1} σ", check.click + 1)
+            }
             (Some(px), None) => format!("Check point {}: {px:.1} px off", check.click + 1),
             (None, _) => format!("Check point {}: out of sight", check.click + 1),
         };
@@ -157,7 +222,14 @@ fn signed(px: f64) -> String {
 fn next_clicks(panel: &mut Panel<'_>, ui: &mut Ui) {
     /// The number of landmarks that are listed.
     const SHOWN: usize = 4;
-    let next: Vec<_> = panel.app.current().next_clicks.iter().take(SHOWN).cloned().collect();
+    let next: Vec<_> = panel
+        .app
+        .current()
+        .next_clicks
+        .iter()
+        .take(SHOWN)
+        .cloned()
+        .collect();
     if next.is_empty() {
         return;
     }
@@ -170,8 +242,14 @@ fn next_clicks(panel: &mut Panel<'_>, ui: &mut Ui) {
             next.worst_corner_px,
             next.gain()
         );
-        let button = Button::new(RichText::new(format!("{label}: {}", next.gain())).color(ui.palette().text));
-        if ui.add(button.frame(false).truncate()).on_hover_text(tip).clicked() {
+        let button = Button::new(
+            RichText::new(format!("{label}: {}", next.gain())).color(ui.palette().text),
+        );
+        if ui
+            .add(button.frame(false).truncate())
+            .on_hover_text(tip)
+            .clicked()
+        {
             panel.actions.push(Action::Edit(EditAction::Pick(target)));
         }
     }
@@ -179,11 +257,20 @@ fn next_clicks(panel: &mut Panel<'_>, ui: &mut Ui) {
 }
 
 fn other_root(panel: &mut Panel<'_>, ui: &mut Ui, solved: &FrameSolution) {
-    let Some(other) = panel.app.current().other_root() else { return };
+    let Some(other) = panel.app.current().other_root() else {
+        return;
+    };
     ui.horizontal_wrapped(|ui| {
-        ui.label(format!("Both {:.0} and {:.0} px fit.", solved.ptz.focal_px, other.focal_px));
+        ui.label(format!(
+            "Both {:.0} and {:.0} px fit.",
+            solved.ptz.focal_px, other.focal_px
+        ));
         let command = Command::SwitchRoot;
-        if ui.add(Button::new("Switch").small()).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+        if ui
+            .add(Button::new("Switch").small())
+            .on_hover_text(panel.app.settings.keys.tooltip(command))
+            .clicked()
+        {
             panel.actions.push(Action::Command(command));
         }
     });
@@ -203,13 +290,20 @@ fn warnings<'a>(ui: &mut Ui, messages: impl Iterator<Item = &'a str>) {
 
 /// The camera as text for other programs.
 fn copy(app: &App, ui: &mut Ui) {
-    let Some(camera) = app.shown().camera else { return };
+    let Some(camera) = app.shown().camera else {
+        return;
+    };
     ui.add_space(theme::SPACE);
     theme::title(ui, "COPY AS TEXT");
     ui.horizontal_wrapped(|ui| {
         for text in CameraText::ALL {
-            let button = ui.add(Button::new(text.label()).small()).on_hover_text(text.about());
-            if button.accessible_name(format!("Copy {}", text.label())).clicked() {
+            let button = ui
+                .add(Button::new(text.label()).small())
+                .on_hover_text(text.about());
+            if button
+                .accessible_name(format!("Copy {}", text.label()))
+                .clicked()
+            {
                 ui.ctx().copy_text(text.of(&camera));
             }
         }
@@ -220,14 +314,30 @@ fn copy(app: &App, ui: &mut Ui) {
 fn recorded(ui: &mut Ui, solution: &Solution) {
     grid(ui, "recorded", |ui| {
         if let Some(rms_px) = solution.rms_px {
-            pair(ui, "Fit", format!("{rms_px:.1} px rms"), "As recorded in the document.");
+            pair(
+                ui,
+                "Fit",
+                format!("{rms_px:.1} px rms"),
+                "As recorded in the document.",
+            );
         }
         if let Some(confidence) = solution.confidence {
             let tip = "The probability that the lines are right within 10 px at 1920 px width.";
-            pair(ui, "Confidence", format!("{:.0} %", 100.0 * confidence), tip);
+            pair(
+                ui,
+                "Confidence",
+                format!("{:.0} %", 100.0 * confidence),
+                tip,
+            );
         }
     });
-    warnings(ui, solution.warnings.iter().map(|warning| warning.message.as_str()));
+    warnings(
+        ui,
+        solution
+            .warnings
+            .iter()
+            .map(|warning| warning.message.as_str()),
+    );
 }
 
 fn camera(app: &App, ui: &mut Ui) {
@@ -235,9 +345,19 @@ fn camera(app: &App, ui: &mut Ui) {
     theme::title(ui, "CAMERA POSITION");
     grid(ui, "camera stands", |ui| {
         let position = base.position_m;
-        pair(ui, "Height", format!("{:.2} m", position.z), "Above the field's centre.");
+        pair(
+            ui,
+            "Height",
+            format!("{:.2} m", position.z),
+            "Above the field's centre.",
+        );
         let place = format!("x {:.2}, y {:.2} m", position.x, position.y);
-        pair(ui, "Position", place, "From the field's centre: x along its length, y away from the main camera.");
+        pair(
+            ui,
+            "Position",
+            place,
+            "From the field's centre: x along its length, y away from the main camera.",
+        );
     });
     copy(app, ui);
 }

@@ -1,5 +1,5 @@
-//! The shown frame: field map, points, solution, details; at the bottom, always in sight, the verdict and the button that
-//! accepts the frame.
+//! The shown frame: field map, points, solution, details; at the bottom, always in sight, the
+//! verdict and the button that accepts the frame.
 
 mod accept;
 mod clicks;
@@ -32,29 +32,53 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     verdict_row(ui, MOST_VERDICT * height, |ui| verdict::show(panel, ui));
     if panel.app.settings.field_map {
         // Not from the verdict's height of this moment: the map must not jump with it.
-        field_map::show(panel, ui, (height - DECIDE - verdict::HEIGHT - BELOW_MAP).max(LEAST_MAP));
+        field_map::show(
+            panel,
+            ui,
+            (height - DECIDE - verdict::HEIGHT - BELOW_MAP).max(LEAST_MAP),
+        );
     }
     // Unfolded details need room as well.
-    let most = if panel.app.settings.details { 8.0 } else { f32::INFINITY };
-    let room = (ui.available_height() - BELOW_CLICKS).clamp(4.0 * theme::LIST_ROW, most * theme::LIST_ROW);
-    ScrollArea::vertical().id_salt("inspector").auto_shrink(false).show(ui, |ui| {
-        Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
-            ui.set_width(ui.available_width());
-            clicks::show(panel, ui, room);
-            line(ui);
-            solution::show(panel, ui);
-            line(ui);
-            details::show(panel, ui);
+    let most = if panel.app.settings.details {
+        8.0
+    } else {
+        f32::INFINITY
+    };
+    let room =
+        (ui.available_height() - BELOW_CLICKS).clamp(4.0 * theme::LIST_ROW, most * theme::LIST_ROW);
+    ScrollArea::vertical()
+        .id_salt("inspector")
+        .auto_shrink(false)
+        .show(ui, |ui| {
+            Frame::new()
+                .inner_margin(Margin::symmetric(8, 6))
+                .show(ui, |ui| {
+                    ui.set_width(ui.available_width());
+                    clicks::show(panel, ui, room);
+                    line(ui);
+                    solution::show(panel, ui);
+                    line(ui);
+                    details::show(panel, ui);
+                });
         });
-    });
 }
 
 /// The verdict above the main button, as high as it is.
 fn verdict_row(ui: &mut Ui, most: f32, contents: impl FnOnce(&mut Ui)) {
     let memory = egui::Id::unique("height of the verdict");
-    let before = ui.data(|data| data.get_temp::<f32>(memory)).unwrap_or(verdict::HEIGHT);
-    let frame = Frame::new().inner_margin(Margin { left: 8, right: 8, top: 6, bottom: 0 });
-    let area = egui::Panel::bottom("verdict").resizable(false).exact_size(before.min(most)).frame(frame);
+    let before = ui
+        .data(|data| data.get_temp::<f32>(memory))
+        .unwrap_or(verdict::HEIGHT);
+    let frame = Frame::new().inner_margin(Margin {
+        left: 8,
+        right: 8,
+        top: 6,
+        bottom: 0,
+    });
+    let area = egui::Panel::bottom("verdict")
+        .resizable(false)
+        .exact_size(before.min(most))
+        .frame(frame);
     area.show(ui, |ui| {
         let shown = ScrollArea::vertical().id_salt("verdict").show(ui, contents);
         let height = shown.content_size.y + 8.0;
@@ -84,6 +108,13 @@ pub fn accept(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// A thin line between two groups.
 fn line(ui: &mut Ui) {
-    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 2.0 * theme::SPACE + 1.0), Sense::hover());
-    ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(1.0, ui.palette().line));
+    let (rect, _) = ui.allocate_exact_size(
+        vec2(ui.available_width(), 2.0 * theme::SPACE + 1.0),
+        Sense::hover(),
+    );
+    ui.painter().hline(
+        rect.x_range(),
+        rect.center().y,
+        egui::Stroke::new(1.0, ui.palette().line),
+    );
 }

@@ -33,11 +33,19 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.horizontal(|ui| {
         theme::title(ui, "CAMERA");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            ui.label(RichText::new(source(app, frame)).small().color(ui.palette().weak));
+            ui.label(
+                RichText::new(source(app, frame))
+                    .small()
+                    .color(ui.palette().weak),
+            );
         });
     });
     let shown = app.shown();
-    let recorded = frame.ptz.as_ref().filter(|_| !shown.is_estimated).map(FramePtz::ptz);
+    let recorded = frame
+        .ptz
+        .as_ref()
+        .filter(|_| !shown.is_estimated)
+        .map(FramePtz::ptz);
     match shown.camera.map(|camera| camera.ptz()).or(recorded) {
         Some(ptz) => {
             numbers(panel, ui, ptz, f64::from(frame.image_size.width));
@@ -62,7 +70,9 @@ fn source(app: &App, frame: &Frame) -> String {
         Some(SolutionSource::Forest) if frame.clicks.iter().any(|click| click.target.is_some()) => {
             "proposed, corrected with a point".to_owned()
         }
-        Some(SolutionSource::Forest) if frame.is_snapped_proposal() => "proposed, snapped to the lines".to_owned(),
+        Some(SolutionSource::Forest) if frame.is_snapped_proposal() => {
+            "proposed, snapped to the lines".to_owned()
+        }
         Some(SolutionSource::Forest) => "proposed".to_owned(),
         Some(SolutionSource::Tracking) => "tracked".to_owned(),
         Some(SolutionSource::Interpolated) => "between its neighbours".to_owned(),
@@ -74,7 +84,11 @@ fn source(app: &App, frame: &Frame) -> String {
 }
 
 fn from_points(frame: &Frame) -> String {
-    let used = frame.clicks.iter().filter(|click| !click.check && click.target.is_some()).count();
+    let used = frame
+        .clicks
+        .iter()
+        .filter(|click| !click.check && click.target.is_some())
+        .count();
     format!("from {used} point{}", if used == 1 { "" } else { "s" })
 }
 
@@ -84,81 +98,102 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
     let actions = &mut *panel.actions;
     let field = ((ui.available_width() - 2.0 * LABEL - 3.0 * GAP) / 2.0).floor();
     ui.add_enabled_ui(editable, |ui| {
-        egui::Grid::new("solution").num_columns(4).min_col_width(LABEL).spacing([GAP, theme::SPACE]).show(ui, |ui| {
-            let number = Number {
-                name: "Pan",
-                step: "Set pan",
-                tip: "Pan, degrees; positive to the right.",
-                value: ptz.pan.degrees(),
-                speed: 0.02,
-                decimals: 3,
-                range: -180.0..=180.0,
-                why: "that is a full turn",
-                suffix: "°",
-                width: field,
-            };
-            ui.label("Pan");
-            number.show(ui, app, actions, |degrees| {
-                Action::Edit(EditAction::Ptz(Ptz { pan: Angle::from_degrees(degrees), ..ptz }))
+        egui::Grid::new("solution")
+            .num_columns(4)
+            .min_col_width(LABEL)
+            .spacing([GAP, theme::SPACE])
+            .show(ui, |ui| {
+                let number = Number {
+                    name: "Pan",
+                    step: "Set pan",
+                    tip: "Pan, degrees; positive to the right.",
+                    value: ptz.pan.degrees(),
+                    speed: 0.02,
+                    decimals: 3,
+                    range: -180.0..=180.0,
+                    why: "that is a full turn",
+                    suffix: "°",
+                    width: field,
+                };
+                ui.label("Pan");
+                number.show(ui, app, actions, |degrees| {
+                    Action::Edit(EditAction::Ptz(Ptz {
+                        pan: Angle::from_degrees(degrees),
+                        ..ptz
+                    }))
+                });
+                ui.label("Focal");
+                let number = Number {
+                    name: "Focal length",
+                    step: "Set focal length",
+                    tip: "Focal length, px of the picture.",
+                    value: ptz.focal_px,
+                    speed: ptz.focal_px / 500.0,
+                    decimals: 1,
+                    range: focal_px(WIDEST_DEG, width_px)..=focal_px(NARROWEST_DEG, width_px),
+                    why: VIEWS,
+                    suffix: " px",
+                    width: field,
+                };
+                number.show(ui, app, actions, |focal_px| {
+                    Action::Edit(EditAction::Ptz(Ptz { focal_px, ..ptz }))
+                });
+                ui.end_row();
+                ui.label("Tilt");
+                let number = Number {
+                    name: "Tilt",
+                    step: "Set tilt",
+                    tip: "Tilt, degrees; positive upwards.",
+                    value: ptz.tilt.degrees(),
+                    speed: 0.02,
+                    decimals: 3,
+                    range: -90.0..=90.0,
+                    why: "that is straight down to straight up",
+                    suffix: "°",
+                    width: field,
+                };
+                number.show(ui, app, actions, |degrees| {
+                    Action::Edit(EditAction::Ptz(Ptz {
+                        tilt: Angle::from_degrees(degrees),
+                        ..ptz
+                    }))
+                });
+                ui.label("View");
+                let number = Number {
+                    name: "Field of view",
+                    step: "Set field of view",
+                    tip: "The horizontal field of view, degrees; equivalent to the focal length.",
+                    value: view_deg(ptz.focal_px, width_px),
+                    speed: 0.05,
+                    decimals: 2,
+                    range: NARROWEST_DEG..=WIDEST_DEG,
+                    why: VIEWS,
+                    suffix: "°",
+                    width: field,
+                };
+                number.show(ui, app, actions, |degrees| {
+                    Action::Edit(EditAction::Ptz(Ptz {
+                        focal_px: focal_px(degrees, width_px),
+                        ..ptz
+                    }))
+                });
+                ui.end_row();
             });
-            ui.label("Focal");
-            let number = Number {
-                name: "Focal length",
-                step: "Set focal length",
-                tip: "Focal length, px of the picture.",
-                value: ptz.focal_px,
-                speed: ptz.focal_px / 500.0,
-                decimals: 1,
-                range: focal_px(WIDEST_DEG, width_px)..=focal_px(NARROWEST_DEG, width_px),
-                why: VIEWS,
-                suffix: " px",
-                width: field,
-            };
-            number.show(ui, app, actions, |focal_px| Action::Edit(EditAction::Ptz(Ptz { focal_px, ..ptz })));
-            ui.end_row();
-            ui.label("Tilt");
-            let number = Number {
-                name: "Tilt",
-                step: "Set tilt",
-                tip: "Tilt, degrees; positive upwards.",
-                value: ptz.tilt.degrees(),
-                speed: 0.02,
-                decimals: 3,
-                range: -90.0..=90.0,
-                why: "that is straight down to straight up",
-                suffix: "°",
-                width: field,
-            };
-            number.show(ui, app, actions, |degrees| {
-                Action::Edit(EditAction::Ptz(Ptz { tilt: Angle::from_degrees(degrees), ..ptz }))
-            });
-            ui.label("View");
-            let number = Number {
-                name: "Field of view",
-                step: "Set field of view",
-                tip: "The horizontal field of view, degrees; equivalent to the focal length.",
-                value: view_deg(ptz.focal_px, width_px),
-                speed: 0.05,
-                decimals: 2,
-                range: NARROWEST_DEG..=WIDEST_DEG,
-                why: VIEWS,
-                suffix: "°",
-                width: field,
-            };
-            number.show(ui, app, actions, |degrees| {
-                Action::Edit(EditAction::Ptz(Ptz { focal_px: focal_px(degrees, width_px), ..ptz }))
-            });
-            ui.end_row();
-        });
     });
 }
 
 /// The worst corner, and the button that discards numbers set manually.
 fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
-    let stored = frame.solution.as_ref().and_then(|solution| solution.worst_corner_sigma_px);
+    let stored = frame
+        .solution
+        .as_ref()
+        .and_then(|solution| solution.worst_corner_sigma_px);
     let shown = panel.app.shown();
     let stored = stored.filter(|_| !shown.is_estimated);
-    let sigma = shown.solved().map(|solved| solved.worst_corner_sigma_px).or(stored);
+    let sigma = shown
+        .solved()
+        .map(|solved| solved.worst_corner_sigma_px)
+        .or(stored);
     ui.horizontal(|ui| {
         match sigma.filter(|sigma| sigma.is_finite()) {
             Some(sigma) => {
@@ -185,7 +220,10 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
 /// No numbers yet: why, and how to set them manually.
 fn unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
     if panel.app.shown().is_estimated {
-        ui.label(RichText::new("No points here to solve with the estimated base.").color(ui.palette().weak));
+        ui.label(
+            RichText::new("No points here to solve with the estimated base.")
+                .color(ui.palette().weak),
+        );
         return;
     }
     if panel.app.current().base.is_none() {
@@ -193,11 +231,18 @@ fn unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
         return;
     }
     ui.label(RichText::new("Not solved yet.").color(ui.palette().weak));
-    let by_hand =
-        ui.button("Set manually").on_hover_text("Start from a typical view and drag pan, tilt and focal length.");
+    let by_hand = ui
+        .button("Set manually")
+        .on_hover_text("Start from a typical view and drag pan, tilt and focal length.");
     if by_hand.clicked() {
         let focal_px = START_FOCAL_WIDTHS * f64::from(frame.image_size.width);
-        panel.actions.push(Action::Edit(EditAction::Ptz(Ptz::from_degrees(0.0, START_TILT_DEG, focal_px))));
+        panel
+            .actions
+            .push(Action::Edit(EditAction::Ptz(Ptz::from_degrees(
+                0.0,
+                START_TILT_DEG,
+                focal_px,
+            ))));
     }
 }
 

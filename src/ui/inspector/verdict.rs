@@ -74,50 +74,87 @@ fn other_picture(says: &str, ui: &mut Ui) {
     let palette = ui.palette();
     ui.horizontal(|ui| {
         symbol::show(ui, Symbol::Warning, palette.bad);
-        ui.label(RichText::new("Another picture").size(theme::VERDICT).color(palette.bad).strong());
+        ui.label(
+            RichText::new("Another picture")
+                .size(theme::VERDICT)
+                .color(palette.bad)
+                .strong(),
+        );
     });
     ui.add(Label::new(RichText::new(sentence(says)).color(palette.text)).wrap());
 }
 
 /// Whether the program proposed the frame's camera and nobody has changed it.
 fn proposed(frame: &Frame) -> bool {
-    matches!(frame.status, FrameStatus::Suggested | FrameStatus::Reference) && frame.is_suggestion()
+    matches!(
+        frame.status,
+        FrameStatus::Suggested | FrameStatus::Reference
+    ) && frame.is_suggestion()
 }
 
 /// The state and the confidence of a proposal.
 fn proposal(app: &App, ui: &mut Ui) {
     let Some(frame) = app.frame() else { return };
-    let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
+    let confidence = frame
+        .solution
+        .as_ref()
+        .and_then(|solution| solution.confidence);
     let certain = confidence.map(|confidence| format!(", confidence {}", percent(confidence)));
     let accepted = frame.status == FrameStatus::Reference;
-    let state = if accepted { "Accepted unchanged." } else { "Not reviewed yet." };
-    let why = frame.why_unlikely().map(|why| format!(" {}", sentence(why))).unwrap_or_default();
-    said(ui, &format!("Proposed{}. {state}{why}", certain.unwrap_or_default()));
+    let state = if accepted {
+        "Accepted unchanged."
+    } else {
+        "Not reviewed yet."
+    };
+    let why = frame
+        .why_unlikely()
+        .map(|why| format!(" {}", sentence(why)))
+        .unwrap_or_default();
+    said(
+        ui,
+        &format!("Proposed{}. {state}{why}", certain.unwrap_or_default()),
+    );
 }
 
 /// The switch for using an accepted proposal for training.
 fn training_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
     let accepted = |frame: &&Frame| frame.status == FrameStatus::Reference && frame.is_suggestion();
-    let Some(before) = panel.app.frame().filter(accepted).map(Frame::is_used_for_training) else { return };
+    let Some(before) = panel
+        .app
+        .frame()
+        .filter(accepted)
+        .map(Frame::is_used_for_training)
+    else {
+        return;
+    };
     let mut used = before;
     let switch = ui.checkbox(&mut used, "Use for training");
     switch.on_hover_text(
         "By default the forest is not trained with accepted proposals. Use them where no clicked reference looks.",
     );
     if used != before {
-        panel.actions.push(Action::Edit(EditAction::SetUseForTraining { frame: panel.app.session.frame, used }));
+        panel
+            .actions
+            .push(Action::Edit(EditAction::SetUseForTraining {
+                frame: panel.app.session.frame,
+                used,
+            }));
     }
 }
 
 /// What the painted lines say about the camera.
 fn paint(app: &App, ui: &mut Ui) {
-    let Some(says) = app.paint_says(app.session.frame) else { return };
+    let Some(says) = app.paint_says(app.session.frame) else {
+        return;
+    };
     let text = sentence(&says.describe());
     ui.horizontal(|ui| {
         let (mark, _) = ui.allocate_exact_size(egui::Vec2::splat(12.0), egui::Sense::hover());
         theme::paint_line_mark(ui.painter(), mark.center(), says.verdict);
         let told = ui.add(Label::new(RichText::new(text).small().color(ui.palette().text)).wrap());
-        told.on_hover_text("The picture is searched for paint where the camera predicts painted lines.");
+        told.on_hover_text(
+            "The picture is searched for paint where the camera predicts painted lines.",
+        );
     });
 }
 
@@ -129,7 +166,10 @@ fn said(ui: &mut Ui, text: &str) {
 fn search_lines(panel: &mut Panel<'_>, ui: &mut Ui) {
     let command = Command::SearchLines;
     if panel.app.why_not(command).is_none()
-        && ui.button(command.name()).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked()
+        && ui
+            .button(command.name())
+            .on_hover_text(panel.app.settings.keys.tooltip(command))
+            .clicked()
     {
         panel.actions.push(Action::Command(command));
     }
@@ -141,7 +181,9 @@ fn describe_error(error: &CalibrationError) -> String {
         CalibrationError::Solve(SolveError::TooFewObservations { equations: 2 }) => {
             "One more point is needed.".to_owned()
         }
-        CalibrationError::Solve(SolveError::TooFewObservations { .. }) => "Two points are needed.".to_owned(),
+        CalibrationError::Solve(SolveError::TooFewObservations { .. }) => {
+            "Two points are needed.".to_owned()
+        }
         error => sentence(&error.to_string()),
     }
 }
@@ -151,20 +193,34 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
     let more = hidden(panel.app, reason);
     let mend = panel.app.mend();
     let better = panel.app.current().better_camera.as_ref();
-    let way =
-        panel.app.cause().filter(|_| mend.is_none() && better.is_none()).and_then(|cause| way_out(panel.app, cause));
+    let way = panel
+        .app
+        .cause()
+        .filter(|_| mend.is_none() && better.is_none())
+        .and_then(|cause| way_out(panel.app, cause));
     if more == 0 && mend.is_none() && better.is_none() && way.is_none() {
         return;
     }
     ui.horizontal(|ui| {
         if let Some(better) = better {
             let says = format!("Assign to {}", better.camera);
-            if ui.add(Button::new(says).truncate()).on_hover_text("This frame fits that camera better.").clicked() {
+            if ui
+                .add(Button::new(says).truncate())
+                .on_hover_text("This frame fits that camera better.")
+                .clicked()
+            {
                 let camera = CameraChoice::Known(better.camera.clone());
-                panel.actions.push(Action::Edit(EditAction::AssignToCamera { scope: Scope::Frame, camera }));
+                panel.actions.push(Action::Edit(EditAction::AssignToCamera {
+                    scope: Scope::Frame,
+                    camera,
+                }));
             }
         } else if let Some((command, word)) = mend {
-            if ui.button(word).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+            if ui
+                .button(word)
+                .on_hover_text(panel.app.settings.keys.tooltip(command))
+                .clicked()
+            {
                 panel.actions.push(Action::Command(command));
             }
             compare(panel, ui);
@@ -174,9 +230,17 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
             panel.actions.extend(way.actions);
         }
         if more > 0 {
-            let rest = Button::new(RichText::new(format!("{more} more")).color(ui.palette().caution)).frame(false);
-            if ui.add(rest).on_hover_text("Show all warnings in the details.").clicked() {
-                panel.actions.push(Action::Settings(SettingsAction::Details(true)));
+            let rest =
+                Button::new(RichText::new(format!("{more} more")).color(ui.palette().caution))
+                    .frame(false);
+            if ui
+                .add(rest)
+                .on_hover_text("Show all warnings in the details.")
+                .clicked()
+            {
+                panel
+                    .actions
+                    .push(Action::Settings(SettingsAction::Details(true)));
             }
         }
     });
@@ -189,8 +253,8 @@ struct WayOut {
     actions: Vec<Action>,
 }
 
-/// What is done about the cause that dominates: points for the base, a point where it gains most, a look at the point that
-/// contradicts the others.
+/// What is done about the cause that dominates: points for the base, a point where it gains most, a
+/// look at the point that contradicts the others.
 fn way_out(app: &App, cause: &Warning) -> Option<WayOut> {
     match (cause.code, cause.clicks.as_slice()) {
         (WarningCode::BaseUncertain, _) => Some(WayOut {
@@ -201,13 +265,24 @@ fn way_out(app: &App, cause: &Warning) -> Option<WayOut> {
         (WarningCode::Separation | WarningCode::Extrapolation, _) => {
             let next = app.current().next_clicks.first()?;
             let target = Target::Landmark(next.id.clone());
-            let about = format!("{}: {}. Then click it in the picture.", app.label(&target), next.gain());
-            Some(WayOut { word: "Next point", about, actions: vec![Action::Edit(EditAction::Pick(target))] })
+            let about = format!(
+                "{}: {}. Then click it in the picture.",
+                app.label(&target),
+                next.gain()
+            );
+            Some(WayOut {
+                word: "Next point",
+                about,
+                actions: vec![Action::Edit(EditAction::Pick(target))],
+            })
         }
         (WarningCode::Contradiction, [click]) => Some(WayOut {
             word: "Show point",
             about: format!("Select point {} and zoom in on it.", click + 1),
-            actions: vec![Action::Navigate(Navigation::Select(Some(*click))), Action::Command(Command::ZoomToClick)],
+            actions: vec![
+                Action::Navigate(Navigation::Select(Some(*click))),
+                Action::Command(Command::ZoomToClick),
+            ],
         }),
         _ => None,
     }
@@ -215,9 +290,13 @@ fn way_out(app: &App, cause: &Warning) -> Option<WayOut> {
 
 /// A button that shows the other solution while it is held, like its key.
 fn compare(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let response = ui.button("Compare").on_hover_text(panel.app.settings.keys.tooltip(Command::Compare));
+    let response = ui
+        .button("Compare")
+        .on_hover_text(panel.app.settings.keys.tooltip(Command::Compare));
     let pressed = egui::Id::unique("compare is pressed");
-    let before = ui.data(|data| data.get_temp::<bool>(pressed)).unwrap_or(false);
+    let before = ui
+        .data(|data| data.get_temp::<bool>(pressed))
+        .unwrap_or(false);
     let down = response.is_pointer_button_down_on();
     if down != before {
         ui.data_mut(|data| data.insert_temp(pressed, down));
@@ -227,6 +306,12 @@ fn compare(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// The number of warnings beside the one that is the verdict's reason.
 fn hidden(app: &App, reason: &str) -> usize {
-    let warnings = app.current().solved().map_or(&[][..], |solved| &solved.warnings);
-    warnings.iter().filter(|warning| warning.message != reason).count()
+    let warnings = app
+        .current()
+        .solved()
+        .map_or(&[][..], |solved| &solved.warnings);
+    warnings
+        .iter()
+        .filter(|warning| warning.message != reason)
+        .count()
 }

@@ -1,4 +1,5 @@
-//! Two annotators on the same frames: how far apart their clicks lie, what they call differently, how their cameras differ.
+//! Two annotators on the same frames: how far apart their clicks lie, what they call differently,
+//! how their cameras differ.
 
 use super::scatter::Scatter;
 use super::{card, nothing_yet};
@@ -29,43 +30,81 @@ const NOTHING: &str = "Choose another annotator's document of the same frames to
 
 /// Shows the section.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let (is_running, made) =
-        (panel.app.operations.comparison.is_running(), panel.app.operations.comparison.made().cloned());
+    let (is_running, made) = (
+        panel.app.operations.comparison.is_running(),
+        panel.app.operations.comparison.made().cloned(),
+    );
     let beside = |panel: &mut Panel<'_>, ui: &mut Ui| beside(panel, ui, made.as_ref());
-    card(panel, ui, "TWO ANNOTATORS", beside, |panel, ui| match &made {
-        Some(compared) => found(panel, ui, &compared.agreement),
-        None if is_running => nothing_yet(ui, "Comparing…"),
-        None => nothing_yet(ui, NOTHING),
-    });
+    card(
+        panel,
+        ui,
+        "TWO ANNOTATORS",
+        beside,
+        |panel, ui| match &made {
+            Some(compared) => found(panel, ui, &compared.agreement),
+            None if is_running => nothing_yet(ui, "Comparing…"),
+            None => nothing_yet(ui, NOTHING),
+        },
+    );
 }
 
 fn beside(panel: &mut Panel<'_>, ui: &mut Ui, compared: Option<&Arc<Compared>>) {
     let command = Command::CompareAnnotators;
     let why_not = panel.app.why_not(command);
     let button = ui.add_enabled(why_not.is_none(), Button::new("Compare with…").small());
-    if button.on_hover_text(command.about()).on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
+    if button
+        .on_hover_text(command.about())
+        .on_disabled_hover_text(why_not.unwrap_or_default())
+        .clicked()
+    {
         panel.actions.push(Action::Command(command));
     }
     let Some(compared) = compared else { return };
-    let stale = panel.app.open().is_some_and(|open| open.revision != compared.revision);
-    if stale && ui.add(Button::new("Again").small()).on_hover_text("Compare this document as it is now.").clicked() {
+    let stale = panel
+        .app
+        .open()
+        .is_some_and(|open| open.revision != compared.revision);
+    if stale
+        && ui
+            .add(Button::new("Again").small())
+            .on_hover_text("Compare this document as it is now.")
+            .clicked()
+    {
         panel.actions.push(Action::Compare(compared.file.clone()));
     }
     let name = file_name(&compared.file.to_string_lossy());
-    let text = if stale { format!("with {name}, before the last changes") } else { format!("with {name}") };
-    ui.label(RichText::new(text).small().color(ui.palette().weak)).on_hover_text(compared.file.display().to_string());
+    let text = if stale {
+        format!("with {name}, before the last changes")
+    } else {
+        format!("with {name}")
+    };
+    ui.label(RichText::new(text).small().color(ui.palette().weak))
+        .on_hover_text(compared.file.display().to_string());
 }
 
 fn found(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     let pairs: Vec<(&FrameAgreement, &ClickPair)> = agreement
         .frames
         .iter()
-        .flat_map(|frame| frame.clicks.iter().filter(|pair| !pair.is_copy()).map(move |pair| (frame, pair)))
+        .flat_map(|frame| {
+            frame
+                .clicks
+                .iter()
+                .filter(|pair| !pair.is_copy())
+                .map(move |pair| (frame, pair))
+        })
         .collect();
     ui.horizontal_top(|ui| {
         let offsets: Vec<_> = pairs.iter().map(|(_, pair)| pair.offset_px).collect();
-        let sigma_px = agreement.noise.map(|noise| noise.sigma * std::f64::consts::SQRT_2);
-        let pointed = Scatter { name: "The other's clicks around these", offsets: &offsets, sigma_px }.show(ui);
+        let sigma_px = agreement
+            .noise
+            .map(|noise| noise.sigma * std::f64::consts::SQRT_2);
+        let pointed = Scatter {
+            name: "The other's clicks around these",
+            offsets: &offsets,
+            sigma_px,
+        }
+        .show(ui);
         ui.vertical(|ui| {
             ui.set_width(COLUMN);
             describe(ui, agreement);
@@ -73,7 +112,11 @@ fn found(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
                 pointed.and_then(|(index, clicked)| Some((pairs.get(index)?, clicked)))
             {
                 let label = panel.app.label(&Target::Landmark(pair.landmark.clone()));
-                let text = format!("{}: {label}, {:.1} px", file_name(&frame.name), pair.apart_px());
+                let text = format!(
+                    "{}: {label}, {:.1} px",
+                    file_name(&frame.name),
+                    pair.apart_px()
+                );
                 ui.label(RichText::new(text).color(ui.palette().strong));
                 if clicked {
                     panel.actions.push(look_at(frame, pair.clicks[0]));
@@ -90,7 +133,10 @@ fn found(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
 }
 
 fn look_at(frame: &FrameAgreement, click: usize) -> Action {
-    Action::Navigate(Navigation::LookAt { frame: frame.frames[0], click: Some(click) })
+    Action::Navigate(Navigation::LookAt {
+        frame: frame.frames[0],
+        click: Some(click),
+    })
 }
 
 fn describe(ui: &mut Ui, agreement: &Agreement) {
@@ -109,10 +155,14 @@ fn describe(ui: &mut Ui, agreement: &Agreement) {
     let there = agreement.lone.len() - here;
     if here + there > 0 {
         // Writing to a string cannot fail.
-        let _ = write!(text, " Frames labelled only here: {here}, only there: {there}.");
+        let _ = write!(
+            text,
+            " Frames labelled only here: {here}, only there: {there}."
+        );
     }
-    ui.add(Label::new(text).wrap())
-        .on_hover_text("px at 1920 px width. The rings are one and two σ of the distance between the two clicks.");
+    ui.add(Label::new(text).wrap()).on_hover_text(
+        "px at 1920 px width. The rings are one and two σ of the distance between the two clicks.",
+    );
 }
 
 /// The landmarks that lie farthest apart.
@@ -123,13 +173,28 @@ fn landmarks(panel: &Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     ui.add_space(theme::SPACE);
     theme::title(ui, "LANDMARKS, MEDIAN DISTANCE");
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-    let largest = agreement.landmarks.iter().map(|landmark| landmark.median_px).fold(1e-9, f64::max);
+    let largest = agreement
+        .landmarks
+        .iter()
+        .map(|landmark| landmark.median_px)
+        .fold(1e-9, f64::max);
     for landmark in agreement.landmarks.iter().take(SHOWN) {
-        let name = panel.app.label(&Target::Landmark(landmark.landmark.clone()));
+        let name = panel
+            .app
+            .label(&Target::Landmark(landmark.landmark.clone()));
         let value = format!("{:.1} px", landmark.median_px);
         let share = landmark.median_px / largest;
-        let (_, response) = Bar { name: &name, value: &value, share, ..Bar::default() }.show(ui);
-        let noise = landmark.noise.map(|noise| format!(" Click noise {:.2} px.", noise.sigma)).unwrap_or_default();
+        let (_, response) = Bar {
+            name: &name,
+            value: &value,
+            share,
+            ..Bar::default()
+        }
+        .show(ui);
+        let noise = landmark
+            .noise
+            .map(|noise| format!(" Click noise {:.2} px.", noise.sigma))
+            .unwrap_or_default();
         response.on_hover_text(format!(
             "{name}: {} frames, 90 % within {:.1} px; median offset of the other ({:+.1}, {:+.1}) px.{noise}",
             landmark.pairs, landmark.p90_px, landmark.offset_px.x, landmark.offset_px.y
@@ -144,17 +209,39 @@ fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
         return;
     }
     theme::title(ui, &format!("NAMED DIFFERENTLY  {count}"));
-    for frame in agreement.frames.iter().filter(|frame| !frame.names.is_empty()).take(SHOWN) {
+    for frame in agreement
+        .frames
+        .iter()
+        .filter(|frame| !frame.names.is_empty())
+        .take(SHOWN)
+    {
         let said = |dispute: &NameDispute| {
-            let [here, there] = dispute.names.clone().map(|id| panel.app.label(&Target::Landmark(id)));
+            let [here, there] = dispute
+                .names
+                .clone()
+                .map(|id| panel.app.label(&Target::Landmark(id)));
             format!("{here} is {there} there")
         };
-        let points =
-            if frame.names.len() == 1 { "1 point".to_owned() } else { format!("{} points", frame.names.len()) };
-        let text = format!("{}: {points}, {}", file_name(&frame.name), said(&frame.names[0]));
+        let points = if frame.names.len() == 1 {
+            "1 point".to_owned()
+        } else {
+            format!("{} points", frame.names.len())
+        };
+        let text = format!(
+            "{}: {points}, {}",
+            file_name(&frame.name),
+            said(&frame.names[0])
+        );
         let all: Vec<String> = frame.names.iter().map(said).collect();
-        let row = ui.add(Button::new(RichText::new(text).color(ui.palette().caution)).frame(false).truncate());
-        if row.on_hover_text(format!("{}\nClick to look at it.", all.join("\n"))).clicked() {
+        let row = ui.add(
+            Button::new(RichText::new(text).color(ui.palette().caution))
+                .frame(false)
+                .truncate(),
+        );
+        if row
+            .on_hover_text(format!("{}\nClick to look at it.", all.join("\n")))
+            .clicked()
+        {
             panel.actions.push(look_at(frame, frame.names[0].clicks[0]));
         }
     }
@@ -164,35 +251,67 @@ fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
 /// The frames whose cameras, or else whose clicks, lie farthest apart.
 fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     let apart = |frame: &FrameAgreement| {
-        frame.cameras.map(|cameras| cameras.worst_corner_px).or_else(|| frame.largest_px()).unwrap_or(0.0)
+        frame
+            .cameras
+            .map(|cameras| cameras.worst_corner_px)
+            .or_else(|| frame.largest_px())
+            .unwrap_or(0.0)
     };
-    let mut sorted: Vec<&FrameAgreement> = agreement.frames.iter().filter(|frame| apart(frame) > 0.0).collect();
+    let mut sorted: Vec<&FrameAgreement> = agreement
+        .frames
+        .iter()
+        .filter(|frame| apart(frame) > 0.0)
+        .collect();
     if sorted.is_empty() {
         return;
     }
     sorted.sort_by(|a, b| apart(b).total_cmp(&apart(a)));
     let by_camera = sorted.iter().any(|frame| frame.cameras.is_some());
-    theme::title(ui, if by_camera { "FRAMES, WORST CORNER" } else { "FRAMES, FARTHEST CLICK" });
+    theme::title(
+        ui,
+        if by_camera {
+            "FRAMES, WORST CORNER"
+        } else {
+            "FRAMES, FARTHEST CLICK"
+        },
+    );
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
     let usual = apart(sorted[sorted.len() / 2]);
     let largest = apart(sorted[0]).min(BAR_LIMIT * usual).max(1e-9);
     for frame in sorted.into_iter().take(SHOWN) {
         let name = file_name(&frame.name);
         let px = apart(frame);
-        let value = if px.is_finite() { format!("{px:.1} px") } else { "elsewhere".to_owned() };
+        let value = if px.is_finite() {
+            format!("{px:.1} px")
+        } else {
+            "elsewhere".to_owned()
+        };
         let selected = panel.app.session.frame == frame.frames[0];
         let colour = (px > largest).then_some(ui.palette().caution);
-        let (_, response) =
-            Bar { name: &name, value: &value, share: px / largest, colour, selected, ..Bar::default() }.show(ui);
+        let (_, response) = Bar {
+            name: &name,
+            value: &value,
+            share: px / largest,
+            colour,
+            selected,
+            ..Bar::default()
+        }
+        .show(ui);
         if response.on_hover_text(tip(frame)).clicked() {
-            panel.actions.push(Action::Navigate(Navigation::LookAt { frame: frame.frames[0], click: None }));
+            panel.actions.push(Action::Navigate(Navigation::LookAt {
+                frame: frame.frames[0],
+                click: None,
+            }));
         }
     }
 }
 
 fn tip(frame: &FrameAgreement) -> String {
     let cameras = frame.cameras.map(|cameras| {
-        let iou = cameras.iou_part.map(|iou| format!(", IoU {iou:.3}")).unwrap_or_default();
+        let iou = cameras
+            .iou_part
+            .map(|iou| format!(", IoU {iou:.3}"))
+            .unwrap_or_default();
         format!(
             " Their cameras: pan {:+.2}°, tilt {:+.2}°, focal length {:+.1} %{iou}.",
             cameras.pan.degrees(),
@@ -200,7 +319,10 @@ fn tip(frame: &FrameAgreement) -> String {
             cameras.focal_percent
         )
     });
-    let farthest = frame.largest_px().map(|px| format!(", farthest {px:.1} px")).unwrap_or_default();
+    let farthest = frame
+        .largest_px()
+        .map(|px| format!(", farthest {px:.1} px"))
+        .unwrap_or_default();
     format!(
         "{}: {} points of both{farthest}.{} Click to look at it.",
         frame.name,

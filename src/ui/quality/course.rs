@@ -1,4 +1,5 @@
-//! Pan, tilt and focal length over time; frames that disagree with their neighbours are ringed. A click goes there.
+//! Pan, tilt and focal length over time; frames that disagree with their neighbours are ringed. A
+//! click goes there.
 
 use super::time::time_ticks;
 use super::{card, legend, nothing_yet};
@@ -9,8 +10,8 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{
-    Button, CornerRadius, CursorIcon, Label, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui,
-    WidgetInfo, pos2, vec2,
+    Button, CornerRadius, CursorIcon, Label, Painter, Pos2, Rect, Response, RichText, Role, Sense,
+    Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::quality::{
     Course, CoursePoint, Drawn, PointKind, Quantity, TimeAxis, drawn, within_whole, zoomed,
@@ -46,18 +47,28 @@ const STRETCH: f64 = 2.5;
 /// The section's title.
 const TITLE: &str = "PAN, TILT, FOCAL LENGTH";
 /// Shown while no frame has a camera.
-const NOTHING: &str =
-    "Cameras are plotted here over time. Accept a few frames and let the forest propose cameras for the others.";
+const NOTHING: &str = "Cameras are plotted here over time. Accept a few frames and let the forest propose cameras for the others.";
 
 /// Shows the section.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
     let course = &app.quality().course;
     let Some(whole) = course.whole.filter(|_| !course.points.is_empty()) else {
-        card(panel, ui, TITLE, |_, _| {}, |_, ui| nothing_yet(ui, NOTHING));
+        card(
+            panel,
+            ui,
+            TITLE,
+            |_, _| {},
+            |_, ui| nothing_yet(ui, NOTHING),
+        );
         return;
     };
-    let span = app.session.quality.span.and_then(|span| within_whole(span, whole)).unwrap_or(whole);
+    let span = app
+        .session
+        .quality
+        .span
+        .and_then(|span| within_whole(span, whole))
+        .unwrap_or(whole);
     let beside = |panel: &mut Panel<'_>, ui: &mut Ui| beside(panel, ui, course, span != whole);
     card(panel, ui, TITLE, beside, |panel, ui| {
         let stack = Stack::new(ui, course, span);
@@ -76,15 +87,31 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
             actions.push(Action::Command(command));
         }
     };
-    button(ui, "All", Command::ZoomToFit, is_part, "Show the whole time axis.");
+    button(
+        ui,
+        "All",
+        Command::ZoomToFit,
+        is_part,
+        "Show the whole time axis.",
+    );
     button(ui, "+", Command::ZoomIn, true, "Zoom into the time axis.");
-    button(ui, "−", Command::ZoomOut, is_part, "Zoom out of the time axis.");
+    button(
+        ui,
+        "−",
+        Command::ZoomOut,
+        is_part,
+        "Zoom out of the time axis.",
+    );
     if course.has_video_time {
         for (axis, says, tip) in [
             (TimeAxis::Video, "Video time", "Use the video's time."),
             (TimeAxis::Frame, "Frames", "Use frame numbers."),
         ] {
-            if ui.add(Button::selectable(course.axis == axis, says).small()).on_hover_text(tip).clicked() {
+            if ui
+                .add(Button::selectable(course.axis == axis, says).small())
+                .on_hover_text(tip)
+                .clicked()
+            {
                 actions.push(Action::View(ViewAction::SetTimeAxis(axis)));
             }
         }
@@ -95,11 +122,17 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
         for kind in [PointKind::Reference, PointKind::Suggested, PointKind::Draft] {
             let count = course.count(kind);
             if count > 0 {
-                legend::entry(ui, &legend::counted(kind, count), |painter, at| legend::mark(painter, at, kind));
+                legend::entry(ui, &legend::counted(kind, count), |painter, at| {
+                    legend::mark(painter, at, kind)
+                });
             }
         }
         if !course.standing_out.is_empty() {
-            legend::entry(ui, &format!("{} out of line with neighbours", course.standing_out.len()), legend::ring);
+            legend::entry(
+                ui,
+                &format!("{} out of line with neighbours", course.standing_out.len()),
+                legend::ring,
+            );
         }
     });
 }
@@ -118,23 +151,46 @@ impl Stack {
         let height = HEIGHT.max(HEIGHT_SHARE * ui.available_width());
         let size = vec2(ui.available_width(), 3.0 * (height + BETWEEN) + BELOW);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
-        let words = |quantity| Ruler::around(scale(course, quantity, span), f64::from(height / 26.0));
+        let words =
+            |quantity| Ruler::around(scale(course, quantity, span), f64::from(height / 26.0));
         let mut rulers = Quantity::ALL.map(words);
         name_directions(&mut rulers[Quantity::Pan as usize]);
         let plots = [0, 1, 2].map(|place| {
             let top = rect.top() + BETWEEN + place as f32 * (height + BETWEEN);
-            let area =
-                Rect::from_min_max(pos2(rect.left() + NUMBERS, top), pos2(rect.right() - NUMBERS_END, top + height));
-            Plot { area, x: span, y: rulers[place].range() }
+            let area = Rect::from_min_max(
+                pos2(rect.left() + NUMBERS, top),
+                pos2(rect.right() - NUMBERS_END, top + height),
+            );
+            Plot {
+                area,
+                x: span,
+                y: rulers[place].range(),
+            }
         });
-        Self { plots, rulers, rect, response, span }
+        Self {
+            plots,
+            rulers,
+            rect,
+            response,
+            span,
+        }
     }
 
     /// Draws the plots and reads the pointer; the point under it is returned.
-    fn show<'a>(&self, panel: &mut Panel<'_>, ui: &Ui, course: &'a Course, whole: [f64; 2]) -> Option<&'a CoursePoint> {
+    fn show<'a>(
+        &self,
+        panel: &mut Panel<'_>,
+        ui: &Ui,
+        course: &'a Course,
+        whole: [f64; 2],
+    ) -> Option<&'a CoursePoint> {
         let description = describe(course);
-        self.response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, &description));
-        let under = self.response.hover_pos().and_then(|pointer| self.nearest(course, pointer));
+        self.response
+            .widget_info(|| WidgetInfo::labeled(Role::Canvas, true, &description));
+        let under = self
+            .response
+            .hover_pos()
+            .and_then(|pointer| self.nearest(course, pointer));
         if ui.is_rect_visible(self.rect) {
             self.paint(panel, ui, course, under);
         }
@@ -144,20 +200,34 @@ impl Stack {
 
     fn paint(&self, panel: &Panel<'_>, ui: &Ui, course: &Course, under: Option<&CoursePoint>) {
         let painter = ui.painter_at(self.rect);
-        let shown = course.at_of(panel.app.session.frame).filter(|at| (self.span[0]..=self.span[1]).contains(at));
+        let shown = course
+            .at_of(panel.app.session.frame)
+            .filter(|at| (self.span[0]..=self.span[1]).contains(at));
         for ((plot, ruler), quantity) in self.plots.iter().zip(&self.rulers).zip(Quantity::ALL) {
             painter.rect_filled(plot.area, CornerRadius::same(3), ui.palette().backdrop);
             plot.levels(&painter, ruler);
             cuts(&painter, plot, course);
             if let Some(at) = shown {
-                painter.vline(plot.x_of(at), plot.area.y_range(), Stroke::new(1.0, ui.palette().accent));
+                painter.vline(
+                    plot.x_of(at),
+                    plot.area.y_range(),
+                    Stroke::new(1.0, ui.palette().accent),
+                );
             }
             if let Some(point) = under {
-                painter.vline(plot.x_of(point.at), plot.area.y_range(), Stroke::new(1.0, ui.palette().weak));
+                painter.vline(
+                    plot.x_of(point.at),
+                    plot.area.y_range(),
+                    Stroke::new(1.0, ui.palette().weak),
+                );
             }
             curve(&painter, plot, course.within(self.span), quantity);
             let in_span = |point: &&CoursePoint| (self.span[0]..=self.span[1]).contains(&point.at);
-            let out = course.standing_out.iter().map(|&place| &course.points[place]).filter(in_span);
+            let out = course
+                .standing_out
+                .iter()
+                .map(|&place| &course.points[place])
+                .filter(in_span);
             for point in out.take(RINGED) {
                 let at = plot.at(point.at, point.value(quantity));
                 legend::mark(&painter, at, point.kind);
@@ -170,32 +240,56 @@ impl Stack {
             plot.caption(&painter, quantity.label());
         }
         let ticks = time_ticks(course.axis, self.span, f64::from(self.rect.width() / 110.0));
-        self.plots[2].steps(&painter, ticks.iter().map(|(at, words)| (*at, words.as_str())));
+        self.plots[2].steps(
+            &painter,
+            ticks.iter().map(|(at, words)| (*at, words.as_str())),
+        );
     }
 
     /// The point nearest to the pointer, in the plot under the pointer.
     fn nearest<'a>(&self, course: &'a Course, pointer: Pos2) -> Option<&'a CoursePoint> {
-        let place = self.plots.iter().position(|plot| pointer.y <= plot.area.bottom() + BETWEEN)?;
+        let place = self
+            .plots
+            .iter()
+            .position(|plot| pointer.y <= plot.area.bottom() + BETWEEN)?;
         let (plot, quantity) = (&self.plots[place], Quantity::ALL[place]);
         let near = course.within([plot.x_at(pointer.x - REACH), plot.x_at(pointer.x + REACH)]);
-        let distance = |point: &CoursePoint| plot.at(point.at, point.value(quantity)).distance_sq(pointer);
-        near.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        let distance = |point: &CoursePoint| {
+            plot.at(point.at, point.value(quantity))
+                .distance_sq(pointer)
+        };
+        near.iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 
-    /// A click goes to the frame; Ctrl with the wheel or pinching zooms the time axis, dragging and Shift with the wheel move it.
-    fn read_pointer(&self, panel: &mut Panel<'_>, ui: &Ui, under: Option<&CoursePoint>, whole: [f64; 2]) {
+    /// A click goes to the frame; Ctrl with the wheel or pinching zooms the time axis, dragging and
+    /// Shift with the wheel move it.
+    fn read_pointer(
+        &self,
+        panel: &mut Panel<'_>,
+        ui: &Ui,
+        under: Option<&CoursePoint>,
+        whole: [f64; 2],
+    ) {
         let is_part = self.span != whole;
         if let Some(point) = under.filter(|_| self.response.clicked()) {
-            panel.actions.push(Action::Navigate(Navigation::LookAt { frame: point.frame, click: None }));
+            panel.actions.push(Action::Navigate(Navigation::LookAt {
+                frame: point.frame,
+                click: None,
+            }));
         }
-        let per_point = (self.span[1] - self.span[0]) / f64::from(self.plots[0].area.width().max(1.0));
+        let per_point =
+            (self.span[1] - self.span[0]) / f64::from(self.plots[0].area.width().max(1.0));
         let (mut moved, mut factor) = (f64::from(self.response.drag_delta().x), 1.0);
         if let Some(pointer) = self.response.hover_pos() {
-            let (zoom, scrolled) = ui.input(|input| (input.zoom_delta(), input.smooth_scroll_delta().x));
+            let (zoom, scrolled) =
+                ui.input(|input| (input.zoom_delta(), input.smooth_scroll_delta().x));
             (factor, moved) = (f64::from(zoom), moved + f64::from(scrolled));
             if factor != 1.0 {
                 let around = self.plots[0].x_at(pointer.x);
-                panel.actions.push(Action::View(ViewAction::ShowSpan(zoomed(self.span, whole, around, factor))));
+                panel.actions.push(Action::View(ViewAction::ShowSpan(zoomed(
+                    self.span, whole, around, factor,
+                ))));
             }
             let icon = match under {
                 _ if self.response.dragged() && is_part => CursorIcon::Grabbing,
@@ -214,28 +308,52 @@ impl Stack {
 
 /// What a screen reader says.
 fn describe(course: &Course) -> String {
-    let counts =
-        PointKind::ALL.map(|kind| (kind, course.count(kind))).into_iter().rev().filter(|(_, count)| *count > 0);
-    let counts: Vec<String> = counts.map(|(kind, count)| legend::counted(kind, count)).collect();
-    format!("Pan, tilt and focal length over time: {}", counts.join(", "))
+    let counts = PointKind::ALL
+        .map(|kind| (kind, course.count(kind)))
+        .into_iter()
+        .rev()
+        .filter(|(_, count)| *count > 0);
+    let counts: Vec<String> = counts
+        .map(|(kind, count)| legend::counted(kind, count))
+        .collect();
+    format!(
+        "Pan, tilt and focal length over time: {}",
+        counts.join(", ")
+    )
 }
 
 /// Pans continue beyond ±180° without a jump; their labels are wrapped.
 fn name_directions(ruler: &mut Ruler) {
-    for (pan_deg, words) in ruler.ticks.iter_mut().filter(|(pan_deg, _)| pan_deg.abs() > 180.0) {
-        let decimals = words.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-        *words = format!("{:.decimals$}", Angle::from_degrees(*pan_deg).wrapped().degrees());
+    for (pan_deg, words) in ruler
+        .ticks
+        .iter_mut()
+        .filter(|(pan_deg, _)| pan_deg.abs() > 180.0)
+    {
+        let decimals = words
+            .split_once('.')
+            .map_or(0, |(_, decimals)| decimals.len());
+        *words = format!(
+            "{:.decimals$}",
+            Angle::from_degrees(*pan_deg).wrapped().degrees()
+        );
     }
 }
 
-/// From the smallest to the largest value within a span. Outliers are included as long as the other frames remain
-/// distinguishable.
+/// From the smallest to the largest value within a span. Outliers are included as long as the other
+/// frames remain distinguishable.
 fn scale(course: &Course, quantity: Quantity, span: [f64; 2]) -> [f64; 2] {
     let over = |range: [f64; 2], value: f64| [range[0].min(value), range[1].max(value)];
     let none = [f64::INFINITY, f64::NEG_INFINITY];
     let points = course.within(span);
-    let all = points.iter().map(|point| point.value(quantity)).fold(none, over);
-    let usual = points.iter().filter(|point| !point.stands_out).map(|point| point.value(quantity)).fold(none, over);
+    let all = points
+        .iter()
+        .map(|point| point.value(quantity))
+        .fold(none, over);
+    let usual = points
+        .iter()
+        .filter(|point| !point.stands_out)
+        .map(|point| point.value(quantity))
+        .fold(none, over);
     let (needed, length) = (usual[1] - usual[0], all[1] - all[0]);
     match () {
         () if !length.is_finite() => [0.0, 1.0],
@@ -257,18 +375,30 @@ fn cuts(painter: &Painter, plot: &Plot, course: &Course) {
     }
     for at in inside {
         let [top, bottom] = [plot.area.top(), plot.area.bottom()].map(|y| pos2(plot.x_of(*at), y));
-        painter.extend(Shape::dashed_line(&[top, bottom], Stroke::new(1.0, painter.palette().weak), 2.0, 3.0));
+        painter.extend(Shape::dashed_line(
+            &[top, bottom],
+            Stroke::new(1.0, painter.palette().weak),
+            2.0,
+            3.0,
+        ));
     }
 }
 
 /// The points of a span: single points joined within a shot, or columns where there are many.
 fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quantity) {
     let at = |point: &CoursePoint| plot.at(point.at, point.value(quantity));
-    match drawn(points, quantity, plot.x, (plot.area.width() / COLUMN) as usize) {
+    match drawn(
+        points,
+        quantity,
+        plot.x,
+        (plot.area.width() / COLUMN) as usize,
+    ) {
         Drawn::Points(points) => {
             for shot in points.chunk_by(|a, b| a.shot == b.shot) {
-                painter
-                    .line(shot.iter().map(at).collect(), Stroke::new(1.0, painter.palette().weak.gamma_multiply(0.6)));
+                painter.line(
+                    shot.iter().map(at).collect(),
+                    Stroke::new(1.0, painter.palette().weak.gamma_multiply(0.6)),
+                );
             }
             for kind in PointKind::ALL {
                 for point in points.iter().filter(|point| point.kind == kind) {
@@ -289,15 +419,26 @@ fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quant
 
 /// The description of the frame under the pointer; without one, how to use the plot.
 fn read_out(panel: &Panel<'_>, ui: &mut Ui, course: &Course, under: Option<&CoursePoint>) {
-    let Some((point, frame)) = under.and_then(|point| Some((point, panel.app.open()?.frame(point.frame)?))) else {
-        let time = if course.axis == TimeAxis::Frame { "Frame number" } else { "Time of the video" };
-        let text =
-            format!("{time} to the right. Click to go to the frame, Ctrl and wheel or + and − to zoom, drag to move.");
+    let Some((point, frame)) =
+        under.and_then(|point| Some((point, panel.app.open()?.frame(point.frame)?)))
+    else {
+        let time = if course.axis == TimeAxis::Frame {
+            "Frame number"
+        } else {
+            "Time of the video"
+        };
+        let text = format!(
+            "{time} to the right. Click to go to the frame, Ctrl and wheel or + and − to zoom, drag to move."
+        );
         ui.label(RichText::new(text).small().color(ui.palette().weak));
         return;
     };
     let text = describe_point(point, frame, course.axis);
-    let colour = if point.stands_out { ui.palette().bad } else { ui.palette().strong };
+    let colour = if point.stands_out {
+        ui.palette().bad
+    } else {
+        ui.palette().strong
+    };
     ui.add(Label::new(RichText::new(text).small().color(colour)).truncate());
 }
 
@@ -305,12 +446,27 @@ fn read_out(panel: &Panel<'_>, ui: &mut Ui, course: &Course, under: Option<&Cour
 fn describe_point(point: &CoursePoint, frame: &Frame, axis: TimeAxis) -> String {
     let [pan_deg, tilt, focal] = point.values;
     let pan = Angle::from_degrees(pan_deg).wrapped();
-    let shot = frame.clip.as_ref().map(|clip| format!(", shot {clip}")).unwrap_or_default();
-    let time = if axis == TimeAxis::Video { format!(", {:.2} s", point.at) } else { String::new() };
-    let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
-    let right = confidence.map(|confidence| format!(", confidence {}", percent(confidence))).unwrap_or_default();
+    let shot = frame
+        .clip
+        .as_ref()
+        .map(|clip| format!(", shot {clip}"))
+        .unwrap_or_default();
+    let time = if axis == TimeAxis::Video {
+        format!(", {:.2} s", point.at)
+    } else {
+        String::new()
+    };
+    let confidence = frame
+        .solution
+        .as_ref()
+        .and_then(|solution| solution.confidence);
+    let right = confidence
+        .map(|confidence| format!(", confidence {}", percent(confidence)))
+        .unwrap_or_default();
     let apart = point.apart_px.filter(|px| *px >= 1.0);
-    let apart = apart.map(|px| format!(", {px:.0} px out of line with its neighbours")).unwrap_or_default();
+    let apart = apart
+        .map(|px| format!(", {px:.0} px out of line with its neighbours"))
+        .unwrap_or_default();
     let (name, number) = (file_name(&frame.name()), frame.number_at(point.frame));
     format!(
         "{name}, frame {number}{shot}{time}: pan {pan:.2}, tilt {tilt:.2}°, focal length {focal:.0} px{right}{apart}"
@@ -327,20 +483,48 @@ fn standing_out(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course) {
         "Farther than {DISAGREES_PX:.0} px (at 1920 px width) off the line between the frames before and after, and farther off than these are apart."
     );
     ui.horizontal(|ui| {
-        ui.label(RichText::new("Out of line with neighbours:").small().color(ui.palette().bad)).on_hover_text(tip);
-        for point in course.standing_out.iter().take(NAMED).map(|&place| &course.points[place]) {
-            let Some(frame) = app.open().and_then(|open| open.frame(point.frame)) else { continue };
-            let says = format!("{} {:.0} px", file_name(&frame.name()), point.apart_px.unwrap_or(0.0));
+        ui.label(
+            RichText::new("Out of line with neighbours:")
+                .small()
+                .color(ui.palette().bad),
+        )
+        .on_hover_text(tip);
+        for point in course
+            .standing_out
+            .iter()
+            .take(NAMED)
+            .map(|&place| &course.points[place])
+        {
+            let Some(frame) = app.open().and_then(|open| open.frame(point.frame)) else {
+                continue;
+            };
+            let says = format!(
+                "{} {:.0} px",
+                file_name(&frame.name()),
+                point.apart_px.unwrap_or(0.0)
+            );
             if ui
                 .add(Button::new(says).small())
                 .on_hover_text(format!("Look at frame {}.", frame.number_at(point.frame)))
                 .clicked()
             {
-                panel.actions.push(Action::Navigate(Navigation::LookAt { frame: point.frame, click: None }));
+                panel.actions.push(Action::Navigate(Navigation::LookAt {
+                    frame: point.frame,
+                    click: None,
+                }));
             }
         }
-        if let Some(more) = course.standing_out.len().checked_sub(NAMED).filter(|more| *more > 0) {
-            ui.label(RichText::new(format!("and {more} more")).small().color(ui.palette().weak));
+        if let Some(more) = course
+            .standing_out
+            .len()
+            .checked_sub(NAMED)
+            .filter(|more| *more > 0)
+        {
+            ui.label(
+                RichText::new(format!("and {more} more"))
+                    .small()
+                    .color(ui.palette().weak),
+            );
         }
     });
 }
@@ -353,7 +537,11 @@ mod tests {
     fn pans_beyond_the_seam_are_named_as_directions() {
         let mut ruler = Ruler::around([171.0, 189.0], 4.0);
         name_directions(&mut ruler);
-        let words: Vec<&str> = ruler.ticks.iter().map(|(_, words)| words.as_str()).collect();
+        let words: Vec<&str> = ruler
+            .ticks
+            .iter()
+            .map(|(_, words)| words.as_str())
+            .collect();
         assert_eq!(words, ["170", "175", "180", "-175", "-170"]);
     }
 
@@ -368,12 +556,26 @@ mod tests {
             apart_px: None,
             stands_out,
         };
-        let points = vec![point(1.0, 0.0, false), point(2.0, 170.0, true), point(3.0, 4.0, false)];
-        let mut course = Course { points, ..Course::default() };
+        let points = vec![
+            point(1.0, 0.0, false),
+            point(2.0, 170.0, true),
+            point(3.0, 4.0, false),
+        ];
+        let mut course = Course {
+            points,
+            ..Course::default()
+        };
         assert_eq!(scale(&course, Quantity::Pan, [1.0, 3.0]), [0.0, 7.0]);
         course.points[1].values[0] = 6.0;
         assert_eq!(scale(&course, Quantity::Pan, [1.0, 3.0]), [0.0, 6.0]);
-        assert_eq!(scale(&course, Quantity::Focal, [1.0, 3.0]), [1000.0, 1000.0]);
-        assert_eq!(scale(&course, Quantity::Pan, [5.0, 6.0]), [0.0, 1.0], "nothing is there");
+        assert_eq!(
+            scale(&course, Quantity::Focal, [1.0, 3.0]),
+            [1000.0, 1000.0]
+        );
+        assert_eq!(
+            scale(&course, Quantity::Pan, [5.0, 6.0]),
+            [0.0, 1.0],
+            "nothing is there"
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! Where references and suggestions look, over pan and tilt. A click goes to the frame that looks there.
+//! Where references and suggestions look, over pan and tilt. A click goes to the frame that looks
+//! there.
 
 use super::{card, legend, nothing_yet};
 use crate::ui::coverage_map::{CoverageMap, label_next, missing, seen_by};
@@ -15,8 +16,7 @@ const HEIGHT: f32 = 120.0;
 const HEIGHT_SHARE: f32 = 0.3;
 
 /// Shown while there is no base.
-const NOTHING: &str =
-    "This map of pan and tilt shows where references look, once the camera's base is known and a frame is accepted.";
+const NOTHING: &str = "This map of pan and tilt shows where references look, once the camera's base is known and a frame is accepted.";
 
 /// Shows the section.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -46,8 +46,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 read_pointer(panel, ui, &map, seen, pointer);
             }
             map.borders(ui);
-            let words =
-                if is_empty(&seen.references) { NOTHING_ACCEPTED.to_owned() } else { missing(&seen.references) };
+            let words = if is_empty(&seen.references) {
+                NOTHING_ACCEPTED.to_owned()
+            } else {
+                missing(&seen.references)
+            };
             ui.add(Label::new(words).wrap());
             keys(ui, seen);
         },
@@ -79,17 +82,36 @@ fn keys(ui: &mut Ui, seen: &Seen) {
     });
 }
 
-/// The frames that look at the pointer's direction; a click goes to the frame whose centre is nearest.
-fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, map: &CoverageMap<'_>, looks: &Seen, pointer: Pos2) {
-    let Some((cell, [pan_deg, tilt_deg])) = map.under(pointer) else { return };
+/// The frames that look at the pointer's direction; a click goes to the frame whose centre is
+/// nearest.
+fn read_pointer(
+    panel: &mut Panel<'_>,
+    ui: &Ui,
+    map: &CoverageMap<'_>,
+    looks: &Seen,
+    pointer: Pos2,
+) {
+    let Some((cell, [pan_deg, tilt_deg])) = map.under(pointer) else {
+        return;
+    };
     let app = panel.app;
     let on_map = |point: &CoursePoint| map.at(point.values[0], point.values[1]);
-    let looking = app.quality().course.points.iter().filter(|point| point.kind != PointKind::Draft);
+    let looking = app
+        .quality()
+        .course
+        .points
+        .iter()
+        .filter(|point| point.kind != PointKind::Draft);
     let nearest = looking.min_by(|a, b| {
         let distance = |point: &CoursePoint| on_map(point).distance_sq(pointer);
         distance(a).total_cmp(&distance(b))
     });
-    let count = |coverage: &Coverage| coverage.cells.get(cell).map_or(0, |cell| cell.references as usize);
+    let count = |coverage: &Coverage| {
+        coverage
+            .cells
+            .get(cell)
+            .map_or(0, |cell| cell.references as usize)
+    };
     let seen = format!(
         "Pan {}, tilt {}: in sight of {} and {}.",
         whole_degrees(pan_deg),
@@ -97,16 +119,22 @@ fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, map: &CoverageMap<'_>, looks: &S
         legend::counted(PointKind::Reference, count(&looks.references)),
         legend::counted(PointKind::Suggested, count(&looks.suggestions))
     );
-    let Some((point, frame)) = nearest.and_then(|point| Some((point, app.open()?.frame(point.frame)?))) else {
+    let Some((point, frame)) =
+        nearest.and_then(|point| Some((point, app.open()?.frame(point.frame)?)))
+    else {
         map.response.clone().on_hover_text_at_pointer(seen);
         return;
     };
-    map.painter.circle_stroke(on_map(point), 4.0, Stroke::new(1.5, ui.palette().strong));
+    map.painter
+        .circle_stroke(on_map(point), 4.0, Stroke::new(1.5, ui.palette().strong));
     ui.ctx().set_cursor_icon(CursorIcon::PointingHand);
     let name = file_name(&frame.name());
     let text = format!("{seen} Click to go to {name}, whose centre is nearest.");
     map.response.clone().on_hover_text_at_pointer(text);
     if map.response.clicked() {
-        panel.actions.push(Action::Navigate(Navigation::LookAt { frame: point.frame, click: None }));
+        panel.actions.push(Action::Navigate(Navigation::LookAt {
+            frame: point.frame,
+            click: None,
+        }));
     }
 }

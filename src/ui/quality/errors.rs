@@ -4,7 +4,8 @@ use super::{card, legend, nothing_yet};
 use crate::ui::plot::Plot;
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{
-    CornerRadius, CursorIcon, Painter, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
+    CornerRadius, CursorIcon, Painter, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui,
+    WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::quality::{ClickErrors, Histogram, Spread};
 use touchline_application::app::{Action, Navigation};
@@ -25,11 +26,20 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let errors = &panel.app.quality().errors;
     let unit = |_: &mut Panel<'_>, ui: &mut Ui| {
         let tip = "The distance between a click and where the frame's camera projects its landmark or line, scaled to 1920 px width.";
-        ui.label(RichText::new("px at 1920 px width").small().color(ui.palette().weak)).on_hover_text(tip);
+        ui.label(
+            RichText::new("px at 1920 px width")
+                .small()
+                .color(ui.palette().weak),
+        )
+        .on_hover_text(tip);
         if !errors.clicks.is_empty() {
             let right = "The histogram expected of the same number of correct clicks, from the click noise of their landmarks and lines.";
             legend::entry(ui, "correct clicks", |painter, at| {
-                painter.hline(at.x - 4.0..=at.x + 4.0, at.y, Stroke::new(1.5, painter.palette().good));
+                painter.hline(
+                    at.x - 4.0..=at.x + 4.0,
+                    at.y,
+                    Stroke::new(1.5, painter.palette().good),
+                );
             })
             .on_hover_text(right);
         }
@@ -50,7 +60,9 @@ fn without_evidence(ui: &mut Ui, errors: &ClickErrors) {
     let text = match errors.without_evidence {
         0 => return,
         1 => "1 frame is not counted: too few clicks for its errors to be evidence.".to_owned(),
-        count => format!("{count} frames are not counted: too few clicks for their errors to be evidence."),
+        count => format!(
+            "{count} frames are not counted: too few clicks for their errors to be evidence."
+        ),
     };
     nothing_yet(ui, &text);
 }
@@ -60,7 +72,10 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool)
     let (what, about) = if check {
         ("Check points", "Points that were not used to fit a camera.")
     } else {
-        ("Points", "Points that cameras were fitted to. Their errors are slightly smaller than those of other points.")
+        (
+            "Points",
+            "Points that cameras were fitted to. Their errors are slightly smaller than those of other points.",
+        )
     };
     let Some(spread) = spread else {
         if check {
@@ -69,22 +84,49 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool)
         return;
     };
     let (histogram, step_px) = (&spread.histogram, spread.histogram.step_px);
-    let description =
-        format!("{what}: {}, median {}, 90 % below {}", spread.count, px(spread.median_px), px(spread.most_px));
-    ui.label(RichText::new(&description).small().color(ui.palette().strong)).on_hover_text(about);
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT + BELOW), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, format!("Histogram. {description}")));
+    let description = format!(
+        "{what}: {}, median {}, 90 % below {}",
+        spread.count,
+        px(spread.median_px),
+        px(spread.most_px)
+    );
+    ui.label(
+        RichText::new(&description)
+            .small()
+            .color(ui.palette().strong),
+    )
+    .on_hover_text(about);
+    let (rect, response) =
+        ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT + BELOW), Sense::click());
+    response.widget_info(|| {
+        WidgetInfo::labeled(Role::Canvas, true, format!("Histogram. {description}"))
+    });
     let area = Rect::from_min_max(rect.min + vec2(NUMBERS, 4.0), rect.max - vec2(4.0, BELOW));
-    let highest = histogram.expected.iter().copied().fold(histogram.highest() as f64, f64::max);
+    let highest = histogram
+        .expected
+        .iter()
+        .copied()
+        .fold(histogram.highest() as f64, f64::max);
     let ruler = Ruler::around([0.0, highest.max(1.0)], 2.0);
-    let plot = Plot { area, x: [0.0, histogram.bins.len() as f64], y: ruler.range() };
+    let plot = Plot {
+        area,
+        x: [0.0, histogram.bins.len() as f64],
+        y: ruler.range(),
+    };
     if ui.is_rect_visible(rect) {
         let painter = ui.painter_at(rect);
         painter.rect_filled(area, CornerRadius::same(3), ui.palette().backdrop);
         plot.levels(&painter, &ruler);
         bars(&painter, &plot, histogram);
-        for (value, colour) in [(spread.median_px, ui.palette().strong), (spread.most_px, ui.palette().weak)] {
-            painter.vline(plot.x_of(value / step_px), area.y_range(), Stroke::new(1.0, colour));
+        for (value, colour) in [
+            (spread.median_px, ui.palette().strong),
+            (spread.most_px, ui.palette().weak),
+        ] {
+            painter.vline(
+                plot.x_of(value / step_px),
+                area.y_range(),
+                Stroke::new(1.0, colour),
+            );
         }
         below(&painter, &plot, step_px);
     }
@@ -94,17 +136,41 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool)
 /// The bars, and the steps expected of correct clicks.
 fn bars(painter: &Painter, plot: &Plot, histogram: &Histogram) {
     let last = histogram.bins.len() - 1;
-    for (place, bin) in histogram.bins.iter().enumerate().filter(|(_, bin)| bin.count > 0) {
+    for (place, bin) in histogram
+        .bins
+        .iter()
+        .enumerate()
+        .filter(|(_, bin)| bin.count > 0)
+    {
         let (left, right) = (plot.x_of(place as f64), plot.x_of(place as f64 + 1.0));
-        let bar =
-            Rect::from_min_max(pos2(left + 0.5, plot.y_of(bin.count as f64)), pos2(right - 0.5, plot.area.bottom()));
-        painter.rect_filled(bar, 0.0, if place == last { painter.palette().caution } else { painter.palette().accent });
+        let bar = Rect::from_min_max(
+            pos2(left + 0.5, plot.y_of(bin.count as f64)),
+            pos2(right - 0.5, plot.area.bottom()),
+        );
+        painter.rect_filled(
+            bar,
+            0.0,
+            if place == last {
+                painter.palette().caution
+            } else {
+                painter.palette().accent
+            },
+        );
     }
     let step = |(place, count): (usize, &f64)| {
         let y = plot.y_of(*count);
-        [pos2(plot.x_of(place as f64), y), pos2(plot.x_of(place as f64 + 1.0), y)]
+        [
+            pos2(plot.x_of(place as f64), y),
+            pos2(plot.x_of(place as f64 + 1.0), y),
+        ]
     };
-    let steps = histogram.expected.iter().take(last).enumerate().flat_map(step).collect();
+    let steps = histogram
+        .expected
+        .iter()
+        .take(last)
+        .enumerate()
+        .flat_map(step)
+        .collect();
     painter.add(Shape::line(steps, Stroke::new(1.0, painter.palette().good)));
 }
 
@@ -112,12 +178,28 @@ fn bars(painter: &Painter, plot: &Plot, histogram: &Histogram) {
 fn below(painter: &Painter, plot: &Plot, step_px: f64) {
     let last = plot.x[1] - 1.0;
     let ruler = Ruler::within([0.0, last * step_px], f64::from(plot.area.width() / 50.0));
-    let ticks = ruler.ticks.iter().map(|(value, words)| (value / step_px, words.as_str()));
-    plot.steps(painter, ticks.filter(|(at, _)| *at < last - 1.0).chain([(last + 0.5, "more")]));
+    let ticks = ruler
+        .ticks
+        .iter()
+        .map(|(value, words)| (value / step_px, words.as_str()));
+    plot.steps(
+        painter,
+        ticks
+            .filter(|(at, _)| *at < last - 1.0)
+            .chain([(last + 0.5, "more")]),
+    );
 }
 
-fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, plot: &Plot, histogram: &Histogram, response: Response) {
-    let Some(pointer) = response.hover_pos() else { return };
+fn read_pointer(
+    panel: &mut Panel<'_>,
+    ui: &Ui,
+    plot: &Plot,
+    histogram: &Histogram,
+    response: Response,
+) {
+    let Some(pointer) = response.hover_pos() else {
+        return;
+    };
     let place = (plot.x_at(pointer.x).max(0.0) as usize).min(histogram.bins.len() - 1);
     let bin = histogram.bins[place];
     let from = place as f64 * histogram.step_px;
@@ -126,22 +208,44 @@ fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, plot: &Plot, histogram: &Histogr
     } else {
         format!("{} to {}", number(from), px(from + histogram.step_px))
     };
-    let count = if bin.count == 1 { "1 click".to_owned() } else { format!("{} clicks", bin.count) };
-    let right = format!("{:.0} expected if all names and cameras are correct (green)", histogram.expected[place]);
-    let there = if bin.worst.is_some() { " Click to go to the worst one." } else { "" };
+    let count = if bin.count == 1 {
+        "1 click".to_owned()
+    } else {
+        format!("{} clicks", bin.count)
+    };
+    let right = format!(
+        "{:.0} expected if all names and cameras are correct (green)",
+        histogram.expected[place]
+    );
+    let there = if bin.worst.is_some() {
+        " Click to go to the worst one."
+    } else {
+        ""
+    };
     if let Some((frame, click)) = bin.worst {
         ui.ctx().set_cursor_icon(CursorIcon::PointingHand);
         if response.clicked() {
-            panel.actions.push(Action::Navigate(Navigation::LookAt { frame, click: Some(click) }));
+            panel.actions.push(Action::Navigate(Navigation::LookAt {
+                frame,
+                click: Some(click),
+            }));
         }
     }
     response.on_hover_text_at_pointer(format!("{range}: {count}; {right}.{there}"));
 }
 
 fn px(value: f64) -> String {
-    if value.is_finite() { format!("{} px", number(value)) } else { "out of sight".to_owned() }
+    if value.is_finite() {
+        format!("{} px", number(value))
+    } else {
+        "out of sight".to_owned()
+    }
 }
 
 fn number(value: f64) -> String {
-    if value < 10.0 { format!("{value:.1}") } else { format!("{value:.0}") }
+    if value < 10.0 {
+        format!("{value:.1}")
+    } else {
+        format!("{value:.0}")
+    }
 }

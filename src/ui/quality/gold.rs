@@ -1,4 +1,5 @@
-//! The annotator's own click noise: gold frames clicked again blind, and what the clicks are weighted by.
+//! The annotator's own click noise: gold frames clicked again blind, and what the clicks are
+//! weighted by.
 
 use super::scatter::Scatter;
 use super::{card, nothing_yet};
@@ -21,48 +22,78 @@ const NOTHING: &str = "How precisely do you click? Mark accepted frames as gold,
 
 /// Shows the section.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
-    card(panel, ui, "YOUR CLICK NOISE: GOLD FRAMES", beside, |panel, ui| {
-        let app = panel.app;
-        let own = &app.gold().own;
-        if own.repeats == 0 {
-            nothing_yet(ui, NOTHING);
-            return;
-        }
-        ui.horizontal_top(|ui| {
-            let offsets: Vec<_> = own.offsets.iter().map(|repeat| repeat.offset_px).collect();
-            let sigma_px = own.noise.map(|noise| noise.sigma * std::f64::consts::SQRT_2);
-            let pointed = Scatter { name: "Blind clicks around the label", offsets: &offsets, sigma_px }.show(ui);
-            ui.vertical(|ui| {
-                ui.set_width(COLUMN);
-                describe(panel, ui, own);
-                let under = pointed.and_then(|(index, clicked)| Some((own.offsets.get(index)?, clicked)));
-                if let Some((repeat, clicked)) = under {
-                    let label = app.label(&Target::Landmark(repeat.landmark.clone()));
-                    let number = app.open().map_or(repeat.frame as u64, |open| open.frame_number(repeat.frame));
-                    let text = format!("Frame {number}: {label}, {:.1} px", repeat.offset_px.norm());
-                    ui.label(RichText::new(text).color(ui.palette().strong));
-                    if clicked {
-                        panel
-                            .actions
-                            .push(Action::Navigate(Navigation::LookAt { frame: repeat.frame, click: repeat.click }));
-                    }
+    card(
+        panel,
+        ui,
+        "YOUR CLICK NOISE: GOLD FRAMES",
+        beside,
+        |panel, ui| {
+            let app = panel.app;
+            let own = &app.gold().own;
+            if own.repeats == 0 {
+                nothing_yet(ui, NOTHING);
+                return;
+            }
+            ui.horizontal_top(|ui| {
+                let offsets: Vec<_> = own.offsets.iter().map(|repeat| repeat.offset_px).collect();
+                let sigma_px = own
+                    .noise
+                    .map(|noise| noise.sigma * std::f64::consts::SQRT_2);
+                let pointed = Scatter {
+                    name: "Blind clicks around the label",
+                    offsets: &offsets,
+                    sigma_px,
                 }
+                .show(ui);
+                ui.vertical(|ui| {
+                    ui.set_width(COLUMN);
+                    describe(panel, ui, own);
+                    let under = pointed
+                        .and_then(|(index, clicked)| Some((own.offsets.get(index)?, clicked)));
+                    if let Some((repeat, clicked)) = under {
+                        let label = app.label(&Target::Landmark(repeat.landmark.clone()));
+                        let number = app
+                            .open()
+                            .map_or(repeat.frame as u64, |open| open.frame_number(repeat.frame));
+                        let text =
+                            format!("Frame {number}: {label}, {:.1} px", repeat.offset_px.norm());
+                        ui.label(RichText::new(text).color(ui.palette().strong));
+                        if clicked {
+                            panel.actions.push(Action::Navigate(Navigation::LookAt {
+                                frame: repeat.frame,
+                                click: repeat.click,
+                            }));
+                        }
+                    }
+                });
+                ui.vertical(|ui| {
+                    ui.set_width(COLUMN.min(ui.available_width()));
+                    landmarks(panel, ui, own);
+                });
             });
-            ui.vertical(|ui| {
-                ui.set_width(COLUMN.min(ui.available_width()));
-                landmarks(panel, ui, own);
-            });
-        });
-    });
+        },
+    );
 }
 
 /// What can be done, from the right.
 fn beside(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
-    let in_use = app.open().is_some_and(|open| open.document.click_noise_in_use().is_some());
-    let mut commands = vec![("Click again…", Command::ClickAgain), ("Choose frames", Command::ChooseGold)];
+    let in_use = app
+        .open()
+        .is_some_and(|open| open.document.click_noise_in_use().is_some());
+    let mut commands = vec![
+        ("Click again…", Command::ClickAgain),
+        ("Choose frames", Command::ChooseGold),
+    ];
     if app.why_not(Command::UseOwnNoise).is_none() {
-        commands.push((if in_use { "Update" } else { "Use it for my points" }, Command::UseOwnNoise));
+        commands.push((
+            if in_use {
+                "Update"
+            } else {
+                "Use it for my points"
+            },
+            Command::UseOwnNoise,
+        ));
     }
     if in_use {
         commands.push(("Use the usual", Command::UseUsualNoise));
@@ -71,28 +102,44 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui) {
         let why_not = app.why_not(command);
         let button = ui.add_enabled(why_not.is_none(), Button::new(says).small());
         let tip = app.settings.keys.tooltip(command);
-        if button.on_hover_text(tip).on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
+        if button
+            .on_hover_text(tip)
+            .on_disabled_hover_text(why_not.unwrap_or_default())
+            .clicked()
+        {
             panel.actions.push(Action::Command(command));
         }
     }
     let gold = app.gold().frames;
     let plural = if gold == 1 { "" } else { "s" };
-    ui.label(RichText::new(format!("{gold} gold frame{plural}")).small().color(ui.palette().weak));
+    ui.label(
+        RichText::new(format!("{gold} gold frame{plural}"))
+            .small()
+            .color(ui.palette().weak),
+    );
 }
 
 fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     let said = match &own.noise {
         Some(noise) => {
             let [low, high] = noise.interval_95;
-            format!("Your click noise: {:.2} px in each direction (95 %: {low:.2} to {high:.2})", noise.sigma)
+            format!(
+                "Your click noise: {:.2} px in each direction (95 %: {low:.2} to {high:.2})",
+                noise.sigma
+            )
         }
         None => "Too few blind clicks to estimate your click noise".to_owned(),
     };
     ui.add(Label::new(RichText::new(said).color(ui.palette().strong)).wrap()).on_hover_text(
         "1-σ of a single click at 1920 px width. The rings are one and two σ of the distance between two clicks.",
     );
-    let [right, down] = own.noise_by_axis.map(|noise| noise.map(|noise| format!("{:.2} px", noise.sigma)));
-    let axes = right.zip(down).map(|(right, down)| format!(" across {right}, down {down}.")).unwrap_or_default();
+    let [right, down] = own
+        .noise_by_axis
+        .map(|noise| noise.map(|noise| format!("{:.2} px", noise.sigma)));
+    let axes = right
+        .zip(down)
+        .map(|(right, down)| format!(" across {right}, down {down}."))
+        .unwrap_or_default();
     let aside = match own.noise.map_or(0, |noise| noise.set_aside) {
         0 => String::new(),
         1 => " One is too far off to be noise and is left out.".to_owned(),
@@ -101,10 +148,19 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     let frames = counted(own.frames, "frame");
     let text = format!("{} blind clicks in {frames}:{axes}{aside}", own.repeats).replace(":.", ".");
     ui.add(Label::new(RichText::new(text.trim_end_matches(':')).color(ui.palette().text)).wrap());
-    let used = panel.app.open().and_then(|open| open.document.click_noise_in_use());
+    let used = panel
+        .app
+        .open()
+        .and_then(|open| open.document.click_noise_in_use());
     let text = match (&used, &own.click_noise) {
-        (None, None) => format!("After {} more it can weight your points.", own.missing().max(1)),
-        (None, Some(noise)) => format!("Your points are weighted by the usual click noise. {}", compared(noise)),
+        (None, None) => format!(
+            "After {} more it can weight your points.",
+            own.missing().max(1)
+        ),
+        (None, Some(noise)) => format!(
+            "Your points are weighted by the usual click noise. {}",
+            compared(noise)
+        ),
         (Some(used), _) => format!(
             "Your points are weighted by your own click noise, from {} blind clicks. {}",
             used.repeats,
@@ -113,7 +169,8 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     };
     let tip = "Half of the variance that a field template states for a landmark comes from clicking, half from the place: paint \
                is wide, and no field is painted to the centimetre. Your blind clicks replace the first half.";
-    ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap()).on_hover_text(tip);
+    ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap())
+        .on_hover_text(tip);
 }
 
 /// An annotator's click noise compared with the usual one, in a sentence.
@@ -125,14 +182,27 @@ fn compared(noise: &ClickNoise) -> String {
 fn landmarks(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     let mut sorted: Vec<_> = own.landmarks.iter().collect();
     sorted.sort_by_key(|landmark| std::cmp::Reverse(landmark.repeats));
-    let largest = sorted.iter().filter_map(|landmark| landmark.noise).map(|noise| noise.sigma).fold(1e-9, f64::max);
+    let largest = sorted
+        .iter()
+        .filter_map(|landmark| landmark.noise)
+        .map(|noise| noise.sigma)
+        .fold(1e-9, f64::max);
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
     for landmark in sorted.iter().take(LANDMARKS_SHOWN) {
-        let name = panel.app.label(&Target::Landmark(landmark.landmark.clone()));
-        let value =
-            landmark.noise.map_or_else(|| format!("{} ×", landmark.repeats), |noise| format!("{:.2} px", noise.sigma));
+        let name = panel
+            .app
+            .label(&Target::Landmark(landmark.landmark.clone()));
+        let value = landmark.noise.map_or_else(
+            || format!("{} ×", landmark.repeats),
+            |noise| format!("{:.2} px", noise.sigma),
+        );
         let share = landmark.noise.map_or(0.0, |noise| noise.sigma / largest);
-        let bar = Bar { name: &name, value: &value, share, ..Bar::default() };
+        let bar = Bar {
+            name: &name,
+            value: &value,
+            share,
+            ..Bar::default()
+        };
         let (_, response) = bar.show(ui);
         let tip = match landmark.noise {
             Some(noise) => {
@@ -142,11 +212,22 @@ fn landmarks(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
                     noise.sigma, noise.pairs
                 )
             }
-            None => format!("{name}: {} blind clicks, too few for a value of its own.", landmark.repeats),
+            None => format!(
+                "{name}: {} blind clicks, too few for a value of its own.",
+                landmark.repeats
+            ),
         };
         response.on_hover_text(tip);
     }
-    if let Some(more) = sorted.len().checked_sub(LANDMARKS_SHOWN).filter(|more| *more > 0) {
-        ui.label(RichText::new(format!("{more} more landmarks")).small().color(ui.palette().weak));
+    if let Some(more) = sorted
+        .len()
+        .checked_sub(LANDMARKS_SHOWN)
+        .filter(|more| *more > 0)
+    {
+        ui.label(
+            RichText::new(format!("{more} more landmarks"))
+                .small()
+                .color(ui.palette().weak),
+        );
     }
 }

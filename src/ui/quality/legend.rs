@@ -2,8 +2,8 @@
 
 use crate::ui::theme::{Palette, Themed as _};
 use egui::{
-    Color32, CornerRadius, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui,
-    WidgetInfo, pos2, vec2,
+    Color32, CornerRadius, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind,
+    TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::quality::PointKind;
 
@@ -25,7 +25,10 @@ pub fn mark(painter: &Painter, at: Pos2, kind: PointKind) {
         }
         PointKind::Suggested => {
             let by = |x: f32, y: f32| pos2(at.x + 3.2 * x, at.y + 3.2 * y);
-            painter.add(Shape::closed_line(vec![by(0.0, -1.0), by(1.0, 0.0), by(0.0, 1.0), by(-1.0, 0.0)], stroke));
+            painter.add(Shape::closed_line(
+                vec![by(0.0, -1.0), by(1.0, 0.0), by(0.0, 1.0), by(-1.0, 0.0)],
+                stroke,
+            ));
         }
         PointKind::Draft => {
             let square = Rect::from_center_size(at, vec2(4.6, 4.6));
@@ -42,11 +45,20 @@ pub fn ring(painter: &Painter, at: Pos2) {
 /// A mark with its text, kept together on one line.
 pub fn entry(ui: &mut Ui, words: &str, paint: impl FnOnce(&Painter, Pos2)) -> Response {
     let font = TextStyle::Small.resolve(ui.style());
-    let galley = ui.painter().layout_no_wrap(words.to_owned(), font, ui.palette().text);
-    let (place, response) = ui.allocate_exact_size(vec2(MARK + galley.size().x, ROW), Sense::hover());
+    let galley = ui
+        .painter()
+        .layout_no_wrap(words.to_owned(), font, ui.palette().text);
+    let (place, response) =
+        ui.allocate_exact_size(vec2(MARK + galley.size().x, ROW), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, words));
-    paint(ui.painter(), place.left_center() + vec2(MARK / 2.0 - 2.0, 0.0));
-    let text = pos2(place.left() + MARK, place.center().y - galley.size().y / 2.0);
+    paint(
+        ui.painter(),
+        place.left_center() + vec2(MARK / 2.0 - 2.0, 0.0),
+    );
+    let text = pos2(
+        place.left() + MARK,
+        place.center().y - galley.size().y / 2.0,
+    );
     ui.painter().galley(text, galley, ui.palette().text);
     response
 }

@@ -1,6 +1,8 @@
-//! The quality page: how good labels and proposals are. It takes the window; each section is a file and a card.
+//! The quality page: how good labels and proposals are. It takes the window; each section is a file
+//! and a card.
 //!
-//! A section shows what [`touchline_application::app::quality`] derived. A click goes to the frame and closes the page.
+//! A section shows what [`touchline_application::app::quality`] derived. A click goes to the frame
+//! and closes the page.
 
 mod agreement;
 mod course;
@@ -18,7 +20,9 @@ use super::{
     theme::{self, Themed as _},
 };
 use egui::layers::ShapeIdx;
-use egui::{Align, CornerRadius, Frame, Label, Layout, Margin, RichText, ScrollArea, Shape, Ui, vec2};
+use egui::{
+    Align, CornerRadius, Frame, Label, Layout, Margin, RichText, ScrollArea, Shape, Ui, vec2,
+};
 use touchline_application::app::{Action, Command, Navigation, ViewAction};
 
 /// Between cards, points.
@@ -31,81 +35,133 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let area = ui.available_rect_before_wrap();
     ui.painter().rect_filled(area, 0.0, ui.palette().panel);
     heading(panel, ui);
-    let inside = Frame::new().inner_margin(Margin { left: 8, right: 12, top: 0, bottom: 8 });
-    ScrollArea::vertical().id_salt("quality page").auto_shrink(false).show(ui, |ui| {
-        inside.show(ui, |ui| {
-            ui.spacing_mut().item_spacing = vec2(GAP, GAP);
-            course::show(panel, ui);
-            row(panel, ui, [errors::show, targets::show, coverage::show]);
-            gold::show(panel, ui);
-            agreement::show(panel, ui);
-        });
+    let inside = Frame::new().inner_margin(Margin {
+        left: 8,
+        right: 12,
+        top: 0,
+        bottom: 8,
     });
+    ScrollArea::vertical()
+        .id_salt("quality page")
+        .auto_shrink(false)
+        .show(ui, |ui| {
+            inside.show(ui, |ui| {
+                ui.spacing_mut().item_spacing = vec2(GAP, GAP);
+                course::show(panel, ui);
+                row(panel, ui, [errors::show, targets::show, coverage::show]);
+                gold::show(panel, ui);
+                agreement::show(panel, ui);
+            });
+        });
 }
 
 /// The title, the camera that the page is about, and the close button.
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
-    Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            ui.label(RichText::new("Quality").heading().color(ui.palette().strong));
-            cameras(panel, ui);
-            off_paint(panel, ui);
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let palette = ui.palette();
-                let close = symbol::button(ui, Symbol::Cross, "Close the quality page", palette.weak);
-                let key = panel.app.settings.keys.shown(Command::QualityPage);
-                if close.on_hover_text(format!("Back to the picture. ({key})")).clicked() {
-                    panel.actions.push(Action::Command(Command::QualityPage));
-                }
+    Frame::new()
+        .inner_margin(Margin::symmetric(8, 6))
+        .show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.label(
+                    RichText::new("Quality")
+                        .heading()
+                        .color(ui.palette().strong),
+                );
+                cameras(panel, ui);
+                off_paint(panel, ui);
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let palette = ui.palette();
+                    let close =
+                        symbol::button(ui, Symbol::Cross, "Close the quality page", palette.weak);
+                    let key = panel.app.settings.keys.shown(Command::QualityPage);
+                    if close
+                        .on_hover_text(format!("Back to the picture. ({key})"))
+                        .clicked()
+                    {
+                        panel.actions.push(Action::Command(Command::QualityPage));
+                    }
+                });
             });
         });
-    });
 }
 
 /// Accepted frames that their paint contradicts: how many, and the way to the first.
 fn off_paint(panel: &mut Panel<'_>, ui: &mut Ui) {
     let off = &panel.app.quality().off_paint;
-    let Some(first) = off.first().copied() else { return };
+    let Some(first) = off.first().copied() else {
+        return;
+    };
     let says = match off.len() {
         1 => "1 accepted frame is off its painted lines".to_owned(),
         count => format!("{count} accepted frames are off their painted lines"),
     };
     let says = RichText::new(says).color(ui.palette().caution);
-    let button = ui.button(says).on_hover_text("The paint contradicts the camera. Click to look at the first.");
+    let button = ui
+        .button(says)
+        .on_hover_text("The paint contradicts the camera. Click to look at the first.");
     if button.clicked() {
-        panel.actions.push(Action::Navigate(Navigation::LookAt { frame: first, click: None }));
+        panel.actions.push(Action::Navigate(Navigation::LookAt {
+            frame: first,
+            click: None,
+        }));
     }
 }
 
 /// Which camera, where there are several.
 fn cameras(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let (Some(open), Some(chosen)) = (panel.app.open(), &panel.app.quality().camera) else { return };
+    let (Some(open), Some(chosen)) = (panel.app.open(), &panel.app.quality().camera) else {
+        return;
+    };
     if open.document.cameras.len() < 2 {
         return;
     }
-    let shown = egui::ComboBox::from_id_salt("quality camera").selected_text(chosen.as_str()).show_ui(ui, |ui| {
-        for camera in &open.document.cameras {
-            if ui.selectable_label(camera.id == *chosen, camera.id.as_str()).clicked() {
-                panel.actions.push(Action::View(ViewAction::SetQualityCamera(camera.id.clone())));
-                ui.close();
+    let shown = egui::ComboBox::from_id_salt("quality camera")
+        .selected_text(chosen.as_str())
+        .show_ui(ui, |ui| {
+            for camera in &open.document.cameras {
+                if ui
+                    .selectable_label(camera.id == *chosen, camera.id.as_str())
+                    .clicked()
+                {
+                    panel
+                        .actions
+                        .push(Action::View(ViewAction::SetQualityCamera(
+                            camera.id.clone(),
+                        )));
+                    ui.close();
+                }
             }
-        }
-    });
-    shown.response.accessible_name("Camera").on_hover_text("The camera that this page is about.");
+        });
+    shown
+        .response
+        .accessible_name("Camera")
+        .on_hover_text("The camera that this page is about.");
 }
 
 /// Sections beside each other, all as high as the highest.
-fn row<const N: usize>(panel: &mut Panel<'_>, ui: &mut Ui, sections: [fn(&mut Panel<'_>, &mut Ui); N]) {
+fn row<const N: usize>(
+    panel: &mut Panel<'_>,
+    ui: &mut Ui,
+    sections: [fn(&mut Panel<'_>, &mut Ui); N],
+) {
     ui.columns(N, |columns| {
-        let grounds: Vec<ShapeIdx> = columns.iter().map(|column| column.painter().add(Shape::Noop)).collect();
+        let grounds: Vec<ShapeIdx> = columns
+            .iter()
+            .map(|column| column.painter().add(Shape::Noop))
+            .collect();
         for (column, section) in columns.iter_mut().zip(sections) {
             section(panel, column);
         }
-        let bottom = columns.iter().map(|column| column.min_rect().bottom()).fold(0.0, f32::max);
+        let bottom = columns
+            .iter()
+            .map(|column| column.min_rect().bottom())
+            .fold(0.0, f32::max);
         for (column, ground) in columns.iter().zip(grounds) {
             let mut rect = column.min_rect();
             rect.set_bottom(bottom);
-            column.painter().set(ground, Shape::rect_filled(rect, CORNER, column.palette().raised));
+            column.painter().set(
+                ground,
+                Shape::rect_filled(rect, CORNER, column.palette().raised),
+            );
         }
     });
 }
@@ -118,7 +174,10 @@ fn card(
     beside: impl FnOnce(&mut Panel<'_>, &mut Ui),
     inside: impl FnOnce(&mut Panel<'_>, &mut Ui),
 ) {
-    let ground = Frame::new().fill(ui.palette().raised).corner_radius(CORNER).inner_margin(Margin::same(10));
+    let ground = Frame::new()
+        .fill(ui.palette().raised)
+        .corner_radius(CORNER)
+        .inner_margin(Margin::same(10));
     ground.show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(2.0 * theme::SPACE, theme::SPACE);
         ui.set_width(ui.available_width());

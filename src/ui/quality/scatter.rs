@@ -1,4 +1,5 @@
-//! Offsets between two clicks on the same spots, as dots around the centre. The nearest dot can be pointed at and clicked.
+//! Offsets between two clicks on the same spots, as dots around the centre. The nearest dot can be
+//! pointed at and clicked.
 
 use crate::ui::theme::Themed as _;
 use egui::{Align2, FontId, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
@@ -29,13 +30,29 @@ impl Scatter<'_> {
         let points_per_px = f64::from(SIDE / 2.0 - 6.0) / reach_px;
         let centre = rect.center();
         let place = |offset: &Vec2| {
-            let offset = if offset.norm() > reach_px { offset * (reach_px / offset.norm()) } else { *offset };
-            centre + vec2((offset.x * points_per_px) as f32, (offset.y * points_per_px) as f32)
+            let offset = if offset.norm() > reach_px {
+                offset * (reach_px / offset.norm())
+            } else {
+                *offset
+            };
+            centre
+                + vec2(
+                    (offset.x * points_per_px) as f32,
+                    (offset.y * points_per_px) as f32,
+                )
         };
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 4.0, ui.palette().panel);
-        painter.hline(rect.x_range(), centre.y, Stroke::new(1.0, ui.palette().line));
-        painter.vline(centre.x, rect.y_range(), Stroke::new(1.0, ui.palette().line));
+        painter.hline(
+            rect.x_range(),
+            centre.y,
+            Stroke::new(1.0, ui.palette().line),
+        );
+        painter.vline(
+            centre.x,
+            rect.y_range(),
+            Stroke::new(1.0, ui.palette().line),
+        );
         for times in [1.0, 2.0] {
             if let Some(sigma_px) = self.sigma_px {
                 let radius = (times * sigma_px * points_per_px) as f32;
@@ -44,29 +61,59 @@ impl Scatter<'_> {
         }
         let dots: Vec<_> = self.offsets.iter().map(place).collect();
         let under = response.hover_pos().and_then(|at| {
-            let near = dots.iter().map(|dot| dot.distance(at)).enumerate().filter(|(_, apart)| *apart <= REACH);
-            near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
+            let near = dots
+                .iter()
+                .map(|dot| dot.distance(at))
+                .enumerate()
+                .filter(|(_, apart)| *apart <= REACH);
+            near.min_by(|a, b| a.1.total_cmp(&b.1))
+                .map(|(index, _)| index)
         });
         for (index, dot) in dots.iter().enumerate() {
             let pointed = under == Some(index);
-            let (radius, colour) = if pointed { (4.0, ui.palette().strong) } else { (2.4, ui.palette().accent) };
+            let (radius, colour) = if pointed {
+                (4.0, ui.palette().strong)
+            } else {
+                (2.4, ui.palette().accent)
+            };
             let beyond = self.offsets[index].norm() > reach_px;
-            painter.circle_filled(*dot, radius, if beyond && !pointed { ui.palette().caution } else { colour });
+            painter.circle_filled(
+                *dot,
+                radius,
+                if beyond && !pointed {
+                    ui.palette().caution
+                } else {
+                    colour
+                },
+            );
         }
         let corner = rect.right_bottom() - vec2(4.0, 2.0);
         let text = format!("±{reach_px:.1} px");
-        painter.text(corner, Align2::RIGHT_BOTTOM, text, FontId::proportional(10.0), ui.palette().weak);
+        painter.text(
+            corner,
+            Align2::RIGHT_BOTTOM,
+            text,
+            FontId::proportional(10.0),
+            ui.palette().weak,
+        );
         if under.is_some() {
             ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         }
         under.map(|index| (index, response.clicked()))
     }
 
-    /// The plot's range, px: nine of ten dots lie well inside; those beyond are drawn at the border.
+    /// The plot's range, px: nine of ten dots lie well inside; those beyond are drawn at the
+    /// border.
     fn reach_px(&self) -> f64 {
         let mut sizes: Vec<f64> = self.offsets.iter().map(Vec2::norm).collect();
         sizes.sort_by(f64::total_cmp);
-        let most = if sizes.is_empty() { 1.0 } else { quantile(&sizes, 0.9) };
-        (1.4 * most).max(2.4 * self.sigma_px.unwrap_or(0.0)).max(0.5)
+        let most = if sizes.is_empty() {
+            1.0
+        } else {
+            quantile(&sizes, 0.9)
+        };
+        (1.4 * most)
+            .max(2.4 * self.sigma_px.unwrap_or(0.0))
+            .max(0.5)
     }
 }

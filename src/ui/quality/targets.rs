@@ -1,4 +1,5 @@
-//! Landmarks and lines by the errors of their clicks, the worst first. A click goes to the worst click on one.
+//! Landmarks and lines by the errors of their clicks, the worst first. A click goes to the worst
+//! click on one.
 
 use super::{card, nothing_yet};
 use crate::ui::bar::Bar;
@@ -12,15 +13,21 @@ use touchline_application::app::{Action, Navigation};
 const SHOWN: usize = 11;
 
 /// Shown while no error is evidence.
-const NOTHING: &str = "Errors by landmark and line appear here once some frames have three clicks or more.";
+const NOTHING: &str =
+    "Errors by landmark and line appear here once some frames have three clicks or more.";
 
 /// Shows the section.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let targets = &panel.app.quality().targets;
     let legend = |_: &mut Panel<'_>, ui: &mut Ui| {
         let tip = "The stroke marks the median expected of correct clicks, from how precisely people hit this landmark. A landmark that is off in every frame may be named wrongly, or the field's size is wrong.";
-        let words = if targets.is_empty() { "" } else { "median; | expected" };
-        ui.label(RichText::new(words).small().color(ui.palette().weak)).on_hover_text(tip);
+        let words = if targets.is_empty() {
+            ""
+        } else {
+            "median; | expected"
+        };
+        ui.label(RichText::new(words).small().color(ui.palette().weak))
+            .on_hover_text(tip);
     };
     card(panel, ui, "ERRORS BY LANDMARK", legend, |panel, ui| {
         if targets.is_empty() {
@@ -29,17 +36,33 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         }
         let unfolded = Id::unique("all landmarks of the quality page");
         let all = ui.data(|data| data.get_temp::<bool>(unfolded).unwrap_or(false));
-        let shown = if all { targets.len() } else { targets.len().min(SHOWN) };
+        let shown = if all {
+            targets.len()
+        } else {
+            targets.len().min(SHOWN)
+        };
         // One outlier must not make all other bars invisible.
-        let known = targets.iter().filter(|errors| errors.is_known()).map(|errors| errors.median_px);
-        let largest = known.chain(targets.iter().map(|errors| 2.0 * errors.expected_px)).fold(0.1, f64::max);
+        let known = targets
+            .iter()
+            .filter(|errors| errors.is_known())
+            .map(|errors| errors.median_px);
+        let largest = known
+            .chain(targets.iter().map(|errors| 2.0 * errors.expected_px))
+            .fold(0.1, f64::max);
         ui.spacing_mut().item_spacing.y = 0.0;
         for errors in &targets[..shown] {
             row(panel, ui, errors, largest);
         }
         if targets.len() > SHOWN {
-            let says = if all { "Fewer".to_owned() } else { format!("All {}", targets.len()) };
-            if ui.add(Button::new(RichText::new(says).small()).frame(false)).clicked() {
+            let says = if all {
+                "Fewer".to_owned()
+            } else {
+                format!("All {}", targets.len())
+            };
+            if ui
+                .add(Button::new(RichText::new(says).small()).frame(false))
+                .clicked()
+            {
                 ui.data_mut(|data| data.insert_temp(unfolded, !all));
             }
         }
@@ -48,13 +71,21 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, errors: &TargetErrors, largest_px: f64) {
     let label = panel.app.label(&errors.target);
-    let clicks = if errors.clicks == 1 { "1 click".to_owned() } else { format!("{} clicks", errors.clicks) };
+    let clicks = if errors.clicks == 1 {
+        "1 click".to_owned()
+    } else {
+        format!("{} clicks", errors.clicks)
+    };
     let colour = match (errors.is_known(), errors.is_bad()) {
         (true, true) => Some(ui.palette().caution),
         (true, false) => None,
         (false, _) => Some(ui.palette().weak),
     };
-    let median = if errors.median_px.is_finite() { format!("{:.1} px", errors.median_px) } else { "unseen".to_owned() };
+    let median = if errors.median_px.is_finite() {
+        format!("{:.1} px", errors.median_px)
+    } else {
+        "unseen".to_owned()
+    };
     let bar = Bar {
         name: &format!("{} × {label}", errors.clicks),
         value: &median,
@@ -65,14 +96,23 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, errors: &TargetErrors, largest_px: f6
         ..Bar::default()
     };
     let (_, response) = bar.show(ui);
-    let Some(&(frame, click, worst_px)) = errors.worst.first() else { return };
-    let name =
-        panel.app.open().and_then(|open| open.frame(frame)).map(|frame| file_name(&frame.name())).unwrap_or_default();
+    let Some(&(frame, click, worst_px)) = errors.worst.first() else {
+        return;
+    };
+    let name = panel
+        .app
+        .open()
+        .and_then(|open| open.frame(frame))
+        .map(|frame| file_name(&frame.name()))
+        .unwrap_or_default();
     let tip = format!(
         "{label}: {clicks}, median {median}, 90 % below {:.1} px; correct ones would have a median of {:.1} px. The worst, {worst_px:.1} px, is in {name}: click to go there.",
         errors.most_px, errors.expected_px
     );
     if response.on_hover_text(tip).clicked() {
-        panel.actions.push(Action::Navigate(Navigation::LookAt { frame, click: Some(click) }));
+        panel.actions.push(Action::Navigate(Navigation::LookAt {
+            frame,
+            click: Some(click),
+        }));
     }
 }

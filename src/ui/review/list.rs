@@ -1,5 +1,6 @@
-//! The list of suggestions: a thumbnail with the proposed lines, the confidence, the deviation from its neighbours. Only
-//! visible rows are laid out. While the pointer is over the list no row moves; otherwise the shown frame's row keeps its place.
+//! The list of suggestions: a thumbnail with the proposed lines, the confidence, the deviation from
+//! its neighbours. Only visible rows are laid out. While the pointer is over the list no row moves;
+//! otherwise the shown frame's row keeps its place.
 
 use crate::ui::menu::{self, file_name};
 use crate::ui::{
@@ -8,8 +9,8 @@ use crate::ui::{
 };
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
-    Align2, Color32, CornerRadius, FontId, Id, Painter, Rect, Role, ScrollArea, Sense, Stroke, Ui, WidgetInfo, pos2,
-    vec2,
+    Align2, Color32, CornerRadius, FontId, Id, Painter, Rect, Role, ScrollArea, Sense, Stroke, Ui,
+    WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::review::{ReviewOrder, ReviewRow, percent};
 use touchline_application::app::session::status_label;
@@ -46,19 +47,26 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let moved = what_moved(ui, (current, choice.order, place));
     let on_time = rows.len() - review.late;
     let late = if review.late > 0 { LATE } else { 0.0 };
-    let area = ScrollArea::vertical().id_salt("review list").auto_shrink(false);
+    let area = ScrollArea::vertical()
+        .id_salt("review list")
+        .auto_shrink(false);
     let shown = area.show_viewport(ui, |ui, viewport| {
         let origin = ui.max_rect().min;
         let width = ui.available_width();
         ui.allocate_exact_size(vec2(width, ROW * rows.len() as f32 + late), Sense::hover());
         let top_of = |at: usize| ROW * at as f32 + if at >= on_time { late } else { 0.0 };
-        let rect_of = |at: usize| Rect::from_min_size(origin + vec2(0.0, top_of(at)), vec2(width, ROW));
+        let rect_of =
+            |at: usize| Rect::from_min_size(origin + vec2(0.0, top_of(at)), vec2(width, ROW));
         let in_view = match moved {
             Moved::Nothing => None,
             Moved::Row { by } => {
-                let seen = place.is_some_and(|at| viewport.y_range().contains(top_of(at) - ROW * by));
+                let seen =
+                    place.is_some_and(|at| viewport.y_range().contains(top_of(at) - ROW * by));
                 if seen {
-                    ui.scroll_with_delta_animation(vec2(0.0, -ROW * by), egui::style::ScrollAnimation::none());
+                    ui.scroll_with_delta_animation(
+                        vec2(0.0, -ROW * by),
+                        egui::style::ScrollAnimation::none(),
+                    );
                 }
                 None
             }
@@ -85,7 +93,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
     let held = ui.rect_contains_pointer(shown.inner_rect);
     if held != panel.app.session.review.held {
-        panel.actions.push(Action::View(ViewAction::HoldReview(held)));
+        panel
+            .actions
+            .push(Action::View(ViewAction::HoldReview(held)));
     }
 }
 
@@ -113,9 +123,9 @@ fn what_moved(ui: &Ui, now: Shows) -> Moved {
     match (before, now) {
         (Some(before), now) if before == now => Moved::Nothing,
         (Some((_, order, _)), now) if order != now.1 => Moved::Order,
-        (Some((frame, _, Some(before))), (shown, _, Some(after))) if frame == shown => {
-            Moved::Row { by: after as f32 - before as f32 }
-        }
+        (Some((frame, _, Some(before))), (shown, _, Some(after))) if frame == shown => Moved::Row {
+            by: after as f32 - before as f32,
+        },
         _ => Moved::Frame,
     }
 }
@@ -127,21 +137,49 @@ fn late_line(ui: &Ui, first: Rect, count: usize) {
     let response = ui.interact(line, Id::unique("review late"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &text));
     let painter = ui.painter();
-    painter.hline(line.x_range(), line.top() + 1.0, Stroke::new(1.0, ui.palette().line));
-    painter.text(line.center(), Align2::CENTER_CENTER, text, FontId::proportional(11.0), ui.palette().weak);
+    painter.hline(
+        line.x_range(),
+        line.top() + 1.0,
+        Stroke::new(1.0, ui.palette().line),
+    );
+    painter.text(
+        line.center(),
+        Align2::CENTER_CENTER,
+        text,
+        FontId::proportional(11.0),
+        ui.palette().weak,
+    );
 }
 
 /// The line that separates the rows above the threshold from the rest.
 fn threshold_line(painter: &Painter, row: Rect, threshold: f64) {
-    painter.hline(row.x_range(), row.top(), Stroke::new(1.0, painter.palette().accent));
-    let said = painter.layout_no_wrap(percent(threshold), FontId::proportional(10.0), painter.palette().accent);
+    painter.hline(
+        row.x_range(),
+        row.top(),
+        Stroke::new(1.0, painter.palette().accent),
+    );
+    let said = painter.layout_no_wrap(
+        percent(threshold),
+        FontId::proportional(10.0),
+        painter.palette().accent,
+    );
     let place = Align2::CENTER_CENTER.anchor_size(row.center_top(), said.size());
-    painter.rect_filled(place.expand2(vec2(4.0, 0.0)), CornerRadius::ZERO, painter.palette().panel);
+    painter.rect_filled(
+        place.expand2(vec2(4.0, 0.0)),
+        CornerRadius::ZERO,
+        painter.palette().panel,
+    );
     painter.galley(place.min, said, painter.palette().accent);
 }
 
 fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
-    let Some((open, frame)) = panel.app.open().and_then(|open| Some((open, open.frame(row.frame)?))) else { return };
+    let Some((open, frame)) = panel
+        .app
+        .open()
+        .and_then(|open| Some((open, open.frame(row.frame)?)))
+    else {
+        return;
+    };
     let response = ui.interact(place, Id::unique(("review row", row.frame)), Sense::click());
     let current = row.frame == panel.app.session.frame;
     let name = file_name(&frame.name());
@@ -153,21 +191,41 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     };
     let paint = panel.app.paint_says(row.frame).filter(|_| !row.gone);
     let beside = |px| {
-        if row.is_still() { "camera exactly still".to_owned() } else { format!("{px:.0} px from neighbours") }
+        if row.is_still() {
+            "camera exactly still".to_owned()
+        } else {
+            format!("{px:.0} px from neighbours")
+        }
     };
     let neighbours = row.apart_px().filter(|_| !row.gone).map(beside);
     let unlikely = frame.why_unlikely().filter(|_| !row.gone);
     response.widget_info(|| {
-        let apart = neighbours.as_ref().map(|text| format!(", {text}")).unwrap_or_default();
-        let what = if row.gone { "No longer a suggestion" } else { "Suggestion" };
-        let lines = paint.map(|says| format!(", {}", says.in_brief())).unwrap_or_default();
+        let apart = neighbours
+            .as_ref()
+            .map(|text| format!(", {text}"))
+            .unwrap_or_default();
+        let what = if row.gone {
+            "No longer a suggestion"
+        } else {
+            "Suggestion"
+        };
+        let lines = paint
+            .map(|says| format!(", {}", says.in_brief()))
+            .unwrap_or_default();
         let why = unlikely.map(|why| format!(", {why}")).unwrap_or_default();
-        let label = format!("{what}, frame {}, {name}, {confidence}{apart}{lines}{why}", open.frame_number(row.frame));
+        let label = format!(
+            "{what}, frame {}, {name}, {confidence}{apart}{lines}{why}",
+            open.frame_number(row.frame)
+        );
         WidgetInfo::selected(Role::Button, true, current, label)
     });
     let painter = ui.painter();
     if current || response.hovered() {
-        let ground = if current { ui.palette().accent_ground } else { ui.palette().raised };
+        let ground = if current {
+            ui.palette().accent_ground
+        } else {
+            ui.palette().raised
+        };
         painter.rect_filled(place.shrink2(vec2(4.0, 1.0)), CornerRadius::same(4), ground);
     }
     let picture = Rect::from_min_size(place.min + vec2(8.0, (ROW - PICTURE.y) / 2.0), PICTURE);
@@ -177,16 +235,29 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         theme::paint_line_mark(painter, corner, says.verdict);
     }
     if response.has_focus() {
-        painter.rect_stroke(place.shrink(2.0), 4.0, Stroke::new(1.0, ui.palette().accent), egui::StrokeKind::Inside);
+        painter.rect_stroke(
+            place.shrink(2.0),
+            4.0,
+            Stroke::new(1.0, ui.palette().accent),
+            egui::StrokeKind::Inside,
+        );
     }
     let left = picture.right() + 8.0;
     let right = place.right() - 14.0;
     let bar = Rect::from_min_size(pos2(right - BAR, place.top() + 27.0), vec2(BAR, 6.0));
     let first_line = place.top() + 14.0;
-    let (strong, plain) =
-        if row.gone { (ui.palette().weak, ui.palette().weak) } else { (ui.palette().strong, ui.palette().text) };
-    let said =
-        painter.text(pos2(right, first_line), Align2::RIGHT_CENTER, &confidence, FontId::proportional(12.0), strong);
+    let (strong, plain) = if row.gone {
+        (ui.palette().weak, ui.palette().weak)
+    } else {
+        (ui.palette().strong, ui.palette().text)
+    };
+    let said = painter.text(
+        pos2(right, first_line),
+        Align2::RIGHT_CENTER,
+        &confidence,
+        FontId::proportional(12.0),
+        strong,
+    );
     text_within(
         painter,
         pos2(left, first_line),
@@ -199,17 +270,42 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     }
     if let Some(text) = unlikely.map(str::to_owned).or(neighbours.clone()) {
         let is_odd = unlikely.is_some() || row.disagrees() || row.is_still();
-        let colour = if is_odd { ui.palette().caution } else { ui.palette().weak };
-        text_within(painter, pos2(left, bar.center().y), bar.left() - 6.0 - left, text, colour);
+        let colour = if is_odd {
+            ui.palette().caution
+        } else {
+            ui.palette().weak
+        };
+        text_within(
+            painter,
+            pos2(left, bar.center().y),
+            bar.left() - 6.0 - left,
+            text,
+            colour,
+        );
     }
-    let neighbours = neighbours.map(|text| format!(", {text}")).unwrap_or_default();
+    let neighbours = neighbours
+        .map(|text| format!(", {text}"))
+        .unwrap_or_default();
     let is = if row.gone { "" } else { "confidence " };
-    let paint = paint.map(|says| format!(", {}", says.describe())).unwrap_or_default();
-    let still = if row.is_still() && !row.gone { " Check that the picture stands still as well." } else { "" };
-    let why = unlikely.map(|why| format!(" {}", sentence(why))).unwrap_or_default();
-    let tip = format!("{}: {is}{confidence}{neighbours}{paint}.{why}{still} Click to look at it.", frame.name());
+    let paint = paint
+        .map(|says| format!(", {}", says.describe()))
+        .unwrap_or_default();
+    let still = if row.is_still() && !row.gone {
+        " Check that the picture stands still as well."
+    } else {
+        ""
+    };
+    let why = unlikely
+        .map(|why| format!(" {}", sentence(why)))
+        .unwrap_or_default();
+    let tip = format!(
+        "{}: {is}{confidence}{neighbours}{paint}.{why}{still} Click to look at it.",
+        frame.name()
+    );
     if response.clicked() || response.secondary_clicked() {
-        panel.actions.push(Action::Navigate(Navigation::GoTo(row.frame)));
+        panel
+            .actions
+            .push(Action::Navigate(Navigation::GoTo(row.frame)));
     }
     response.context_menu(|ui| menu::entries(panel, ui, &MENU));
     response.on_hover_text(tip);
@@ -223,9 +319,19 @@ fn confidence_bar(painter: &Painter, track: Rect, confidence: Option<f64>) {
 }
 
 /// A line of text that ends in an ellipsis where there is no more room.
-fn text_within(painter: &Painter, left_centre: egui::Pos2, width: f32, text: String, colour: Color32) {
+fn text_within(
+    painter: &Painter,
+    left_centre: egui::Pos2,
+    width: f32,
+    text: String,
+    colour: Color32,
+) {
     let mut job = LayoutJob::simple_singleline(text, FontId::proportional(12.0), colour);
     job.wrap = TextWrapping::truncate_at_width(width.max(8.0));
     let galley = painter.layout_job(job);
-    painter.galley(left_centre - vec2(0.0, galley.size().y / 2.0), galley, colour);
+    painter.galley(
+        left_centre - vec2(0.0, galley.size().y / 2.0),
+        galley,
+        colour,
+    );
 }

@@ -1,4 +1,5 @@
-//! The review panel: the list of suggestions, accepting them together, and the frames without an answer.
+//! The review panel: the list of suggestions, accepting them together, and the frames without an
+//! answer.
 
 mod list;
 
@@ -7,7 +8,10 @@ use super::{
     Panel, inspector,
     theme::{self, Themed as _},
 };
-use egui::{Align, Button, DragValue, Frame, Label, Layout, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{
+    Align, Button, DragValue, Frame, Label, Layout, Margin, RichText, Role, Sense, Ui, WidgetInfo,
+    vec2,
+};
 use touchline_application::app::review::{ReviewOrder, percent};
 use touchline_application::app::{Action, Command, ViewAction};
 
@@ -34,51 +38,71 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 }
 
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
-    Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            ui.label(RichText::new("Review").heading().color(ui.palette().strong));
-            let count = panel.app.review().count();
-            let said = if count == 1 { "1 suggestion".to_owned() } else { format!("{count} suggestions") };
-            ui.label(RichText::new(said).color(ui.palette().weak));
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let palette = ui.palette();
-                let close = symbol::button(ui, Symbol::Cross, "Close the review panel", palette.weak);
-                let key = panel.app.settings.keys.shown(Command::ReviewPanel);
-                if close.on_hover_text(format!("Back to the frame. ({key})")).clicked() {
-                    panel.actions.push(Action::Command(Command::ReviewPanel));
-                }
+    Frame::new()
+        .inner_margin(Margin::symmetric(8, 6))
+        .show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.label(RichText::new("Review").heading().color(ui.palette().strong));
+                let count = panel.app.review().count();
+                let said = if count == 1 {
+                    "1 suggestion".to_owned()
+                } else {
+                    format!("{count} suggestions")
+                };
+                ui.label(RichText::new(said).color(ui.palette().weak));
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let palette = ui.palette();
+                    let close =
+                        symbol::button(ui, Symbol::Cross, "Close the review panel", palette.weak);
+                    let key = panel.app.settings.keys.shown(Command::ReviewPanel);
+                    if close
+                        .on_hover_text(format!("Back to the frame. ({key})"))
+                        .clicked()
+                    {
+                        panel.actions.push(Action::Command(Command::ReviewPanel));
+                    }
+                });
             });
         });
-    });
 }
 
 fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
-    Frame::new().inner_margin(Margin::symmetric(8, 0)).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = theme::SPACE;
-            let chosen = panel.app.session.review.order;
-            for order in ReviewOrder::ALL {
-                let says = Button::selectable(order == chosen, order.label());
-                if ui.add(says).on_hover_text(order.about()).clicked() {
-                    panel.actions.push(Action::View(ViewAction::SetReviewOrder(order)));
+    Frame::new()
+        .inner_margin(Margin::symmetric(8, 0))
+        .show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = theme::SPACE;
+                let chosen = panel.app.session.review.order;
+                for order in ReviewOrder::ALL {
+                    let says = Button::selectable(order == chosen, order.label());
+                    if ui.add(says).on_hover_text(order.about()).clicked() {
+                        panel
+                            .actions
+                            .push(Action::View(ViewAction::SetReviewOrder(order)));
+                    }
                 }
-            }
+            });
         });
-    });
     if panel.app.review().several_shots {
-        Frame::new().inner_margin(Margin::symmetric(8, 0)).show(ui, |ui| {
-            let mut one = panel.app.session.review.one_per_shot;
-            let before = one;
-            ui.checkbox(&mut one, "One per shot").on_hover_text("List only the first of each shot in this order.");
-            if one != before {
-                panel.actions.push(Action::View(ViewAction::SetOnePerShot(one)));
-            }
-        });
+        Frame::new()
+            .inner_margin(Margin::symmetric(8, 0))
+            .show(ui, |ui| {
+                let mut one = panel.app.session.review.one_per_shot;
+                let before = one;
+                ui.checkbox(&mut one, "One per shot")
+                    .on_hover_text("List only the first of each shot in this order.");
+                if one != before {
+                    panel
+                        .actions
+                        .push(Action::View(ViewAction::SetOnePerShot(one)));
+                }
+            });
     }
     ui.add_space(theme::SPACE);
 }
 
-/// Below the list: a row for the frames without a reliable answer, the bulk acceptance, and the shown frame's button.
+/// Below the list: a row for the frames without a reliable answer, the bulk acceptance, and the
+/// shown frame's button.
 fn footer(panel: &mut Panel<'_>, ui: &mut Ui) {
     label_next(panel, ui);
     if !panel.app.review().rows.is_empty() {
@@ -90,7 +114,9 @@ fn footer(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 fn label_next(panel: &mut Panel<'_>, ui: &mut Ui) {
     let advice = panel.app.review().advice;
-    let Some(text) = panel.app.where_to_label() else { return };
+    let Some(text) = panel.app.where_to_label() else {
+        return;
+    };
     let galley = egui::WidgetText::from(RichText::new(&text)).into_galley(
         ui,
         Some(egui::TextWrapMode::Wrap),
@@ -99,14 +125,35 @@ fn label_next(panel: &mut Panel<'_>, ui: &mut Ui) {
     );
     let size = vec2(ui.available_width(), galley.size().y.max(theme::LIST_ROW));
     let leads = advice.next.is_some();
-    let (row, response) = ui.allocate_exact_size(size, if leads { Sense::click() } else { Sense::hover() });
-    response.widget_info(|| WidgetInfo::labeled(if leads { Role::Button } else { Role::Label }, true, &text));
+    let (row, response) = ui.allocate_exact_size(
+        size,
+        if leads {
+            Sense::click()
+        } else {
+            Sense::hover()
+        },
+    );
+    response.widget_info(|| {
+        WidgetInfo::labeled(if leads { Role::Button } else { Role::Label }, true, &text)
+    });
     let lit = leads && (response.hovered() || response.has_focus());
     let sign = egui::Rect::from_min_size(row.min, vec2(16.0, row.height()));
     symbol::paint(ui.painter(), Symbol::Info, sign, ui.palette().accent);
     let left = row.left_center() + vec2(22.0, -galley.size().y / 2.0);
-    ui.painter().galley(left, galley, if lit { ui.palette().strong } else { ui.palette().text });
-    if leads && response.on_hover_text(panel.app.settings.keys.tooltip(Command::NextUnanswered)).clicked() {
+    ui.painter().galley(
+        left,
+        galley,
+        if lit {
+            ui.palette().strong
+        } else {
+            ui.palette().text
+        },
+    );
+    if leads
+        && response
+            .on_hover_text(panel.app.settings.keys.tooltip(Command::NextUnanswered))
+            .clicked()
+    {
         panel.actions.push(Action::Command(Command::NextUnanswered));
     }
 }
@@ -117,15 +164,28 @@ fn together(panel: &mut Panel<'_>, ui: &mut Ui) {
         let (taken, left_out, lowest) = panel.app.review().bulk_size(&panel.app.session.review);
         let command = Command::AcceptAllAbove;
         let says = ui.add(Button::new(format!("Accept {taken} above…")));
-        let lowest =
-            lowest.map_or_else(String::new, |lowest| format!(" The lowest confidence is {}.", percent(lowest)));
-        if says.on_hover_text(format!("{}{lowest}", panel.app.settings.keys.tooltip(command))).clicked() {
+        let lowest = lowest.map_or_else(String::new, |lowest| {
+            format!(" The lowest confidence is {}.", percent(lowest))
+        });
+        if says
+            .on_hover_text(format!(
+                "{}{lowest}",
+                panel.app.settings.keys.tooltip(command)
+            ))
+            .clicked()
+        {
             panel.actions.push(Action::Command(command));
         }
         threshold(panel, ui);
         if left_out > 0 {
-            ui.label(RichText::new(format!("{left_out} disagree")).small().color(ui.palette().caution))
-                .on_hover_text("Confident, but out of line with the frames before and after. Check each one.");
+            ui.label(
+                RichText::new(format!("{left_out} disagree"))
+                    .small()
+                    .color(ui.palette().caution),
+            )
+            .on_hover_text(
+                "Confident, but out of line with the frames before and after. Check each one.",
+            );
         }
     });
 }
@@ -134,10 +194,20 @@ fn together(panel: &mut Panel<'_>, ui: &mut Ui) {
 pub fn threshold(panel: &mut Panel<'_>, ui: &mut Ui) {
     let before = 100.0 * panel.app.session.review.threshold;
     let mut percent = before;
-    let field = DragValue::new(&mut percent).range(0.0..=99.9).speed(0.2).max_decimals(1).suffix(" %");
+    let field = DragValue::new(&mut percent)
+        .range(0.0..=99.9)
+        .speed(0.2)
+        .max_decimals(1)
+        .suffix(" %");
     let tip = "Suggestions with at least this confidence are accepted together.";
-    ui.add(field).accessible_name("Accept above, per cent").on_hover_text(tip);
+    ui.add(field)
+        .accessible_name("Accept above, per cent")
+        .on_hover_text(tip);
     if percent != before {
-        panel.actions.push(Action::View(ViewAction::SetReviewThreshold(percent / 100.0)));
+        panel
+            .actions
+            .push(Action::View(ViewAction::SetReviewThreshold(
+                percent / 100.0,
+            )));
     }
 }

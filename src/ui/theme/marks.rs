@@ -16,21 +16,38 @@ pub const fn status_letter(status: FrameStatus) -> char {
     }
 }
 
-/// Paints the bar of a status: empty, half, dashed, full or crossed out. The bar of a suggestion is filled up to its
-/// confidence.
-pub fn paint_status_bar(painter: &Painter, bar: Rect, status: FrameStatus, confidence: Option<f64>) {
+/// Paints the bar of a status: empty, half, dashed, full or crossed out. The bar of a suggestion is
+/// filled up to its confidence.
+pub fn paint_status_bar(
+    painter: &Painter,
+    bar: Rect,
+    status: FrameStatus,
+    confidence: Option<f64>,
+) {
     let colour = painter.palette().status(status);
     let fill = |from: f32, to: f32| {
-        let part =
-            Rect::from_x_y_ranges(bar.left() + from * bar.width()..=bar.left() + to * bar.width(), bar.y_range());
+        let part = Rect::from_x_y_ranges(
+            bar.left() + from * bar.width()..=bar.left() + to * bar.width(),
+            bar.y_range(),
+        );
         painter.rect_filled(part, CornerRadius::same(1), colour);
     };
     match status {
         FrameStatus::New => {
-            painter.rect_stroke(bar, CornerRadius::same(1), Stroke::new(1.0, colour), egui::StrokeKind::Inside);
+            painter.rect_stroke(
+                bar,
+                CornerRadius::same(1),
+                Stroke::new(1.0, colour),
+                egui::StrokeKind::Inside,
+            );
         }
         FrameStatus::Draft => {
-            painter.rect_stroke(bar, CornerRadius::same(1), Stroke::new(1.0, colour), egui::StrokeKind::Inside);
+            painter.rect_stroke(
+                bar,
+                CornerRadius::same(1),
+                Stroke::new(1.0, colour),
+                egui::StrokeKind::Inside,
+            );
             fill(0.0, 0.5);
         }
         FrameStatus::Suggested => {
@@ -41,7 +58,12 @@ pub fn paint_status_bar(painter: &Painter, bar: Rect, status: FrameStatus, confi
                     bar.left() + from * bar.width()..=bar.left() + to * bar.width(),
                     bar.y_range(),
                 );
-                painter.rect_stroke(outline, 1.0, Stroke::new(1.0, colour), egui::StrokeKind::Inside);
+                painter.rect_stroke(
+                    outline,
+                    1.0,
+                    Stroke::new(1.0, colour),
+                    egui::StrokeKind::Inside,
+                );
                 if certain > from {
                     fill(from, to.min(certain));
                 }
@@ -52,16 +74,18 @@ pub fn paint_status_bar(painter: &Painter, bar: Rect, status: FrameStatus, confi
             let step = 2.0 * bar.height();
             let mut x = bar.left();
             while x + bar.height() <= bar.right() {
-                painter
-                    .line_segment([pos2(x, bar.bottom()), pos2(x + bar.height(), bar.top())], Stroke::new(1.5, colour));
+                painter.line_segment(
+                    [pos2(x, bar.bottom()), pos2(x + bar.height(), bar.top())],
+                    Stroke::new(1.5, colour),
+                );
                 x += step * 0.5 + 1.0;
             }
         }
     }
 }
 
-/// The mark of what the painted lines say about a camera: a disc where they support it, a cross where they contradict it, a
-/// ring where they do not decide.
+/// The mark of what the painted lines say about a camera: a disc where they support it, a cross
+/// where they contradict it, a ring where they do not decide.
 pub fn paint_line_mark(painter: &Painter, centre: Pos2, verdict: LineVerdict) {
     let palette = painter.palette();
     painter.circle_filled(centre, 6.0, palette.backdrop);

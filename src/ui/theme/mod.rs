@@ -7,7 +7,8 @@ pub use marks::{paint_line_mark, paint_status_bar, status_letter};
 pub use palette::{ON_PICTURE, Palette, Themed};
 
 use egui::{
-    Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme, ThemePreference, Vec2, vec2,
+    Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme,
+    ThemePreference, Vec2, vec2,
 };
 use touchline_application::app::settings::ThemeChoice;
 
@@ -19,12 +20,22 @@ pub const VERDICT: f32 = 20.0;
 
 /// A small title above a group.
 pub fn title(ui: &mut egui::Ui, text: &str) {
-    ui.label(egui::RichText::new(text).small().color(ui.palette().weak).strong());
+    ui.label(
+        egui::RichText::new(text)
+            .small()
+            .color(ui.palette().weak)
+            .strong(),
+    );
 }
 
-/// What is painted below marks in the colours that they have over pictures: nothing where the ground is dark already.
+/// What is painted below marks in the colours that they have over pictures: nothing where the
+/// ground is dark already.
 pub fn under_colours_of_pictures(ui: &egui::Ui) -> Color32 {
-    if ui.visuals().dark_mode { Color32::TRANSPARENT } else { ON_PICTURE.control }
+    if ui.visuals().dark_mode {
+        Color32::TRANSPARENT
+    } else {
+        ON_PICTURE.control
+    }
 }
 
 /// Gives both themes to a window.
@@ -104,17 +115,52 @@ fn colour(visuals: &mut egui::Visuals, theme: Theme) {
     visuals.weak_text_color = Some(palette.weak);
     visuals.selection.bg_fill = palette.accent_ground;
     visuals.selection.stroke = Stroke::new(1.0, palette.strong);
-    visuals.window_shadow = Shadow { offset: [0, 6], blur: 24, spread: 0, color: Color32::from_black_alpha(120) };
-    visuals.popup_shadow = Shadow { offset: [0, 4], blur: 12, spread: 0, color: Color32::from_black_alpha(100) };
+    visuals.window_shadow = Shadow {
+        offset: [0, 6],
+        blur: 24,
+        spread: 0,
+        color: Color32::from_black_alpha(120),
+    };
+    visuals.popup_shadow = Shadow {
+        offset: [0, 4],
+        blur: 12,
+        spread: 0,
+        color: Color32::from_black_alpha(100),
+    };
     visuals.slider_trailing_fill = true;
     visuals.disabled_alpha = 0.45;
     let widgets = &mut visuals.widgets;
     for (widget, ground, border, text) in [
-        (&mut widgets.noninteractive, palette.panel, palette.line, palette.text),
-        (&mut widgets.inactive, palette.control, palette.control, palette.text),
-        (&mut widgets.hovered, palette.hovered, palette.hovered_line, palette.strong),
-        (&mut widgets.active, palette.accent_ground, palette.accent, palette.strong),
-        (&mut widgets.open, palette.control, palette.line, palette.strong),
+        (
+            &mut widgets.noninteractive,
+            palette.panel,
+            palette.line,
+            palette.text,
+        ),
+        (
+            &mut widgets.inactive,
+            palette.control,
+            palette.control,
+            palette.text,
+        ),
+        (
+            &mut widgets.hovered,
+            palette.hovered,
+            palette.hovered_line,
+            palette.strong,
+        ),
+        (
+            &mut widgets.active,
+            palette.accent_ground,
+            palette.accent,
+            palette.strong,
+        ),
+        (
+            &mut widgets.open,
+            palette.control,
+            palette.line,
+            palette.strong,
+        ),
     ] {
         widget.bg_fill = ground;
         widget.weak_bg_fill = ground;

@@ -6,8 +6,9 @@ use touchline_documents::document::FrameStatus;
 
 /// The colours of one theme.
 ///
-/// One accent. A status or a verdict is never shown by colour alone: each has a letter or a word and, on the filmstrip, its own
-/// pattern; the hues are distinguishable for colour-blind users (Okabe and Ito's set, lighter on dark, darker on light).
+/// One accent. A status or a verdict is never shown by colour alone: each has a letter or a word
+/// and, on the filmstrip, its own pattern; the hues are distinguishable for colour-blind users
+/// (Okabe and Ito's set, lighter on dark, darker on light).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Palette {
     /// Behind the picture, and of plots.
@@ -160,7 +161,11 @@ pub trait Themed {
 
 impl Themed for Ui {
     fn palette(&self) -> &'static Palette {
-        if self.visuals().dark_mode { &DARK } else { &LIGHT }
+        if self.visuals().dark_mode {
+            &DARK
+        } else {
+            &LIGHT
+        }
     }
 }
 
@@ -185,7 +190,11 @@ mod tests {
         let luminance = |colour: Color32| {
             let linear = |value: u8| {
                 let value = f64::from(value) / 255.0;
-                if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+                if value <= 0.04045 {
+                    value / 12.92
+                } else {
+                    ((value + 0.055) / 1.055).powf(2.4)
+                }
             };
             0.2126 * linear(colour.r()) + 0.7152 * linear(colour.g()) + 0.0722 * linear(colour.b())
         };
@@ -201,15 +210,29 @@ mod tests {
             let controls = [theme.control, theme.hovered, theme.accent_ground];
             let mut pairs = Vec::new();
             for text in [theme.text, theme.strong, theme.weak] {
-                pairs.extend(grounds.into_iter().chain(controls).map(|ground| (text, ground)));
+                pairs.extend(
+                    grounds
+                        .into_iter()
+                        .chain(controls)
+                        .map(|ground| (text, ground)),
+                );
             }
-            let statuses = [FrameStatus::New, FrameStatus::Draft, FrameStatus::Suggested, FrameStatus::Rejected];
+            let statuses = [
+                FrameStatus::New,
+                FrameStatus::Draft,
+                FrameStatus::Suggested,
+                FrameStatus::Rejected,
+            ];
             let statuses = statuses.map(|status| theme.status(status));
-            for text in [theme.accent, theme.good, theme.caution, theme.bad].into_iter().chain(statuses) {
+            for text in [theme.accent, theme.good, theme.caution, theme.bad]
+                .into_iter()
+                .chain(statuses)
+            {
                 pairs.extend(grounds.map(|ground| (text, ground)));
             }
             pairs.extend(
-                [theme.accent, theme.accent_hovered, theme.caution, theme.bad].map(|ground| (theme.on_accent, ground)),
+                [theme.accent, theme.accent_hovered, theme.caution, theme.bad]
+                    .map(|ground| (theme.on_accent, ground)),
             );
             for (text, ground) in pairs {
                 let found = contrast(text, ground);

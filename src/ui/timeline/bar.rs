@@ -1,15 +1,18 @@
-//! All frames of the document on one line: a click or a drag goes there, the handle of a cut moves it.
+//! All frames of the document on one line: a click or a drag goes there, the handle of a cut moves
+//! it.
 
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{
-    Color32, Context, CursorIcon, Id, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
-    vec2,
+    Color32, Context, CursorIcon, Id, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
+    Ui, WidgetInfo, pos2, vec2,
 };
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_application::app::place::time_code;
 use touchline_application::app::session::status_label;
-use touchline_application::app::{Action, App, Command, EditAction, Navigation, OpenProject, ViewAction};
+use touchline_application::app::{
+    Action, App, Command, EditAction, Navigation, OpenProject, ViewAction,
+};
 use touchline_application::scene::timeline::{Timeline, TimelineCut, TimelineSource};
 use touchline_documents::document::{FrameStatus, ShotKind};
 
@@ -38,7 +41,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Timeline"));
     let timeline = summed_up(ui.ctx(), panel.app, open, area.width() as usize);
-    let bar = Bar { area, timeline: &timeline };
+    let bar = Bar {
+        area,
+        timeline: &timeline,
+    };
     let held = hold(panel, ui, &response, &bar);
     bar.paint(panel, ui, held);
     menu(panel, &response);
@@ -47,17 +53,33 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// The line of the open document; only what has changed is summed up again.
 fn summed_up(ctx: &Context, app: &App, open: &OpenProject, parts: usize) -> Arc<Timeline> {
-    let video = app.frame().and_then(|frame| frame.video.as_ref()).map(|video| video.path.clone()).unwrap_or_default();
+    let video = app
+        .frame()
+        .and_then(|frame| frame.video.as_ref())
+        .map(|video| video.path.clone())
+        .unwrap_or_default();
     let (of, version) = ((open.file.clone(), video, parts), open.document.version());
     let memory = Id::unique("timeline");
-    let known = ctx.data(|data| data.get_temp::<Known>(memory)).filter(|known| known.of == of);
+    let known = ctx
+        .data(|data| data.get_temp::<Known>(memory))
+        .filter(|known| known.of == of);
     if let Some(known) = known.as_ref().filter(|known| known.version == version) {
         return Arc::clone(&known.timeline);
     }
     let followed = known.and_then(|known| known.timeline.followed(&open.document, &known.source));
     let timeline = Arc::new(followed.unwrap_or_else(|| Timeline::of(&open.document, &of.1, parts)));
     let source = TimelineSource::of(&open.document);
-    ctx.data_mut(|data| data.insert_temp(memory, Known { of, version, source, timeline: Arc::clone(&timeline) }));
+    ctx.data_mut(|data| {
+        data.insert_temp(
+            memory,
+            Known {
+                of,
+                version,
+                source,
+                timeline: Arc::clone(&timeline),
+            },
+        )
+    });
     timeline
 }
 
@@ -71,7 +93,9 @@ struct Held {
 /// Reads the pointer: a cut that it holds is moved when it lets go, anything else is shown at once.
 fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> Option<Held> {
     let memory = Id::unique("held cut");
-    let at = response.interact_pointer_pos().or_else(|| response.hover_pos());
+    let at = response
+        .interact_pointer_pos()
+        .or_else(|| response.hover_pos());
     let near = at.and_then(|at| bar.cut_near(at));
     if near.is_some() {
         ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
@@ -92,15 +116,29 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
         // A quick click is over before the button is seen down.
         let pressed = response.is_pointer_button_down_on() || response.clicked();
         if pressed && near.is_none() && over != panel.app.session.frame {
-            panel.actions.extend([Action::View(ViewAction::Pause), Action::Navigate(Navigation::GoTo(over))]);
+            panel.actions.extend([
+                Action::View(ViewAction::Pause),
+                Action::Navigate(Navigation::GoTo(over)),
+            ]);
         }
         return None;
     };
     if response.drag_stopped() {
         ui.data_mut(|data| data.remove::<TimelineCut>(memory));
-        let number = |position: usize| panel.app.open()?.frame(position)?.video.as_ref().map(|video| video.frame_index);
+        let number = |position: usize| {
+            panel
+                .app
+                .open()?
+                .frame(position)?
+                .video
+                .as_ref()
+                .map(|video| video.frame_index)
+        };
         if let Some(to) = number(over).filter(|_| over != cut.position) {
-            panel.actions.push(Action::Edit(EditAction::MoveCut { cut: cut.frame_index, to }));
+            panel.actions.push(Action::Edit(EditAction::MoveCut {
+                cut: cut.frame_index,
+                to,
+            }));
         }
         return None;
     }
@@ -110,13 +148,20 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
 
 fn menu(panel: &mut Panel<'_>, response: &Response) {
     response.context_menu(|ui| {
-        for command in
-            [Command::AddCut, Command::MoveCutHere, Command::RemoveCut, Command::FindShots, Command::GoToPlace]
-        {
+        for command in [
+            Command::AddCut,
+            Command::MoveCutHere,
+            Command::RemoveCut,
+            Command::FindShots,
+            Command::GoToPlace,
+        ] {
             let why_not = panel.app.why_not(command);
             let button = ui.add_enabled(why_not.is_none(), egui::Button::new(command.name()));
             let button = button.on_hover_text(command.about());
-            if button.on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
+            if button
+                .on_disabled_hover_text(why_not.unwrap_or_default())
+                .clicked()
+            {
                 panel.actions.push(Action::Command(command));
                 ui.close();
             }
@@ -125,18 +170,35 @@ fn menu(panel: &mut Panel<'_>, response: &Response) {
 }
 
 fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
-    let Some(at) = response.hover_pos() else { return };
+    let Some(at) = response.hover_pos() else {
+        return;
+    };
     let position = bar.frame_at(at);
-    let Some(frame) = open.frame(position) else { return };
+    let Some(frame) = open.frame(position) else {
+        return;
+    };
     let cut = bar.cut_near(at);
     response.on_hover_ui_at_pointer(|ui| {
-        let time = frame.video.as_ref().and_then(|video| video.pts_s).map(time_code).unwrap_or_default();
+        let time = frame
+            .video
+            .as_ref()
+            .and_then(|video| video.pts_s)
+            .map(time_code)
+            .unwrap_or_default();
         ui.label(
-            egui::RichText::new(format!("Frame {} · {time}", open.frame_number(position))).color(ui.palette().strong),
+            egui::RichText::new(format!("Frame {} · {time}", open.frame_number(position)))
+                .color(ui.palette().strong),
         );
-        let shot = frame.clip.as_ref().map(|clip| format!(" · shot {clip}")).unwrap_or_default();
+        let shot = frame
+            .clip
+            .as_ref()
+            .map(|clip| format!(" · shot {clip}"))
+            .unwrap_or_default();
         ui.label(format!("{}{shot}", status_label(frame.status)));
-        let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
+        let confidence = frame
+            .solution
+            .as_ref()
+            .and_then(|solution| solution.confidence);
         if let Some(confidence) = confidence.filter(|_| frame.status == FrameStatus::Suggested) {
             ui.label(format!("Confidence {:.0} %", 100.0 * confidence));
         }
@@ -169,7 +231,9 @@ impl Bar<'_> {
     }
 
     fn frame_at(&self, at: Pos2) -> usize {
-        self.timeline.frame_at(f64::from((at.x - self.area.left()) / self.area.width().max(1.0)))
+        self.timeline.frame_at(f64::from(
+            (at.x - self.area.left()) / self.area.width().max(1.0),
+        ))
     }
 
     /// The cut whose handle is at a place.
@@ -177,8 +241,13 @@ impl Bar<'_> {
         if !self.area.contains(at) || at.y > self.area.top() + HANDLES {
             return None;
         }
-        let distance = |cut: &TimelineCut| (self.x(self.timeline.beginning_of(cut.position)) - at.x).abs();
-        let nearest = self.timeline.cuts.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let distance =
+            |cut: &TimelineCut| (self.x(self.timeline.beginning_of(cut.position)) - at.x).abs();
+        let nearest = self
+            .timeline
+            .cuts
+            .iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
         nearest.filter(|cut| distance(cut) <= HOLD).copied()
     }
 
@@ -189,10 +258,14 @@ impl Bar<'_> {
         self.paint_shots(&painter, line);
         self.paint_frames(&painter, line);
         for place in panel.pictures.decoded() {
-            let (left, right) =
-                (self.x(self.timeline.beginning_of(place)), self.x(self.timeline.beginning_of(place + 1)));
-            let decoded =
-                Rect::from_min_max(pos2(left, line.bottom() - DECODED), pos2(right.max(left + 1.0), line.bottom()));
+            let (left, right) = (
+                self.x(self.timeline.beginning_of(place)),
+                self.x(self.timeline.beginning_of(place + 1)),
+            );
+            let decoded = Rect::from_min_max(
+                pos2(left, line.bottom() - DECODED),
+                pos2(right.max(left + 1.0), line.bottom()),
+            );
             painter.rect_filled(decoded, 0.0, ui.palette().accent);
         }
         for cut in &self.timeline.cuts {
@@ -201,7 +274,11 @@ impl Bar<'_> {
                 &painter,
                 cut.position,
                 cut.kind,
-                if is_held { ui.palette().line } else { ui.palette().text },
+                if is_held {
+                    ui.palette().line
+                } else {
+                    ui.palette().text
+                },
             );
         }
         if let Some(held) = held {
@@ -209,14 +286,25 @@ impl Bar<'_> {
         }
         let x = self.x(self.timeline.share_of(panel.app.session.frame));
         painter.vline(x, line.y_range(), Stroke::new(2.0, ui.palette().strong));
-        let head =
-            vec![pos2(x - 4.0, self.area.top() + 1.0), pos2(x + 4.0, self.area.top() + 1.0), pos2(x, line.top() + 1.0)];
-        painter.add(Shape::convex_polygon(head, ui.palette().strong, Stroke::NONE));
+        let head = vec![
+            pos2(x - 4.0, self.area.top() + 1.0),
+            pos2(x + 4.0, self.area.top() + 1.0),
+            pos2(x, line.top() + 1.0),
+        ];
+        painter.add(Shape::convex_polygon(
+            head,
+            ui.palette().strong,
+            Stroke::NONE,
+        ));
     }
 
     /// Every other shot on a lighter ground.
     fn paint_shots(&self, painter: &Painter, line: Rect) {
-        let starts = self.timeline.cuts.iter().map(|cut| self.x(self.timeline.beginning_of(cut.position)));
+        let starts = self
+            .timeline
+            .cuts
+            .iter()
+            .map(|cut| self.x(self.timeline.beginning_of(cut.position)));
         let edges: Vec<f32> = starts.chain([line.right()]).collect();
         for pair in edges.chunks(2) {
             if let [from, to] = pair {
@@ -235,13 +323,23 @@ impl Bar<'_> {
         for (at, part) in self.timeline.parts.iter().enumerate() {
             let [from, to] = self.timeline.span_of_part(at).map(|share| self.x(share));
             let fill = |rows: std::ops::RangeInclusive<f32>, colour: Color32| {
-                painter.rect_filled(Rect::from_x_y_ranges(from..=to.max(from + 1.0), rows), 0.0, colour);
+                painter.rect_filled(
+                    Rect::from_x_y_ranges(from..=to.max(from + 1.0), rows),
+                    0.0,
+                    colour,
+                );
             };
             if part.rejected == part.frames {
-                fill(marks(8.0, 8.0), colour(FrameStatus::Rejected).gamma_multiply(0.7));
+                fill(
+                    marks(8.0, 8.0),
+                    colour(FrameStatus::Rejected).gamma_multiply(0.7),
+                );
             }
             if part.suggestions > 0 {
-                fill(marks(6.0, DOUBT + DECODED), colour(FrameStatus::Suggested).gamma_multiply(0.8));
+                fill(
+                    marks(6.0, DOUBT + DECODED),
+                    colour(FrameStatus::Suggested).gamma_multiply(0.8),
+                );
             }
             if part.drafts > 0 {
                 fill(marks(4.0, DOUBT + DECODED), colour(FrameStatus::Draft));
@@ -269,6 +367,10 @@ impl Bar<'_> {
         } else {
             painter.line_segment([top, bottom], stroke);
         }
-        painter.rect_filled(Rect::from_center_size(pos2(x, self.area.top() + 3.5), vec2(5.0, 5.0)), 1.0, colour);
+        painter.rect_filled(
+            Rect::from_center_size(pos2(x, self.area.top() + 3.5), vec2(5.0, 5.0)),
+            1.0,
+            colour,
+        );
     }
 }

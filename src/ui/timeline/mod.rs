@@ -1,4 +1,5 @@
-//! The timeline of a video, under the picture: play and pause, the time, and all frames on one line.
+//! The timeline of a video, under the picture: play and pause, the time, and all frames on one
+//! line.
 
 mod bar;
 mod playback;
@@ -34,39 +35,62 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
     let playing = panel.app.session.video.playing;
-    let (symbol, name) = if playing { (Symbol::Pause, "Pause") } else { (Symbol::Play, "Play") };
+    let (symbol, name) = if playing {
+        (Symbol::Pause, "Pause")
+    } else {
+        (Symbol::Play, "Play")
+    };
     let palette = ui.palette();
     let button = symbol::button(ui, symbol, name, palette.text);
-    if button.on_hover_text(panel.app.settings.keys.tooltip(Command::PlayPause)).clicked() {
+    if button
+        .on_hover_text(panel.app.settings.keys.tooltip(Command::PlayPause))
+        .clicked()
+    {
         panel.actions.push(Action::Command(Command::PlayPause));
     }
     let chosen = panel.app.session.video.speed.0;
     let label = |speed: f64| format!("{speed}×");
-    let combo = ComboBox::from_id_salt("speed").width(52.0).selected_text(label(chosen)).show_ui(ui, |ui| {
-        for speed in SPEEDS {
-            if ui.selectable_label(speed == chosen, label(speed)).clicked() {
-                panel.actions.push(Action::View(ViewAction::SetSpeed(PlaySpeed(speed))));
+    let combo = ComboBox::from_id_salt("speed")
+        .width(52.0)
+        .selected_text(label(chosen))
+        .show_ui(ui, |ui| {
+            for speed in SPEEDS {
+                if ui.selectable_label(speed == chosen, label(speed)).clicked() {
+                    panel
+                        .actions
+                        .push(Action::View(ViewAction::SetSpeed(PlaySpeed(speed))));
+                }
             }
-        }
-    });
+        });
     combo
         .response
         .accessible_name("Speed")
         .on_hover_text("How fast the video is played, as a multiple of its own speed.");
-    let (Some(frame), Some(open)) = (panel.app.frame(), panel.app.open()) else { return };
-    let time = frame.video.as_ref().and_then(|video| video.pts_s).map_or_else(|| "–".to_owned(), time_code);
+    let (Some(frame), Some(open)) = (panel.app.frame(), panel.app.open()) else {
+        return;
+    };
+    let time = frame
+        .video
+        .as_ref()
+        .and_then(|video| video.pts_s)
+        .map_or_else(|| "–".to_owned(), time_code);
     let last = open.document.frames.len().saturating_sub(1);
     // The width does not change from frame to frame.
     let digits = open.frame_number(last).to_string().len();
     let here = panel.app.session.frame;
     let text = format!("{time:>8}  {:>digits$}", open.frame_number(here));
-    let place = Button::new(RichText::new(text).monospace().color(ui.palette().strong)).frame(false);
+    let place =
+        Button::new(RichText::new(text).monospace().color(ui.palette().strong)).frame(false);
     let tip = |ui: &mut Ui| {
         let (first, last) = open.numbers_beside(here);
         let keys = panel.app.settings.keys.tooltip(Command::GoToPlace);
         ui.label(format!("The time, and the number of the frame: from {first} to {last}, as in the document.\n{keys}"));
     };
-    if ui.add(place.min_size(vec2(0.0, 24.0))).on_hover_ui(tip).clicked() {
+    if ui
+        .add(place.min_size(vec2(0.0, 24.0)))
+        .on_hover_ui(tip)
+        .clicked()
+    {
         panel.actions.push(Action::Command(Command::GoToPlace));
     }
 }

@@ -25,14 +25,20 @@ pub fn go_on(panel: &mut Panel<'_>, ctx: &Context) {
         return;
     }
     let (shown, speed) = (session.frame, session.video.speed.0);
-    let before = ctx.data(|data| data.get_temp::<PlayClock>(memory)).filter(|clock| clock.follows(shown, speed));
+    let before = ctx
+        .data(|data| data.get_temp::<PlayClock>(memory))
+        .filter(|clock| clock.follows(shown, speed));
     let mut clock = before.unwrap_or_else(|| PlayClock::start(now_s, shown, speed));
     let decoded: BTreeSet<usize> = panel.pictures.decoded().into_iter().collect();
     let due = clock.frame_at(now_s, open, |frame| decoded.contains(&frame));
     if due != shown {
         panel.actions.push(Action::Navigate(Navigation::GoTo(due)));
     }
-    let wait = if decoded.contains(&(due + 1)) { clock.until_next_s(now_s, open) } else { LOOK_AGAIN.as_secs_f64() };
+    let wait = if decoded.contains(&(due + 1)) {
+        clock.until_next_s(now_s, open)
+    } else {
+        LOOK_AGAIN.as_secs_f64()
+    };
     ctx.request_repaint_after(Duration::from_secs_f64(wait));
     ctx.data_mut(|data| data.insert_temp(memory, clock));
 }

@@ -32,10 +32,21 @@ fn summary(quality: &Quality) -> String {
         LeftOutBy::Time => "neighbours (5 s)",
         LeftOutBy::Neighbours => "adjacent references",
     };
-    let median = quality.median_px().map(|px| format!(", median error {px:.1} px")).unwrap_or_default();
+    let median = quality
+        .median_px()
+        .map(|px| format!(", median error {px:.1} px"))
+        .unwrap_or_default();
     let wrong = quality.wrong().count();
-    let wrong = if wrong > 0 { format!(" {wrong} with more than {WRONG_PX:.0} px.") } else { String::new() };
-    format!("Test without {without}: {} of {} references found{median}.{wrong}", quality.found(), quality.asked.len())
+    let wrong = if wrong > 0 {
+        format!(" {wrong} with more than {WRONG_PX:.0} px.")
+    } else {
+        String::new()
+    };
+    format!(
+        "Test without {without}: {} of {} references found{median}.{wrong}",
+        quality.found(),
+        quality.asked.len()
+    )
 }
 
 /// The error; infinite if not found.
@@ -44,15 +55,23 @@ fn error_px(asked: &LeftOut) -> f64 {
 }
 
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
-    let Some((place, name)) = place_and_name(panel, &asked.frame) else { return };
+    let Some((place, name)) = place_and_name(panel, &asked.frame) else {
+        return;
+    };
     let (says, colour): (String, Color32) = match asked.found {
-        Some(found) if found.error_px <= WRONG_PX => (format!("{:.1} px", found.error_px), ui.palette().text),
-        Some(found) if found.error_px.is_finite() => (format!("{:.0} px", found.error_px), ui.palette().bad),
+        Some(found) if found.error_px <= WRONG_PX => {
+            (format!("{:.1} px", found.error_px), ui.palette().text)
+        }
+        Some(found) if found.error_px.is_finite() => {
+            (format!("{:.0} px", found.error_px), ui.palette().bad)
+        }
         Some(_) => ("elsewhere".to_owned(), ui.palette().bad),
         None => ("not found".to_owned(), ui.palette().caution),
     };
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{name}: {says}")));
+    let (rect, response) =
+        ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
+    response
+        .widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{name}: {says}")));
     if response.hovered() || response.has_focus() || panel.app.session.frame == place {
         ui.painter().rect_filled(rect, 4.0, ui.palette().raised);
     }
@@ -71,14 +90,21 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
         rect.width() - number.size().x - 16.0,
     );
     let middle = |height: f32| rect.center().y - height / 2.0;
-    let number_at = egui::pos2(rect.right() - 4.0 - number.size().x, middle(number.size().y));
+    let number_at = egui::pos2(
+        rect.right() - 4.0 - number.size().x,
+        middle(number.size().y),
+    );
     ui.painter().galley(number_at, number, colour);
     let left_at = egui::pos2(rect.left() + 4.0, middle(left.size().y));
     ui.painter().galley(left_at, left, ui.palette().text);
-    let confidence = asked.found.map(|found| format!(" Its confidence was {:.0} %.", 100.0 * found.confidence));
+    let confidence = asked
+        .found
+        .map(|found| format!(" Its confidence was {:.0} %.", 100.0 * found.confidence));
     let tip = format!("Go to this reference.{}", confidence.unwrap_or_default());
     if response.on_hover_text(tip).clicked() {
-        panel.actions.push(Action::Navigate(Navigation::GoTo(place)));
+        panel
+            .actions
+            .push(Action::Navigate(Navigation::GoTo(place)));
     }
 }
 
@@ -94,10 +120,22 @@ mod tests {
             frame: FrameId::default(),
             pan_deg: 0.0,
             tilt_deg: -9.0,
-            found: error_px.map(|error_px| FoundAgain { error_px, confidence: 0.9 }),
+            found: error_px.map(|error_px| FoundAgain {
+                error_px,
+                confidence: 0.9,
+            }),
         };
-        let asked = vec![asked(Some(1.0)), asked(None), asked(Some(3.0)), asked(Some(250.0))];
-        let quality = Quality { left_out_by: LeftOutBy::Shot, groups: 2, asked };
+        let asked = vec![
+            asked(Some(1.0)),
+            asked(None),
+            asked(Some(3.0)),
+            asked(Some(250.0)),
+        ];
+        let quality = Quality {
+            left_out_by: LeftOutBy::Shot,
+            groups: 2,
+            asked,
+        };
         assert_eq!(
             summary(&quality),
             "Test without other references of the shot: 3 of 4 references found, median error 3.0 px. 1 with more than 20 px."

@@ -1,4 +1,5 @@
-//! The map of pan and tilt: where references look, which of them the forest finds again, and where a label helps most.
+//! The map of pan and tilt: where references look, which of them the forest finds again, and where
+//! a label helps most.
 
 use crate::ui::coverage_map::{CoverageMap, label_next, missing};
 use crate::ui::{Panel, theme::Themed as _};
@@ -14,8 +15,8 @@ pub fn of_shown<'a>(panel: &Panel<'_>, maps: &'a [Coverage]) -> Option<&'a Cover
     maps.iter().find(|map| map.camera == frame.camera)
 }
 
-/// Shows the map, the references that were left out and asked for as dots, the shown frame as an outline, and where a label
-/// helps most as a pointer from above.
+/// Shows the map, the references that were left out and asked for as dots, the shown frame as an
+/// outline, and where a label helps most as a pointer from above.
 pub fn show(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option<&Quality>) {
     let map = CoverageMap::show(ui, coverage, HEIGHT, Sense::hover());
     let app = panel.app;
@@ -39,8 +40,15 @@ pub fn show(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option
 fn dot(map: &CoverageMap<'_>, asked: &LeftOut) {
     let at = map.at(asked.pan_deg, asked.tilt_deg);
     match asked.found {
-        Some(found) if found.error_px <= WRONG_PX => map.painter.circle_filled(at, 3.0, map.painter.palette().good),
-        Some(_) => map.painter.circle_filled(at, 3.5, map.painter.palette().bad),
-        None => map.painter.circle_stroke(at, 3.0, Stroke::new(1.5, map.painter.palette().caution)),
+        Some(found) if found.error_px <= WRONG_PX => {
+            map.painter
+                .circle_filled(at, 3.0, map.painter.palette().good)
+        }
+        Some(_) => map
+            .painter
+            .circle_filled(at, 3.5, map.painter.palette().bad),
+        None => map
+            .painter
+            .circle_stroke(at, 3.0, Stroke::new(1.5, map.painter.palette().caution)),
     };
 }

@@ -1,4 +1,5 @@
-//! The background trainer: its progress, its references, the forest's accuracy, and where references are missing.
+//! The background trainer: its progress, its references, the forest's accuracy, and where
+//! references are missing.
 
 mod accuracy;
 mod map;
@@ -10,10 +11,12 @@ use super::{
     theme::{self, Themed as _},
 };
 use egui::{
-    Align, Button, Checkbox, Color32, Frame, Grid, Label, Layout, Margin, ProgressBar, RichText, ScrollArea, Ui,
+    Align, Button, Checkbox, Color32, Frame, Grid, Label, Layout, Margin, ProgressBar, RichText,
+    ScrollArea, Ui,
 };
 use touchline_application::app::{
-    Action, Command, Doing, EditAction, ForestFacts, Navigation, TrainerStatus, UnusableReference, describe_left,
+    Action, Command, Doing, EditAction, ForestFacts, Navigation, TrainerStatus, UnusableReference,
+    describe_left,
 };
 use touchline_calibration::proposals::Suspect;
 use touchline_core::geometry::thousands;
@@ -25,9 +28,16 @@ const FAILED_SHOWN: usize = 5;
 /// Shows the panel.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     heading(panel, ui);
-    let inside = Frame::new().inner_margin(Margin { left: 8, right: 12, top: 4, bottom: 12 });
+    let inside = Frame::new().inner_margin(Margin {
+        left: 8,
+        right: 12,
+        top: 4,
+        bottom: 12,
+    });
     if let Some(reason) = panel.app.no_trainer() {
-        inside.show(ui, |ui| ui.add(Label::new(RichText::new(reason).color(ui.palette().weak)).wrap()));
+        inside.show(ui, |ui| {
+            ui.add(Label::new(RichText::new(reason).color(ui.palette().weak)).wrap())
+        });
         return;
     }
     let status = panel.app.session.trainer.status.clone();
@@ -57,19 +67,29 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 }
 
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
-    Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            ui.label(RichText::new("Trainer").heading().color(ui.palette().strong));
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let palette = ui.palette();
-                let close = symbol::button(ui, Symbol::Cross, "Close the trainer panel", palette.weak);
-                let key = panel.app.settings.keys.shown(Command::TrainerPanel);
-                if close.on_hover_text(format!("Back to the frame. ({key})")).clicked() {
-                    panel.actions.push(Action::Command(Command::TrainerPanel));
-                }
+    Frame::new()
+        .inner_margin(Margin::symmetric(8, 6))
+        .show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.label(
+                    RichText::new("Trainer")
+                        .heading()
+                        .color(ui.palette().strong),
+                );
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let palette = ui.palette();
+                    let close =
+                        symbol::button(ui, Symbol::Cross, "Close the trainer panel", palette.weak);
+                    let key = panel.app.settings.keys.shown(Command::TrainerPanel);
+                    if close
+                        .on_hover_text(format!("Back to the frame. ({key})"))
+                        .clicked()
+                    {
+                        panel.actions.push(Action::Command(Command::TrainerPanel));
+                    }
+                });
             });
         });
-    });
 }
 
 /// The current work, its progress, and the pause button.
@@ -84,12 +104,20 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     };
     ui.add(Label::new(said).wrap());
     if let Some(share) = status.doing.share() {
-        ui.add(ProgressBar::new(share.fraction()).desired_height(6.0).corner_radius(2));
+        ui.add(
+            ProgressBar::new(share.fraction())
+                .desired_height(6.0)
+                .corner_radius(2),
+        );
     }
     ui.add_space(theme::SPACE);
     let paused = panel.app.session.trainer.paused;
     let says = if paused { "Resume" } else { "Pause" };
-    if ui.button(says).on_hover_text(panel.app.settings.keys.tooltip(Command::PauseTrainer)).clicked() {
+    if ui
+        .button(says)
+        .on_hover_text(panel.app.settings.keys.tooltip(Command::PauseTrainer))
+        .clicked()
+    {
         panel.actions.push(Action::Command(Command::PauseTrainer));
     }
     if let Some(trouble) = &status.trouble {
@@ -107,51 +135,94 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
 fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     section(ui, "TRAINED ON");
     let count = |count: usize, one: &str, more: &str| {
-        if count == 1 { format!("1 {one}") } else { format!("{} {more}", thousands(count)) }
+        if count == 1 {
+            format!("1 {one}")
+        } else {
+            format!("{} {more}", thousands(count))
+        }
     };
-    ui.label(count(status.training_frames, "reference used for training.", "references used for training."));
-    let waiting = status.references.saturating_sub(status.training_frames + status.withheld);
+    ui.label(count(
+        status.training_frames,
+        "reference used for training.",
+        "references used for training.",
+    ));
+    let waiting = status
+        .references
+        .saturating_sub(status.training_frames + status.withheld);
     if waiting > 0 {
-        let text = count(waiting, "reference waits for its camera's base.", "references wait for their camera's base.");
+        let text = count(
+            waiting,
+            "reference waits for its camera's base.",
+            "references wait for their camera's base.",
+        );
         ui.add(Label::new(RichText::new(text).color(ui.palette().caution)).wrap());
     }
     if status.withheld > 0 {
-        let text = count(status.withheld, "reference not used for training.", "references not used for training.");
+        let text = count(
+            status.withheld,
+            "reference not used for training.",
+            "references not used for training.",
+        );
         ui.label(RichText::new(text).color(ui.palette().weak)).on_hover_text(
             "Training with the forest's own proposals would add nothing new and repeat its mistakes; so would a frame whose \
              verdict is Wrong. The switch of a frame overrides this.",
         );
     }
     let shown = panel.app.session.frame;
-    let reference = panel.app.frame().filter(|frame| frame.status == FrameStatus::Reference);
+    let reference = panel
+        .app
+        .frame()
+        .filter(|frame| frame.status == FrameStatus::Reference);
     if let Some(frame) = reference {
         let before = frame.is_used_for_training();
         let mut used = before;
         let tip = panel.app.settings.keys.tooltip(Command::UseForTraining);
-        ui.add(Checkbox::new(&mut used, "Use this frame for training")).on_hover_text(tip);
+        ui.add(Checkbox::new(&mut used, "Use this frame for training"))
+            .on_hover_text(tip);
         if used != before {
-            panel.actions.push(Action::Edit(EditAction::SetUseForTraining { frame: shown, used }));
+            panel
+                .actions
+                .push(Action::Edit(EditAction::SetUseForTraining {
+                    frame: shown,
+                    used,
+                }));
         }
     }
     for suspect in status.suspects.iter().take(FAILED_SHOWN) {
         contradicting(panel, ui, suspect);
     }
     for UnusableReference { frame, error } in status.failed.iter().take(FAILED_SHOWN) {
-        let Some((place, name)) = place_and_name(panel, frame) else { continue };
+        let Some((place, name)) = place_and_name(panel, frame) else {
+            continue;
+        };
         let palette = ui.palette();
-        remark(ui, Symbol::Warning, palette.caution, &format!("{name} cannot be used: {error}"));
+        remark(
+            ui,
+            Symbol::Warning,
+            palette.caution,
+            &format!("{name} cannot be used: {error}"),
+        );
         if ui.add(Button::new("Go there").small()).clicked() {
-            panel.actions.push(Action::Navigate(Navigation::GoTo(place)));
+            panel
+                .actions
+                .push(Action::Navigate(Navigation::GoTo(place)));
         }
     }
-    if let Some(more) = status.failed.len().checked_sub(FAILED_SHOWN).filter(|more| *more > 0) {
+    if let Some(more) = status
+        .failed
+        .len()
+        .checked_sub(FAILED_SHOWN)
+        .filter(|more| *more > 0)
+    {
         weak(ui, &format!("{more} more cannot be used."));
     }
 }
 
 /// A reference whose label contradicts others.
 fn contradicting(panel: &mut Panel<'_>, ui: &mut Ui, suspect: &Suspect) {
-    let Some((place, name)) = place_and_name(panel, &suspect.frame) else { return };
+    let Some((place, name)) = place_and_name(panel, &suspect.frame) else {
+        return;
+    };
     let others = match suspect.contradicted_by {
         1 => "another reference".to_owned(),
         count => format!("{count} others"),
@@ -164,7 +235,9 @@ fn contradicting(panel: &mut Panel<'_>, ui: &mut Ui, suspect: &Suspect) {
     let palette = ui.palette();
     remark(ui, Symbol::Warning, palette.caution, &text);
     if ui.add(Button::new("Look").small()).clicked() {
-        panel.actions.push(Action::Navigate(Navigation::GoTo(place)));
+        panel
+            .actions
+            .push(Action::Navigate(Navigation::GoTo(place)));
     }
 }
 
@@ -177,7 +250,10 @@ fn place_and_name(panel: &Panel<'_>, id: &FrameId) -> Option<(usize, String)> {
 
 fn forest(ui: &mut Ui, facts: ForestFacts) {
     section(ui, "FOREST");
-    let took = facts.took.map_or_else(|| "loaded from disk".to_owned(), |took| format!("{:.1} s", took.as_secs_f64()));
+    let took = facts.took.map_or_else(
+        || "loaded from disk".to_owned(),
+        |took| format!("{:.1} s", took.as_secs_f64()),
+    );
     let mut rows = vec![("References", facts.references.to_string())];
     if facts.features > 0 {
         rows.push(("Features", thousands(facts.features)));
@@ -188,24 +264,33 @@ fn forest(ui: &mut Ui, facts: ForestFacts) {
         ("Training time", took),
         ("Generation", facts.generation.to_string()),
     ]);
-    Grid::new("forest").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
-        for (name, value) in rows {
-            ui.label(RichText::new(name).color(ui.palette().weak));
-            ui.label(value);
-            ui.end_row();
-        }
-    });
+    Grid::new("forest")
+        .num_columns(2)
+        .spacing([12.0, 2.0])
+        .show(ui, |ui| {
+            for (name, value) in rows {
+                ui.label(RichText::new(name).color(ui.palette().weak));
+                ui.label(value);
+                ui.end_row();
+            }
+        });
 }
 
 fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     section(ui, "PROPOSALS");
-    let cameras =
-        if status.answered == 1 { "1 camera".to_owned() } else { format!("{} cameras", thousands(status.answered)) };
+    let cameras = if status.answered == 1 {
+        "1 camera".to_owned()
+    } else {
+        format!("{} cameras", thousands(status.answered))
+    };
     let carried = panel.app.open().map_or(0, |open| open.counts().carried);
     ui.horizontal_wrapped(|ui| {
         ui.label(match carried {
             0 => format!("{cameras} proposed."),
-            carried => format!("{cameras} proposed, {} carried from frame to frame.", thousands(carried)),
+            carried => format!(
+                "{cameras} proposed, {} carried from frame to frame.",
+                thousands(carried)
+            ),
         });
         if status.answered + carried > 0
             && ui
@@ -219,15 +304,26 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     let before = panel.app.settings.snap_suggestions;
     let mut snapped = before;
     let tip = panel.app.settings.keys.tooltip(Command::SnapSuggestions);
-    ui.add(Checkbox::new(&mut snapped, "Snap them to the painted lines")).on_hover_text(tip);
+    ui.add(Checkbox::new(
+        &mut snapped,
+        "Snap them to the painted lines",
+    ))
+    .on_hover_text(tip);
     if snapped != before {
-        panel.actions.push(Action::Command(Command::SnapSuggestions));
+        panel
+            .actions
+            .push(Action::Command(Command::SnapSuggestions));
     }
     let advice = &panel.app.review().advice;
     if let Some(text) = panel.app.where_to_label() {
         ui.add(Label::new(text).wrap());
         let tip = panel.app.settings.keys.tooltip(Command::NextUnanswered);
-        if advice.next.is_some() && ui.add(Button::new("Go there").small()).on_hover_text(tip).clicked() {
+        if advice.next.is_some()
+            && ui
+                .add(Button::new("Go there").small())
+                .on_hover_text(tip)
+                .clicked()
+        {
             panel.actions.push(Action::Command(Command::NextUnanswered));
         }
     }

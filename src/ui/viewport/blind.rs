@@ -1,4 +1,5 @@
-//! The picture during a blind round: it shows only the dragged click and the name of the landmark to click.
+//! The picture during a blind round: it shows only the dragged click and the name of the landmark
+//! to click.
 
 use super::hints::{PLATE, beside};
 use super::pointer::Hold;
@@ -17,10 +18,18 @@ const ARM: [f32; 2] = [4.0, 11.0];
 
 /// Shows the picture.
 pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold, picture: &Layer) {
-    let Some(round) = panel.app.round() else { return };
+    let Some(round) = panel.app.round() else {
+        return;
+    };
     let rect = placement.rect;
     let painter = ui.painter_at(rect);
-    canvas::paint(&painter, canvas::VIEWPORT, rect, placement.render_view(), vec![picture.clone()]);
+    canvas::paint(
+        &painter,
+        canvas::VIEWPORT,
+        rect,
+        placement.render_view(),
+        vec![picture.clone()],
+    );
     let Some(asked) = round.asked() else { return };
     let label = panel.app.label(&Target::Landmark(asked.landmark.clone()));
     let text = format!("Click: {label}");
@@ -34,10 +43,19 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold
     );
     if let Some(held) = round.held {
         cross(&painter, placement, held);
-        loupe::show(ui, panel.app.settings.loupe, placement, held, picture, |_| Overlay::default());
+        loupe::show(
+            ui,
+            panel.app.settings.loupe,
+            placement,
+            held,
+            picture,
+            |_| Overlay::default(),
+        );
     } else {
         loupe::rest(ui);
-        let pointer = ui.input(|input| input.pointer.hover_pos()).filter(|at| rect.contains(*at));
+        let pointer = ui
+            .input(|input| input.pointer.hover_pos())
+            .filter(|at| rect.contains(*at));
         if let Some(pointer) = pointer {
             beside(&painter, rect, pointer, &label, "");
         }
@@ -47,17 +65,38 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold
         Hold::Click { moving: true, .. } => CursorIcon::None,
         _ => CursorIcon::Crosshair,
     };
-    let free = |at: &egui::Pos2| rect.contains(*at) && ui.ctx().layer_id_at(*at).is_none_or(|top| top == ui.layer_id());
-    if ui.input(|input| input.pointer.hover_pos()).as_ref().is_some_and(free) {
+    let free = |at: &egui::Pos2| {
+        rect.contains(*at)
+            && ui
+                .ctx()
+                .layer_id_at(*at)
+                .is_none_or(|top| top == ui.layer_id())
+    };
+    if ui
+        .input(|input| input.pointer.hover_pos())
+        .as_ref()
+        .is_some_and(free)
+    {
         ui.ctx().set_cursor_icon(icon);
     }
 }
 
 fn cross(painter: &Painter, placement: &Placement, at: ImagePoint) {
     let centre = placement.screen_from_image(at);
-    for (width, colour) in [(3.0, Color32::from_black_alpha(160)), (1.5, labels::colour(CLICK))] {
-        for way in [vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)] {
-            painter.line_segment([centre + way * ARM[0], centre + way * ARM[1]], Stroke::new(width, colour));
+    for (width, colour) in [
+        (3.0, Color32::from_black_alpha(160)),
+        (1.5, labels::colour(CLICK)),
+    ] {
+        for way in [
+            vec2(1.0, 0.0),
+            vec2(-1.0, 0.0),
+            vec2(0.0, 1.0),
+            vec2(0.0, -1.0),
+        ] {
+            painter.line_segment(
+                [centre + way * ARM[0], centre + way * ARM[1]],
+                Stroke::new(width, colour),
+            );
         }
     }
 }

@@ -18,15 +18,22 @@ pub fn show(app: &App, painter: &Painter, placement: &Placement) {
     }
     let visible = placement.rect;
     let shown = app.frame().map(|frame| &frame.id);
-    let used = trainer.features.as_ref().filter(|used| Some(&used.frame) == shown);
+    let used = trainer
+        .features
+        .as_ref()
+        .filter(|used| Some(&used.frame) == shown);
     for (point, used) in used.into_iter().flat_map(|used| &used.features) {
         let at = placement.screen_from_image(*point);
         if !visible.expand(RADIUS).contains(at) {
             continue;
         }
         match used {
-            FeatureUse::Kept => painter.circle_filled(at, RADIUS - 1.0, Color32::from_white_alpha(110)),
-            FeatureUse::Matched => painter.circle_stroke(at, RADIUS, Stroke::new(1.2, theme::ON_PICTURE.caution)),
+            FeatureUse::Kept => {
+                painter.circle_filled(at, RADIUS - 1.0, Color32::from_white_alpha(110))
+            }
+            FeatureUse::Matched => {
+                painter.circle_stroke(at, RADIUS, Stroke::new(1.2, theme::ON_PICTURE.caution))
+            }
             FeatureUse::Agrees => painter.circle_filled(at, RADIUS, theme::ON_PICTURE.good),
         };
     }
@@ -43,10 +50,14 @@ pub fn show(app: &App, painter: &Painter, placement: &Placement) {
 }
 
 fn legend(used: Option<&UsedFeatures>) -> String {
-    let Some(used) = used else { return "Looking for features…".to_owned() };
-    let [kept, matched, agree] =
-        [FeatureUse::Kept, FeatureUse::Matched, FeatureUse::Agrees].map(|at_least| used.count(at_least));
-    format!("{kept} features (white), {matched} look like the references (yellow), {agree} agree (green)")
+    let Some(used) = used else {
+        return "Looking for features…".to_owned();
+    };
+    let [kept, matched, agree] = [FeatureUse::Kept, FeatureUse::Matched, FeatureUse::Agrees]
+        .map(|at_least| used.count(at_least));
+    format!(
+        "{kept} features (white), {matched} look like the references (yellow), {agree} agree (green)"
+    )
 }
 
 #[cfg(test)]
@@ -57,9 +68,20 @@ mod tests {
     #[test]
     fn each_kind_contains_the_next() {
         let at = ImagePoint::new(1.0, 2.0);
-        let features = [FeatureUse::Kept, FeatureUse::Agrees, FeatureUse::Matched, FeatureUse::Agrees];
-        let used = UsedFeatures { frame: "1".into(), features: features.map(|used| (at, used)).to_vec() };
-        assert_eq!(legend(Some(&used)), "4 features (white), 3 look like the references (yellow), 2 agree (green)");
+        let features = [
+            FeatureUse::Kept,
+            FeatureUse::Agrees,
+            FeatureUse::Matched,
+            FeatureUse::Agrees,
+        ];
+        let used = UsedFeatures {
+            frame: "1".into(),
+            features: features.map(|used| (at, used)).to_vec(),
+        };
+        assert_eq!(
+            legend(Some(&used)),
+            "4 features (white), 3 look like the references (yellow), 2 agree (green)"
+        );
         assert_eq!(legend(None), "Looking for features…");
     }
 }

@@ -49,7 +49,11 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
         ));
     }
     if session.picture.held.compare {
-        let shown = if has_proposal(panel) { "The current base" } else { "The other solution" };
+        let shown = if has_proposal(panel) {
+            "The current base"
+        } else {
+            "The other solution"
+        };
         return Some(shown.to_owned());
     }
     if session.picture.held.before_snap && panel.app.before_snap().is_some() {
@@ -67,10 +71,16 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
     if frame.status == FrameStatus::Rejected {
         let reason = frame.reason.map_or("", reason_label);
         let key = keys.shown(Command::Reject);
-        return Some(format!("Not calibratable: {reason}. {key} removes the mark.").replace(": .", "."));
+        return Some(
+            format!("Not calibratable: {reason}. {key} removes the mark.").replace(": .", "."),
+        );
     }
-    (session.points.next_on_line && session.mode == Mode::Idle)
-        .then(|| format!("The next click is a point on a line. {} changes that.", keys.shown(Command::PlaceOnLine)))
+    (session.points.next_on_line && session.mode == Mode::Idle).then(|| {
+        format!(
+            "The next click is a point on a line. {} changes that.",
+            keys.shown(Command::PlaceOnLine)
+        )
+    })
 }
 
 fn has_proposal(panel: &Panel<'_>) -> bool {
@@ -82,12 +92,24 @@ fn pulse(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
     if panel.app.session.picture.held.hide_overlay {
         return;
     }
-    let clicks = panel.app.frame().map(|frame| frame.clicks.as_slice()).unwrap_or_default();
-    for (index, click) in clicks.iter().enumerate().filter(|(index, _)| waits_for_name(panel.app, *index)) {
+    let clicks = panel
+        .app
+        .frame()
+        .map(|frame| frame.clicks.as_slice())
+        .unwrap_or_default();
+    for (index, click) in clicks
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| waits_for_name(panel.app, *index))
+    {
         let phase = (ui.input(|input| input.time) * 2.5 + index as f64).sin() as f32;
         let ring = colour(UNNAMED).gamma_multiply(0.55 + 0.25 * phase);
         let radius = 15.0 + 1.5 * phase;
-        painter.circle_stroke(placement.screen_from_image(click.image), radius, Stroke::new(1.5, ring));
+        painter.circle_stroke(
+            placement.screen_from_image(click.image),
+            radius,
+            Stroke::new(1.5, ring),
+        );
         ui.ctx().request_repaint_after_secs(0.05);
     }
 }
@@ -96,21 +118,33 @@ fn pulse(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
 fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Painter) {
     let session = &panel.app.session;
     let (click, hint) = match &session.mode {
-        Mode::Dragging { click, placed: true } => (*click, String::new()),
+        Mode::Dragging {
+            click,
+            placed: true,
+        } => (*click, String::new()),
         Mode::Idle => {
             just_snapped(panel, ui, placement, painter);
             let names = typing::names_placed(ui.ctx());
-            let shown = |_: &usize| recently(ui, "named automatically", session.points.named_unasked) || names;
-            let Some(click) = session.points.named_unasked.filter(shown) else { return };
+            let shown = |_: &usize| {
+                recently(ui, "named automatically", session.points.named_unasked) || names
+            };
+            let Some(click) = session.points.named_unasked.filter(shown) else {
+                return;
+            };
             let hint = if names {
                 "type to change it, Enter keeps it".to_owned()
             } else {
-                format!("{} changes it", panel.app.settings.keys.shown(Command::RenameClick))
+                format!(
+                    "{} changes it",
+                    panel.app.settings.keys.shown(Command::RenameClick)
+                )
             };
             (click, hint)
         }
         Mode::Placing(target) => {
-            let pointer = ui.input(|input| input.pointer.hover_pos()).filter(|at| placement.rect.contains(*at));
+            let pointer = ui
+                .input(|input| input.pointer.hover_pos())
+                .filter(|at| placement.rect.contains(*at));
             if let Some(at) = pointer {
                 let text = format!("{}: click it", panel.app.label(target));
                 beside(painter, placement.rect, at, &text, "");
@@ -119,7 +153,9 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
         }
         _ => return,
     };
-    let Some(click) = panel.app.frame().and_then(|frame| frame.clicks.get(click)) else { return };
+    let Some(click) = panel.app.frame().and_then(|frame| frame.clicks.get(click)) else {
+        return;
+    };
     if let Some(target) = &click.target {
         let at = placement.screen_from_image(click.image);
         beside(painter, placement.rect, at, &panel.app.label(target), &hint);
@@ -129,12 +165,21 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
 /// That points were just moved onto the paint, above each.
 fn just_snapped(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Painter) {
     let session = &panel.app.session;
-    let clicks = panel.app.frame().map(|frame| frame.clicks.as_slice()).unwrap_or_default();
+    let clicks = panel
+        .app
+        .frame()
+        .map(|frame| frame.clicks.as_slice())
+        .unwrap_or_default();
     let newest = session.points.just_snapped.last().copied();
     if newest.is_none() || !recently(ui, "just snapped", newest) {
         return;
     }
-    for click in session.points.just_snapped.iter().filter_map(|click| clicks.get(*click)) {
+    for click in session
+        .points
+        .just_snapped
+        .iter()
+        .filter_map(|click| clicks.get(*click))
+    {
         let at = placement.screen_from_image(click.image) + vec2(0.0, -26.0);
         let style = PlateStyle::new(FontId::proportional(11.0), theme::ON_PICTURE.text, PLATE);
         plate(painter, at, Align2::CENTER_CENTER, "snapped", style);
@@ -145,13 +190,33 @@ fn just_snapped(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter
 pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str) {
     let width = 8.0 * name.len().max(hint.len()) as f32;
     let fits = at.x + BESIDE.x + width < bounds.right();
-    let (side, align) = if fits { (1.0, Align2::LEFT_CENTER) } else { (-1.0, Align2::RIGHT_CENTER) };
-    let down = if at.y + BESIDE.y + 40.0 < bounds.bottom() { 1.0 } else { -1.0 };
+    let (side, align) = if fits {
+        (1.0, Align2::LEFT_CENTER)
+    } else {
+        (-1.0, Align2::RIGHT_CENTER)
+    };
+    let down = if at.y + BESIDE.y + 40.0 < bounds.bottom() {
+        1.0
+    } else {
+        -1.0
+    };
     let first = at + vec2(side * BESIDE.x, down * BESIDE.y);
-    let written = plate(painter, first, align, name, PlateStyle::new(FontId::proportional(13.0), colour(CLICK), PLATE));
+    let written = plate(
+        painter,
+        first,
+        align,
+        name,
+        PlateStyle::new(FontId::proportional(13.0), colour(CLICK), PLATE),
+    );
     if !hint.is_empty() {
         let second = first + vec2(0.0, down * written.height());
-        plate(painter, second, align, hint, PlateStyle::new(FontId::proportional(11.0), theme::ON_PICTURE.text, PLATE));
+        plate(
+            painter,
+            second,
+            align,
+            hint,
+            PlateStyle::new(FontId::proportional(11.0), theme::ON_PICTURE.text, PLATE),
+        );
     }
 }
 
@@ -176,8 +241,14 @@ fn recently(ui: &egui::Ui, done: &str, click: Option<usize>) -> bool {
 /// Shows why there is no picture, in its place.
 pub fn failed(painter: &Painter, rect: Rect, reason: &str) {
     let wrap = (rect.width() - 80.0).clamp(120.0, 560.0);
-    let lay_out = |text: &str, size, colour| painter.layout(text.to_owned(), FontId::proportional(size), colour, wrap);
-    let title = lay_out("This picture cannot be shown", 17.0, theme::ON_PICTURE.strong);
+    let lay_out = |text: &str, size, colour| {
+        painter.layout(text.to_owned(), FontId::proportional(size), colour, wrap)
+    };
+    let title = lay_out(
+        "This picture cannot be shown",
+        17.0,
+        theme::ON_PICTURE.strong,
+    );
     let text = lay_out(reason, 13.0, theme::ON_PICTURE.text);
     let height = title.size().y + 8.0 + text.size().y;
     let top = (rect.center() - vec2(text.size().x.max(title.size().x) / 2.0, height / 2.0)).round();
@@ -189,5 +260,11 @@ pub fn failed(painter: &Painter, rect: Rect, reason: &str) {
 /// A project without frames.
 pub fn no_frames(painter: &Painter, rect: Rect) {
     let text = "This project has no frames.";
-    painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(14.0), theme::ON_PICTURE.weak);
+    painter.text(
+        rect.center(),
+        Align2::CENTER_CENTER,
+        text,
+        FontId::proportional(14.0),
+        theme::ON_PICTURE.weak,
+    );
 }

@@ -51,16 +51,33 @@ fn remembered<T>(ctx: &egui::Context, change: impl FnOnce(&mut Remembered) -> T)
 
 /// Reads the pointer.
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
-    let Some(before) = ctx.read_response(id()) else { return };
-    let Some(frame) = panel.app.frame() else { return };
+    let Some(before) = ctx.read_response(id()) else {
+        return;
+    };
+    let Some(frame) = panel.app.frame() else {
+        return;
+    };
     let session = &panel.app.session;
-    let placement = Placement::new(before.rect, ctx.pixels_per_point(), frame.image_size, session.picture.view);
+    let placement = Placement::new(
+        before.rect,
+        ctx.pixels_per_point(),
+        frame.image_size,
+        session.picture.view,
+    );
     let layer = before.layer_id;
-    let is_free =
-        |at| before.rect.contains(at) && before.enabled() && ctx.layer_id_at(at).is_none_or(|on_top| on_top == layer);
+    let is_free = |at| {
+        before.rect.contains(at)
+            && before.enabled()
+            && ctx.layer_id_at(at).is_none_or(|on_top| on_top == layer)
+    };
     // A hidden label cannot be dragged either.
     let hidden = panel.app.round().is_some();
-    let clicks: Vec<ImagePoint> = frame.clicks.iter().filter(|_| !hidden).map(|click| click.image).collect();
+    let clicks: Vec<ImagePoint> = frame
+        .clicks
+        .iter()
+        .filter(|_| !hidden)
+        .map(|click| click.image)
+        .collect();
     let around = Surroundings {
         placement,
         clicks: &clicks,
@@ -73,7 +90,9 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     };
     let (events, modifiers) = ctx.input(|input| (input.events.clone(), input.modifiers));
     let mut pointer = remembered(ctx, |remembered| remembered.pointer);
-    panel.actions.extend(pointer.read(&events, modifiers, &around));
+    panel
+        .actions
+        .extend(pointer.read(&events, modifiers, &around));
     remembered(ctx, |remembered| remembered.pointer = pointer);
 }
 
@@ -105,7 +124,10 @@ enum Missing {
 /// Shows the picture and what lies over it.
 pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     let pixels_per_point = ui.pixels_per_point();
-    let rect = egui::emath::GuiRounding::round_to_pixels(ui.available_rect_before_wrap(), pixels_per_point);
+    let rect = egui::emath::GuiRounding::round_to_pixels(
+        ui.available_rect_before_wrap(),
+        pixels_per_point,
+    );
     let response = ui.interact(rect, id(), Sense::CLICK | Sense::DRAG);
     ui.advance_cursor_after_rect(rect);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "Picture"));
@@ -116,9 +138,16 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
         return;
     };
     let expected = frame.image_size;
-    let placement = Placement::new(rect, pixels_per_point, expected, panel.app.session.picture.view);
+    let placement = Placement::new(
+        rect,
+        pixels_per_point,
+        expected,
+        panel.app.session.picture.view,
+    );
     if panel.app.session.picture.fit_scale != placement.fit_scale {
-        panel.actions.push(Action::View(ViewAction::FitScale(placement.fit_scale)));
+        panel
+            .actions
+            .push(Action::View(ViewAction::FitScale(placement.fit_scale)));
     }
     match shown_picture(panel, expected) {
         Ok((key, picture)) => {
@@ -134,24 +163,47 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     }
 }
 
-/// The decoded picture of the nearest frame, or else the previous picture, dimmed once the frame's own takes longer.
+/// The decoded picture of the nearest frame, or else the previous picture, dimmed once the frame's
+/// own takes longer.
 fn show_stand_in(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
     let (now, rect) = (ui.input(|input| input.time), placement.rect);
-    let (last, since) =
-        remembered(ui.ctx(), |remembered| (remembered.last.clone(), *remembered.waiting_since.get_or_insert(now)));
+    let (last, since) = remembered(ui.ctx(), |remembered| {
+        (
+            remembered.last.clone(),
+            *remembered.waiting_since.get_or_insert(now),
+        )
+    });
     let last = panel.pictures.nearest(panel.app.session.frame).or(last);
     let slow = now - since >= PATIENCE_S;
     if let Some((key, pixels)) = last
         && pixels.size() == placement.image_size
     {
-        let look = panel.app.settings.picture.dimmed(if slow { DIMMED } else { 1.0 });
-        let picture = Layer::Picture(PictureLayer { key: PictureKey(key), pixels, look });
-        canvas::paint(&ui.painter_at(rect), canvas::VIEWPORT, rect, placement.render_view(), vec![picture]);
+        let look = panel
+            .app
+            .settings
+            .picture
+            .dimmed(if slow { DIMMED } else { 1.0 });
+        let picture = Layer::Picture(PictureLayer {
+            key: PictureKey(key),
+            pixels,
+            look,
+        });
+        canvas::paint(
+            &ui.painter_at(rect),
+            canvas::VIEWPORT,
+            rect,
+            placement.render_view(),
+            vec![picture],
+        );
     }
     if slow {
-        egui::Spinner::new().paint_at(ui, Rect::from_center_size(rect.center(), egui::Vec2::splat(28.0)));
+        egui::Spinner::new().paint_at(
+            ui,
+            Rect::from_center_size(rect.center(), egui::Vec2::splat(28.0)),
+        );
     } else {
-        ui.ctx().request_repaint_after_secs((PATIENCE_S - (now - since)) as f32);
+        ui.ctx()
+            .request_repaint_after_secs((PATIENCE_S - (now - since)) as f32);
     }
 }
 
@@ -165,17 +217,42 @@ fn show_frame(
 ) {
     let rect = placement.rect;
     if panel.app.round().is_some() {
-        let picture = Layer::Picture(PictureLayer { key: PictureKey(key), pixels, look: panel.app.settings.picture });
+        let picture = Layer::Picture(PictureLayer {
+            key: PictureKey(key),
+            pixels,
+            look: panel.app.settings.picture,
+        });
         blind::show(panel, ui, placement, hold, &picture);
         return;
     }
     let overlay = Overlay::new(panel.app, hold, placement.scale);
-    let look = panel.app.settings.picture.dimmed(if panel.app.session.picture.masks { BELOW_MASKS } else { 1.0 });
-    let picture = Layer::Picture(PictureLayer { key: PictureKey(key), pixels, look });
+    let look = panel
+        .app
+        .settings
+        .picture
+        .dimmed(if panel.app.session.picture.masks {
+            BELOW_MASKS
+        } else {
+            1.0
+        });
+    let picture = Layer::Picture(PictureLayer {
+        key: PictureKey(key),
+        pixels,
+        look,
+    });
     let trust = trust::layer(panel.app);
-    let layers = std::iter::once(picture.clone()).chain(trust).chain(overlay.layers()).collect();
+    let layers = std::iter::once(picture.clone())
+        .chain(trust)
+        .chain(overlay.layers())
+        .collect();
     let painter = ui.painter_at(rect);
-    canvas::paint(&painter, canvas::VIEWPORT, rect, placement.render_view(), layers);
+    canvas::paint(
+        &painter,
+        canvas::VIEWPORT,
+        rect,
+        placement.render_view(),
+        layers,
+    );
     labels::paint(&painter, placement, overlay.labels());
     trust::propose(panel, ui, &painter, placement);
     features::show(panel.app, &painter, placement);
@@ -186,7 +263,9 @@ fn show_frame(
     if let Mode::Dragging { click, .. } = panel.app.session.mode {
         if let Some(held) = panel.app.frame().and_then(|frame| frame.clicks.get(click)) {
             let look = panel.app.settings.loupe;
-            loupe::show(ui, look, placement, held.image, &picture, |zoom| Overlay::around(panel.app, click, zoom));
+            loupe::show(ui, look, placement, held.image, &picture, |zoom| {
+                Overlay::around(panel.app, click, zoom)
+            });
         }
     } else {
         loupe::rest(ui);
@@ -202,14 +281,27 @@ fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold) 
         Hold::Click { .. } | Hold::Mask { .. } => CursorIcon::Crosshair,
         Hold::Nothing => {
             let free = |at: &egui::Pos2| {
-                placement.rect.contains(*at) && ui.ctx().layer_id_at(*at).is_none_or(|on_top| on_top == ui.layer_id())
+                placement.rect.contains(*at)
+                    && ui
+                        .ctx()
+                        .layer_id_at(*at)
+                        .is_none_or(|on_top| on_top == ui.layer_id())
             };
-            let Some(at) = ui.input(|input| input.pointer.hover_pos()).filter(free) else { return };
-            let clicks: Vec<ImagePoint> =
-                panel.app.frame().into_iter().flat_map(|frame| &frame.clicks).map(|click| click.image).collect();
+            let Some(at) = ui.input(|input| input.pointer.hover_pos()).filter(free) else {
+                return;
+            };
+            let clicks: Vec<ImagePoint> = panel
+                .app
+                .frame()
+                .into_iter()
+                .flat_map(|frame| &frame.clicks)
+                .map(|click| click.image)
+                .collect();
             if ui.input(|input| input.key_down(Key::Space)) {
                 CursorIcon::Grab
-            } else if !panel.app.session.picture.masks && pointer::click_at(placement, &clicks, at).is_some() {
+            } else if !panel.app.session.picture.masks
+                && pointer::click_at(placement, &clicks, at).is_some()
+            {
                 CursorIcon::Move
             } else {
                 CursorIcon::Crosshair

@@ -1,6 +1,7 @@
 //! From the pointer to actions: placing and dragging points, zooming, panning, drawing masks.
 //!
-//! Events are read one by one, so that a press and its release within one frame of the window are both seen.
+//! Events are read one by one, so that a press and its release within one frame of the window are
+//! both seen.
 
 use super::wheel::Gesture;
 use crate::ui::placement::Placement;
@@ -47,9 +48,24 @@ pub enum Hold {
 impl Hold {
     /// The mask that is being drawn.
     pub fn mask(&self) -> Option<(bool, PixelBox)> {
-        let Self::Mask { from, to, of_camera } = self else { return None };
+        let Self::Mask {
+            from,
+            to,
+            of_camera,
+        } = self
+        else {
+            return None;
+        };
         let (x, y) = (from.x.min(to.x), from.y.min(to.y));
-        Some((*of_camera, PixelBox { x, y, width: (from.x - to.x).abs(), height: (from.y - to.y).abs() }))
+        Some((
+            *of_camera,
+            PixelBox {
+                x,
+                y,
+                width: (from.x - to.x).abs(),
+                height: (from.y - to.y).abs(),
+            },
+        ))
     }
 }
 
@@ -83,8 +99,18 @@ pub struct Pointer {
 
 impl Pointer {
     /// Reads the events of one frame of the window.
-    pub fn read(&mut self, events: &[Event], modifiers: Modifiers, around: &Surroundings<'_>) -> Vec<Action> {
-        let mut reading = Reading { pointer: self, around, placement: around.placement, actions: Vec::new() };
+    pub fn read(
+        &mut self,
+        events: &[Event],
+        modifiers: Modifiers,
+        around: &Surroundings<'_>,
+    ) -> Vec<Action> {
+        let mut reading = Reading {
+            pointer: self,
+            around,
+            placement: around.placement,
+            actions: Vec::new(),
+        };
         let is_held = match around.mode {
             Mode::Dragging { .. } => true,
             Mode::ClickingAgain(round) => round.held.is_some(),
@@ -124,7 +150,12 @@ impl Reading<'_> {
     fn event(&mut self, event: &Event, modifiers: Modifiers) {
         match event {
             Event::PointerMoved(to) => self.moved(*to, modifiers),
-            Event::PointerButton { pos, button, pressed, modifiers } => {
+            Event::PointerButton {
+                pos,
+                button,
+                pressed,
+                modifiers,
+            } => {
                 self.moved(*pos, *modifiers);
                 if *pressed {
                     self.pressed(*pos, *button, *modifiers);
@@ -150,12 +181,18 @@ impl Reading<'_> {
         }
         match button {
             PointerButton::Middle => self.pointer.hold = Hold::Picture(button),
-            PointerButton::Primary if self.around.space => self.pointer.hold = Hold::Picture(button),
+            PointerButton::Primary if self.around.space => {
+                self.pointer.hold = Hold::Picture(button)
+            }
             PointerButton::Primary if self.around.ready => {
                 let in_image = self.placement.image_from_screen(at);
                 if self.around.masks {
                     let corner = self.within_picture(in_image);
-                    self.pointer.hold = Hold::Mask { from: corner, to: corner, of_camera: modifiers.shift };
+                    self.pointer.hold = Hold::Mask {
+                        from: corner,
+                        to: corner,
+                        of_camera: modifiers.shift,
+                    };
                     return;
                 }
                 // Once a name is chosen the next click places it, however near another point lies.
@@ -163,9 +200,17 @@ impl Reading<'_> {
                     Mode::Placing(_) => None,
                     _ => click_at(&self.placement, self.around.clicks, at),
                 };
-                let held = on.and_then(|on| self.around.clicks.get(on)).copied().unwrap_or(in_image);
-                self.pointer.hold = Hold::Click { at: held, pressed: at, moving: false };
-                self.actions.push(Action::Pointer(PointerAction::Press { at: in_image, on }));
+                let held = on
+                    .and_then(|on| self.around.clicks.get(on))
+                    .copied()
+                    .unwrap_or(in_image);
+                self.pointer.hold = Hold::Click {
+                    at: held,
+                    pressed: at,
+                    moving: false,
+                };
+                self.actions
+                    .push(Action::Pointer(PointerAction::Press { at: in_image, on }));
             }
             _ => {}
         }
@@ -175,14 +220,24 @@ impl Reading<'_> {
         let from = self.pointer.at.replace(to).unwrap_or(to);
         match self.pointer.hold {
             Hold::Nothing => {}
-            Hold::Click { at, pressed, moving } => {
+            Hold::Click {
+                at,
+                pressed,
+                moving,
+            } => {
                 let began = !moving && to.distance(pressed) > SLACK_PT;
                 if !moving && !began {
                     return;
                 }
-                let along = self.placement.image_from_screen_vector(to - if began { pressed } else { from });
+                let along = self
+                    .placement
+                    .image_from_screen_vector(to - if began { pressed } else { from });
                 let at = at.moved(along * if modifiers.shift { FINE } else { 1.0 });
-                self.pointer.hold = Hold::Click { at, pressed, moving: true };
+                self.pointer.hold = Hold::Click {
+                    at,
+                    pressed,
+                    moving: true,
+                };
                 // Only the last position within a frame counts.
                 if let Some(Action::Pointer(PointerAction::Drag(_))) = self.actions.last() {
                     self.actions.pop();
@@ -190,9 +245,15 @@ impl Reading<'_> {
                 self.actions.push(Action::Pointer(PointerAction::Drag(at)));
             }
             Hold::Picture(_) => self.show(self.placement.panned(to - from)),
-            Hold::Mask { from, of_camera, .. } => {
+            Hold::Mask {
+                from, of_camera, ..
+            } => {
                 let to = self.within_picture(self.placement.image_from_screen(to));
-                self.pointer.hold = Hold::Mask { from, to, of_camera };
+                self.pointer.hold = Hold::Mask {
+                    from,
+                    to,
+                    of_camera,
+                };
             }
         }
     }
@@ -218,12 +279,15 @@ impl Reading<'_> {
             });
         }
         if let Some((of_camera, mask)) = held.mask() {
-            self.actions.push(Action::Edit(EditAction::AddMask { of_camera, mask }));
+            self.actions
+                .push(Action::Edit(EditAction::AddMask { of_camera, mask }));
         }
     }
 
     fn gesture(&mut self, gesture: Gesture) {
-        let Some(at) = self.pointer.at.filter(|at| (self.around.is_free)(*at)) else { return };
+        let Some(at) = self.pointer.at.filter(|at| (self.around.is_free)(*at)) else {
+            return;
+        };
         self.show(match gesture {
             Gesture::Zoom(factor) => self.placement.zoomed(factor, at),
             Gesture::Pan(along) => self.placement.panned(along),
@@ -244,13 +308,17 @@ impl Reading<'_> {
             .map(|at| self.placement.image_from_screen(at))
             .filter(|at| self.placement.image_size.contains(*at));
         if hovered != self.around.hover {
-            self.actions.push(Action::Pointer(PointerAction::Hover(hovered)));
+            self.actions
+                .push(Action::Pointer(PointerAction::Hover(hovered)));
         }
     }
 
     fn within_picture(&self, at: ImagePoint) -> ImagePoint {
         let size = self.placement.image_size;
-        ImagePoint::new(at.x.clamp(0.0, f64::from(size.width)), at.y.clamp(0.0, f64::from(size.height)))
+        ImagePoint::new(
+            at.x.clamp(0.0, f64::from(size.width)),
+            at.y.clamp(0.0, f64::from(size.height)),
+        )
     }
 }
 
@@ -263,7 +331,12 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     /// At half size: two px of the picture per point.
-    fn read(pointer: &mut Pointer, events: &[Event], modifiers: Modifiers, mode: &Mode) -> Vec<Action> {
+    fn read(
+        pointer: &mut Pointer,
+        events: &[Event],
+        modifiers: Modifiers,
+        mode: &Mode,
+    ) -> Vec<Action> {
         let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(960.0, 540.0));
         let around = Surroundings {
             placement: Placement::new(rect, 1.0, SIZE, PictureView::Fit),
@@ -281,52 +354,110 @@ mod tests {
     }
 
     fn button(pos: Pos2, pressed: bool) -> Event {
-        Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
+        Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        }
     }
 
-    const DRAGGING: Mode = Mode::Dragging { click: 0, placed: false };
+    const DRAGGING: Mode = Mode::Dragging {
+        click: 0,
+        placed: false,
+    };
 
     #[test]
     fn a_press_and_its_release_in_one_frame_are_both_seen() {
         let at = pos2(100.25, 50.5);
-        let actions =
-            read(&mut Pointer::default(), &[button(at, true), button(at, false)], Modifiers::NONE, &Mode::Idle);
-        let press = Action::Pointer(PointerAction::Press { at: ImagePoint::new(200.5, 101.0), on: None });
+        let actions = read(
+            &mut Pointer::default(),
+            &[button(at, true), button(at, false)],
+            Modifiers::NONE,
+            &Mode::Idle,
+        );
+        let press = Action::Pointer(PointerAction::Press {
+            at: ImagePoint::new(200.5, 101.0),
+            on: None,
+        });
         assert_eq!(actions, [press, Action::Pointer(PointerAction::Release)]);
     }
 
     #[test]
     fn a_press_grabs_the_nearest_click_and_small_movements_do_not_drag_it() {
         let mut pointer = Pointer::default();
-        let events = [button(pos2(201.0, 203.0), true), Event::PointerMoved(pos2(202.0, 204.0))];
+        let events = [
+            button(pos2(201.0, 203.0), true),
+            Event::PointerMoved(pos2(202.0, 204.0)),
+        ];
         let actions = read(&mut pointer, &events, Modifiers::NONE, &Mode::Idle);
-        assert_eq!(actions, [Action::Pointer(PointerAction::Press { at: ImagePoint::new(402.0, 406.0), on: Some(0) })]);
-        let actions = read(&mut pointer, &[button(pos2(202.0, 204.0), false)], Modifiers::NONE, &DRAGGING);
+        assert_eq!(
+            actions,
+            [Action::Pointer(PointerAction::Press {
+                at: ImagePoint::new(402.0, 406.0),
+                on: Some(0)
+            })]
+        );
+        let actions = read(
+            &mut pointer,
+            &[button(pos2(202.0, 204.0), false)],
+            Modifiers::NONE,
+            &DRAGGING,
+        );
         assert_eq!(actions, [Action::Pointer(PointerAction::Release)]);
     }
 
     #[test]
     fn a_dragged_click_keeps_its_distance_from_the_pointer_and_shift_is_fine() {
         let mut pointer = Pointer::default();
-        read(&mut pointer, &[button(pos2(201.0, 203.0), true)], Modifiers::NONE, &Mode::Idle);
-        let moves = [Event::PointerMoved(pos2(210.0, 203.0)), Event::PointerMoved(pos2(221.0, 213.0))];
+        read(
+            &mut pointer,
+            &[button(pos2(201.0, 203.0), true)],
+            Modifiers::NONE,
+            &Mode::Idle,
+        );
+        let moves = [
+            Event::PointerMoved(pos2(210.0, 203.0)),
+            Event::PointerMoved(pos2(221.0, 213.0)),
+        ];
         let actions = read(&mut pointer, &moves, Modifiers::NONE, &DRAGGING);
         assert_eq!(
             actions,
-            [Action::Pointer(PointerAction::Drag(ImagePoint::new(440.0, 420.0)))],
+            [Action::Pointer(PointerAction::Drag(ImagePoint::new(
+                440.0, 420.0
+            )))],
             "one drag a frame of the window"
         );
-        let actions = read(&mut pointer, &[Event::PointerMoved(pos2(231.0, 213.0))], Modifiers::SHIFT, &DRAGGING);
-        assert_eq!(actions, [Action::Pointer(PointerAction::Drag(ImagePoint::new(442.0, 420.0)))]);
+        let actions = read(
+            &mut pointer,
+            &[Event::PointerMoved(pos2(231.0, 213.0))],
+            Modifiers::SHIFT,
+            &DRAGGING,
+        );
+        assert_eq!(
+            actions,
+            [Action::Pointer(PointerAction::Drag(ImagePoint::new(
+                442.0, 420.0
+            )))]
+        );
     }
 
     #[test]
     fn alt_at_the_release_keeps_the_point_where_it_is() {
         let mut pointer = Pointer::default();
         let at = pos2(100.0, 50.0);
-        read(&mut pointer, &[button(at, true)], Modifiers::NONE, &Mode::Idle);
-        let released =
-            Event::PointerButton { pos: at, button: PointerButton::Primary, pressed: false, modifiers: Modifiers::ALT };
+        read(
+            &mut pointer,
+            &[button(at, true)],
+            Modifiers::NONE,
+            &Mode::Idle,
+        );
+        let released = Event::PointerButton {
+            pos: at,
+            button: PointerButton::Primary,
+            pressed: false,
+            modifiers: Modifiers::ALT,
+        };
         assert_eq!(
             read(&mut pointer, &[released], Modifiers::ALT, &DRAGGING),
             [Action::Pointer(PointerAction::ReleaseExactly)]
@@ -336,16 +467,37 @@ mod tests {
     #[test]
     fn a_drag_that_was_cancelled_lets_go() {
         let mut pointer = Pointer::default();
-        read(&mut pointer, &[button(pos2(200.0, 200.0), true)], Modifiers::NONE, &Mode::Idle);
-        let moves = [Event::PointerMoved(pos2(300.0, 203.0)), button(pos2(300.0, 203.0), false)];
+        read(
+            &mut pointer,
+            &[button(pos2(200.0, 200.0), true)],
+            Modifiers::NONE,
+            &Mode::Idle,
+        );
+        let moves = [
+            Event::PointerMoved(pos2(300.0, 203.0)),
+            button(pos2(300.0, 203.0), false),
+        ];
         assert_eq!(read(&mut pointer, &moves, Modifiers::NONE, &Mode::Idle), []);
     }
 
     #[test]
     fn with_a_chosen_name_a_click_near_another_point_places_a_new_one() {
-        let mode = Mode::Placing(touchline_documents::document::Target::Landmark("centre_mark".into()));
-        let actions = read(&mut Pointer::default(), &[button(pos2(200.0, 200.0), true)], Modifiers::NONE, &mode);
-        assert_eq!(actions, [Action::Pointer(PointerAction::Press { at: ImagePoint::new(400.0, 400.0), on: None })]);
+        let mode = Mode::Placing(touchline_documents::document::Target::Landmark(
+            "centre_mark".into(),
+        ));
+        let actions = read(
+            &mut Pointer::default(),
+            &[button(pos2(200.0, 200.0), true)],
+            Modifiers::NONE,
+            &mode,
+        );
+        assert_eq!(
+            actions,
+            [Action::Pointer(PointerAction::Press {
+                at: ImagePoint::new(400.0, 400.0),
+                on: None
+            })]
+        );
     }
 
     #[test]
@@ -363,7 +515,12 @@ mod tests {
             middle(pos2(260.0, 200.0), false),
         ];
         let actions = read(&mut pointer, &events, Modifiers::NONE, &Mode::Idle);
-        assert!(actions.iter().all(|action| matches!(action, Action::View(ViewAction::Picture(_)))), "{actions:?}");
+        assert!(
+            actions
+                .iter()
+                .all(|action| matches!(action, Action::View(ViewAction::Picture(_)))),
+            "{actions:?}"
+        );
         assert_eq!(pointer.hold, Hold::Nothing);
     }
 }

@@ -6,7 +6,9 @@ use crate::ui::overlay::Overlay;
 use std::sync::Arc;
 use touchline_application::app::{App, session::Mode};
 use touchline_application::scene::OverlayStyle;
-use touchline_application::scene::overlay::{OverlayScene, Standing, click_overlay, field_overlay, mask_overlay};
+use touchline_application::scene::overlay::{
+    OverlayScene, Standing, click_overlay, field_overlay, mask_overlay,
+};
 use touchline_documents::document::FrameStatus;
 
 /// The opacity of a camera that is only previewed.
@@ -31,21 +33,41 @@ impl Overlay {
             return Self::default();
         }
         if let (Some(frame), Some(field)) = (app.frame(), app.current().field()) {
-            let proposal = app.current().proposal.as_ref().filter(|_| !app.session.picture.held.compare);
+            let proposal = app
+                .current()
+                .proposal
+                .as_ref()
+                .filter(|_| !app.session.picture.held.compare);
             let field = proposal.map_or(field, |proposal| &proposal.field);
             let camera = match proposal {
                 Some(proposal) => proposal.camera,
-                None if app.session.picture.held.before_snap => app.before_snap().copied().or(app.current().camera),
+                None if app.session.picture.held.before_snap => {
+                    app.before_snap().copied().or(app.current().camera)
+                }
                 None => app.current().camera,
             };
-            let compared = app.current().alternative().filter(|_| app.session.picture.held.compare);
-            let preview = compared.as_ref().or(app.current().preview.as_ref()).filter(|_| proposal.is_none());
+            let compared = app
+                .current()
+                .alternative()
+                .filter(|_| app.session.picture.held.compare);
+            let preview = compared
+                .as_ref()
+                .or(app.current().preview.as_ref())
+                .filter(|_| proposal.is_none());
             let style = app.overlay_style();
-            let behind = OverlayStyle { opacity: style.opacity * BEHIND_PREVIEW, landmarks: false, ..style };
+            let behind = OverlayStyle {
+                opacity: style.opacity * BEHIND_PREVIEW,
+                landmarks: false,
+                ..style
+            };
             let scene = OverlayScene {
                 field,
                 camera: camera.as_ref(),
-                standing: if frame.status == FrameStatus::Suggested { Standing::Proposed } else { Standing::Solved },
+                standing: if frame.status == FrameStatus::Suggested {
+                    Standing::Proposed
+                } else {
+                    Standing::Solved
+                },
                 image_size: frame.image_size,
                 clicks: &frame.clicks,
                 selected: app.session.points.selected,
@@ -55,9 +77,17 @@ impl Overlay {
             };
             drawings.push(field_overlay(&scene));
             if let Some(preview) = preview {
-                let style = OverlayStyle { opacity: style.opacity * PREVIEW_OPACITY, landmarks: false, ..style };
-                let tried =
-                    OverlayScene { camera: Some(preview), standing: Standing::Proposed, style: &style, ..scene };
+                let style = OverlayStyle {
+                    opacity: style.opacity * PREVIEW_OPACITY,
+                    landmarks: false,
+                    ..style
+                };
+                let tried = OverlayScene {
+                    camera: Some(preview),
+                    standing: Standing::Proposed,
+                    style: &style,
+                    ..scene
+                };
                 drawings.push(field_overlay(&tried));
             }
             let mut boxes = app.asked_masks();
@@ -73,7 +103,9 @@ impl Overlay {
             }
             drawings.push(clicks);
         }
-        Self { drawings: drawings.into_iter().map(Arc::new).collect() }
+        Self {
+            drawings: drawings.into_iter().map(Arc::new).collect(),
+        }
     }
 }
 
@@ -84,5 +116,9 @@ pub fn waits_for_name(app: &App, click: usize) -> bool {
         Mode::Dragging { click: held, .. } => *held == click,
         _ => false,
     };
-    !busy && app.frame().and_then(|frame| frame.clicks.get(click)).is_some_and(|click| click.target.is_none())
+    !busy
+        && app
+            .frame()
+            .and_then(|frame| frame.clicks.get(click))
+            .is_some_and(|click| click.target.is_none())
 }

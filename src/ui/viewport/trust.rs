@@ -1,4 +1,5 @@
-//! The uncertainty of the lines over the picture: band or heat map with its legend, and where to click next.
+//! The uncertainty of the lines over the picture: band or heat map with its legend, and where to
+//! click next.
 
 use crate::ui::labels::colour;
 use crate::ui::placement::Placement;
@@ -9,7 +10,9 @@ use touchline_application::app::App;
 use touchline_application::app::session::Mode;
 use touchline_application::render::Layer;
 use touchline_application::scene::next_click::NextClick;
-use touchline_application::scene::uncertainty::{HEAT_STOPS, HeatMap, UncertaintyView, band, heat_ticks_px};
+use touchline_application::scene::uncertainty::{
+    HEAT_STOPS, HeatMap, UncertaintyView, band, heat_ticks_px,
+};
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::ImagePoint;
 use touchline_core::solve::{FrameSolution, GOOD_CORNER_SIGMA_PX};
@@ -35,11 +38,18 @@ pub fn layer(app: &App) -> Option<Layer> {
         UncertaintyView::Band => {
             let field = app.current().field()?;
             let style = &app.overlay_style();
-            Some(Layer::Drawing(Arc::new(band(&solved.uncertainty, field, camera, image_size, style))))
+            Some(Layer::Drawing(Arc::new(band(
+                &solved.uncertainty,
+                field,
+                camera,
+                image_size,
+                style,
+            ))))
         }
-        UncertaintyView::Heat => {
-            Some(Layer::Heat(Arc::new(HeatMap::new(&solved.uncertainty, camera, image_size)), HEAT_OPACITY))
-        }
+        UncertaintyView::Heat => Some(Layer::Heat(
+            Arc::new(HeatMap::new(&solved.uncertainty, camera, image_size)),
+            HEAT_OPACITY,
+        )),
     }
 }
 
@@ -53,7 +63,9 @@ fn known(app: &App) -> Option<(&FrameSolution, &PtzCamera)> {
 /// The legend in the picture's lower right.
 pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
     let app = panel.app;
-    if app.session.picture.uncertainty == UncertaintyView::Off || app.session.picture.held.hide_overlay {
+    if app.session.picture.uncertainty == UncertaintyView::Off
+        || app.session.picture.held.hide_overlay
+    {
         return;
     }
     let corner = placement.rect.right_bottom() - vec2(12.0, 12.0);
@@ -63,17 +75,34 @@ pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
     let font = FontId::proportional(12.0);
     let Some((solved, camera)) = known(app) else {
         let text = "Uncertainty: place points first";
-        painter.text(inside.left_center(), Align2::LEFT_CENTER, text, font, theme::ON_PICTURE.weak);
+        painter.text(
+            inside.left_center(),
+            Align2::LEFT_CENTER,
+            text,
+            font,
+            theme::ON_PICTURE.weak,
+        );
         return;
     };
     let sigma_at = |at: ImagePoint| solved.uncertainty.overlay_sigma_px(camera, at);
-    let here = app.session.points.hover.filter(|at| placement.image_size.contains(*at)).and_then(sigma_at);
+    let here = app
+        .session
+        .points
+        .hover
+        .filter(|at| placement.image_size.contains(*at))
+        .and_then(sigma_at);
     let value = here.map_or_else(
         || format!("worst corner ±{:.1} px", solved.worst_corner_sigma_px),
         |px| format!("here ±{px:.1} px"),
     );
     let title = format!("1-σ of the lines: {value}");
-    painter.text(inside.left_top(), Align2::LEFT_TOP, title, font, theme::ON_PICTURE.strong);
+    painter.text(
+        inside.left_top(),
+        Align2::LEFT_TOP,
+        title,
+        font,
+        theme::ON_PICTURE.strong,
+    );
     if app.session.picture.uncertainty == UncertaintyView::Band {
         let text = "The band contains the true line in 68 of 100 cases.";
         painter.text(
@@ -84,7 +113,11 @@ pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
             theme::ON_PICTURE.text,
         );
     } else {
-        scale(painter, Rect::from_min_max(pos2(inside.left(), inside.top() + 18.0), inside.max), placement);
+        scale(
+            painter,
+            Rect::from_min_max(pos2(inside.left(), inside.top() + 18.0), inside.max),
+            placement,
+        );
     }
 }
 
@@ -93,7 +126,11 @@ fn scale(painter: &Painter, rect: Rect, placement: &Placement) {
     let bar = Rect::from_min_max(rect.min, pos2(rect.right(), rect.top() + 8.0));
     let steps = (HEAT_STOPS.len() - 1) as f32;
     let mut mesh = Mesh::default();
-    for (index, (stop, px)) in HEAT_STOPS.iter().zip(heat_ticks_px(placement.image_size)).enumerate() {
+    for (index, (stop, px)) in HEAT_STOPS
+        .iter()
+        .zip(heat_ticks_px(placement.image_size))
+        .enumerate()
+    {
         let x = bar.left() + index as f32 / steps * bar.width();
         mesh.colored_vertex(pos2(x, bar.top()), colour(*stop));
         mesh.colored_vertex(pos2(x, bar.bottom()), colour(*stop));
@@ -107,10 +144,24 @@ fn scale(painter: &Painter, rect: Rect, placement: &Placement) {
             last if last + 1 == HEAT_STOPS.len() => Align2::RIGHT_BOTTOM,
             _ => Align2::CENTER_BOTTOM,
         };
-        let text = if px < 9.95 { format!("{px:.1}") } else { format!("{px:.0}") };
-        let text = if index == 0 { format!("{text} px") } else { text };
+        let text = if px < 9.95 {
+            format!("{px:.1}")
+        } else {
+            format!("{px:.0}")
+        };
+        let text = if index == 0 {
+            format!("{text} px")
+        } else {
+            text
+        };
         let text = text.replace(".0", "");
-        painter.text(pos2(x, rect.bottom()), align, text, FontId::proportional(11.0), theme::ON_PICTURE.text);
+        painter.text(
+            pos2(x, rect.bottom()),
+            align,
+            text,
+            FontId::proportional(11.0),
+            theme::ON_PICTURE.text,
+        );
     }
     painter.add(Shape::mesh(mesh));
 }
@@ -120,7 +171,10 @@ fn apart<'a>(ranked: &'a [NextClick], placement: &Placement) -> Vec<&'a NextClic
     let mut found: Vec<&NextClick> = Vec::new();
     for next in ranked {
         let at = placement.screen_from_image(next.at);
-        if found.iter().all(|other| placement.screen_from_image(other.at).distance(at) > CROWDED) {
+        if found
+            .iter()
+            .all(|other| placement.screen_from_image(other.at).distance(at) > CROWDED)
+        {
             found.push(next);
         }
     }
@@ -142,8 +196,8 @@ pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placem
     let Some(frame) = app.frame() else { return };
     let limit_px = GOOD_CORNER_SIGMA_PX * frame.image_size.scale_from_1920();
     let unsure = known(app).is_some_and(|(solved, _)| solved.worst_corner_sigma_px > limit_px);
-    let waits =
-        app.session.mode == Mode::Idle && !matches!(frame.status, FrameStatus::Rejected | FrameStatus::Reference);
+    let waits = app.session.mode == Mode::Idle
+        && !matches!(frame.status, FrameStatus::Rejected | FrameStatus::Reference);
     if !unsure || !waits {
         return;
     }
@@ -153,24 +207,49 @@ pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placem
     let since = ui.data_mut(|data| {
         let known = data.get_temp_mut_or_default::<Proposing>(memory);
         if (known.frame, known.clicks) != (index, clicks) || known.since == 0.0 {
-            *known = Proposing { frame: index, clicks, since: now };
+            *known = Proposing {
+                frame: index,
+                clicks,
+                since: now,
+            };
         }
         known.since
     });
     let pulsing = now - since < PULSING_S;
-    for (rank, next) in apart(&app.current().next_clicks, placement).into_iter().enumerate() {
-        let phase = if pulsing { ((now - since) * 3.0 - rank as f64 * 0.7).sin() as f32 } else { 0.0 };
-        let ring = theme::ON_PICTURE.caution.gamma_multiply(0.65 + 0.25 * phase);
+    for (rank, next) in apart(&app.current().next_clicks, placement)
+        .into_iter()
+        .enumerate()
+    {
+        let phase = if pulsing {
+            ((now - since) * 3.0 - rank as f64 * 0.7).sin() as f32
+        } else {
+            0.0
+        };
+        let ring = theme::ON_PICTURE
+            .caution
+            .gamma_multiply(0.65 + 0.25 * phase);
         let at = placement.screen_from_image(next.at);
-        painter.circle_stroke(at, 13.0 + 2.5 * phase, Stroke::new(if rank == 0 { 2.0 } else { 1.25 }, ring));
+        painter.circle_stroke(
+            at,
+            13.0 + 2.5 * phase,
+            Stroke::new(if rank == 0 { 2.0 } else { 1.25 }, ring),
+        );
         let text = FontId::proportional(11.0);
-        let description = if rank == 0 { next.gain() } else { format!("±{:.1} px", next.worst_corner_px) };
+        let description = if rank == 0 {
+            next.gain()
+        } else {
+            format!("±{:.1} px", next.worst_corner_px)
+        };
         crate::ui::labels::plate(
             painter,
             at + vec2(0.0, 24.0),
             Align2::CENTER_CENTER,
             &description,
-            crate::ui::labels::PlateStyle::new(text, theme::ON_PICTURE.caution, Color32::from_black_alpha(150)),
+            crate::ui::labels::PlateStyle::new(
+                text,
+                theme::ON_PICTURE.caution,
+                Color32::from_black_alpha(150),
+            ),
         );
     }
     if pulsing {

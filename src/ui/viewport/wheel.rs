@@ -19,11 +19,18 @@ pub enum Gesture {
 }
 
 impl Gesture {
-    /// A wheel zooms, two fingers move; Ctrl and pinching always zoom; Shift with a wheel moves sideways.
+    /// A wheel zooms, two fingers move; Ctrl and pinching always zoom; Shift with a wheel moves
+    /// sideways.
     pub fn from_event(event: &Event) -> Option<Self> {
         match event {
             Event::Zoom(factor) => Some(Self::Zoom(f64::from(*factor))),
-            Event::MouseWheel { unit, delta, source, modifiers, .. } => {
+            Event::MouseWheel {
+                unit,
+                delta,
+                source,
+                modifiers,
+                ..
+            } => {
                 let is_wheel = match source {
                     MouseWheelSource::Wheel => true,
                     MouseWheelSource::Trackpad | MouseWheelSource::Momentum => false,
@@ -32,12 +39,18 @@ impl Gesture {
                 let points = match unit {
                     MouseWheelUnit::Point => *delta,
                     MouseWheelUnit::Line => *delta * POINTS_PER_LINE,
-                    MouseWheelUnit::Page => Vec2::new(delta.x.signum(), delta.y.signum()) * POINTS_PER_LINE,
+                    MouseWheelUnit::Page => {
+                        Vec2::new(delta.x.signum(), delta.y.signum()) * POINTS_PER_LINE
+                    }
                 };
                 let lines = f64::from(points.y / POINTS_PER_LINE);
                 if modifiers.command || modifiers.ctrl {
                     let by_fingers = (f64::from(points.y) / ZOOM_POINTS).exp();
-                    Some(Self::Zoom(if is_wheel { ZOOM_PER_LINE.powf(lines) } else { by_fingers }))
+                    Some(Self::Zoom(if is_wheel {
+                        ZOOM_PER_LINE.powf(lines)
+                    } else {
+                        by_fingers
+                    }))
                 } else if is_wheel && modifiers.shift {
                     Some(Self::Pan(Vec2::new(points.x + points.y, 0.0)))
                 } else if is_wheel && points.y != 0.0 {
@@ -66,7 +79,13 @@ mod tests {
 
     fn wheel(unit: MouseWheelUnit, delta: Vec2, modifiers: Modifiers) -> Option<Gesture> {
         let (phase, source) = (TouchPhase::Move, MouseWheelSource::Unknown);
-        Gesture::from_event(&Event::MouseWheel { unit, delta, phase, source, modifiers })
+        Gesture::from_event(&Event::MouseWheel {
+            unit,
+            delta,
+            phase,
+            source,
+            modifiers,
+        })
     }
 
     #[test]
@@ -74,11 +93,25 @@ mod tests {
         let (line, point) = (MouseWheelUnit::Line, MouseWheelUnit::Point);
         let none = Modifiers::NONE;
         assert_eq!(wheel(line, vec2(0.0, 1.0), none), Some(Gesture::Zoom(1.2)));
-        assert_eq!(wheel(line, vec2(0.0, -2.0), none), Some(Gesture::Zoom(1.2_f64.powf(-2.0))));
-        assert_eq!(wheel(point, vec2(3.0, -7.0), none), Some(Gesture::Pan(vec2(3.0, -7.0))));
-        assert_eq!(wheel(line, vec2(0.0, 1.0), Modifiers::SHIFT), Some(Gesture::Pan(vec2(40.0, 0.0))));
-        assert!(matches!(wheel(point, vec2(0.0, 20.0), Modifiers::CTRL), Some(Gesture::Zoom(factor)) if factor > 1.0));
-        assert_eq!(Gesture::from_event(&Event::Zoom(1.5)), Some(Gesture::Zoom(1.5)));
+        assert_eq!(
+            wheel(line, vec2(0.0, -2.0), none),
+            Some(Gesture::Zoom(1.2_f64.powf(-2.0)))
+        );
+        assert_eq!(
+            wheel(point, vec2(3.0, -7.0), none),
+            Some(Gesture::Pan(vec2(3.0, -7.0)))
+        );
+        assert_eq!(
+            wheel(line, vec2(0.0, 1.0), Modifiers::SHIFT),
+            Some(Gesture::Pan(vec2(40.0, 0.0)))
+        );
+        assert!(
+            matches!(wheel(point, vec2(0.0, 20.0), Modifiers::CTRL), Some(Gesture::Zoom(factor)) if factor > 1.0)
+        );
+        assert_eq!(
+            Gesture::from_event(&Event::Zoom(1.5)),
+            Some(Gesture::Zoom(1.5))
+        );
         assert_eq!(Gesture::from_event(&Event::Zoom(f32::NAN)), None);
     }
 }

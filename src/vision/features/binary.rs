@@ -1,4 +1,5 @@
-//! ORB and AKAZE, used only for comparison with SIFT. The boundary to OpenCV's detectors of this kind.
+//! ORB and AKAZE, used only for comparison with SIFT. The boundary to OpenCV's detectors of this
+//! kind.
 
 use super::{DESCRIPTOR_BYTES, Descriptor, FeatureError, Keypoint};
 use crate::media::Picture;
@@ -33,8 +34,9 @@ impl BinaryDescriptor {
         Self { bits: words }
     }
 
-    /// 128 of its bits as bytes, so that one forest serves all features: ORB's first, which are those that its authors
-    /// found to vary most, and AKAZE's evenly. What a bit counts makes a quarter of them the gate of SIFT (0.2).
+    /// 128 of its bits as bytes, so that one forest serves all features: ORB's first, which are
+    /// those that its authors found to vary most, and AKAZE's evenly. What a bit counts makes a
+    /// quarter of them the gate of SIFT (0.2).
     #[must_use]
     pub fn as_bytes(&self, kind: BinaryKind) -> Descriptor {
         const SET: u8 = 40;
@@ -44,14 +46,22 @@ impl BinaryDescriptor {
         };
         Descriptor(std::array::from_fn(|at| {
             let bit = (at as f64 * step) as usize;
-            if self.bits[bit / 64] >> (bit % 64) & 1 == 1 { SET } else { 0 }
+            if self.bits[bit / 64] >> (bit % 64) & 1 == 1 {
+                SET
+            } else {
+                0
+            }
         }))
     }
 
     /// How many bits differ.
     #[must_use]
     pub fn distance(&self, other: &Self) -> u32 {
-        self.bits.iter().zip(&other.bits).map(|(a, b)| (a ^ b).count_ones()).sum()
+        self.bits
+            .iter()
+            .zip(&other.bits)
+            .map(|(a, b)| (a ^ b).count_ones())
+            .sum()
     }
 }
 
@@ -77,7 +87,8 @@ pub struct BinaryFeatures {
     pub descriptors: Vec<BinaryDescriptor>,
 }
 
-/// At most `max_count` binary features of a picture whose centres lie in none of the `masks` (px), spread over it as
+/// At most `max_count` binary features of a picture whose centres lie in none of the `masks` (px),
+/// spread over it as
 /// [`extract`](super::extract) spreads SIFT.
 ///
 /// # Errors
@@ -90,15 +101,19 @@ pub fn extract_binary(
     max_count: usize,
 ) -> Result<BinaryFeatures, FeatureError> {
     let image_size = picture.size();
-    let found =
-        opencv_calls::detect(&crate::media::grey_reduced(picture, 1), kind, 3 * max_count).map_err(|error| {
-            FeatureError::OpenCv {
-                width: image_size.width,
-                height: image_size.height,
-                reason: error.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
-            }
+    let found = opencv_calls::detect(&crate::media::grey_reduced(picture, 1), kind, 3 * max_count)
+        .map_err(|error| FeatureError::OpenCv {
+            width: image_size.width,
+            height: image_size.height,
+            reason: error
+                .to_string()
+                .split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" "),
         })?;
-    let open = found.into_iter().filter(|(keypoint, _)| !masks.iter().any(|mask| mask.contains(keypoint.point)));
+    let open = found
+        .into_iter()
+        .filter(|(keypoint, _)| !masks.iter().any(|mask| mask.contains(keypoint.point)));
     let (keypoints, descriptors): (Vec<Keypoint>, Vec<BinaryDescriptor>) = open.unzip();
     let kept = super::spread::spread(&keypoints, image_size, max_count);
     Ok(BinaryFeatures {
@@ -128,15 +143,17 @@ pub(super) mod opencv_calls {
     use crate::features::Keypoint;
     use crate::media::GreyPicture;
     use opencv::core::{KeyPoint, Mat, Ptr, Vector, no_array};
-    use opencv::features2d::{AKAZE, AKAZE_DescriptorType, KAZE_DiffusivityType, ORB, ORB_ScoreType};
+    use opencv::features2d::{
+        AKAZE, AKAZE_DescriptorType, KAZE_DiffusivityType, ORB, ORB_ScoreType,
+    };
     use opencv::prelude::*;
     use touchline_core::geometry::ImagePoint;
 
     /// From OpenCV's keypoint, which counts from the first pixel's centre, to corner coordinates.
     const CORNER_FROM_OPENCV: f64 = 0.5;
 
-    /// ORB's pyramid shrinks by this factor a level. A level's coordinates are multiplied by its scale without the half
-    /// pixel, so that the half pixel grows with the level.
+    /// ORB's pyramid shrinks by this factor a level. A level's coordinates are multiplied by its
+    /// scale without the half pixel, so that the half pixel grows with the level.
     const ORB_SCALE: f32 = 1.2;
 
     /// Pictures with a shorter side give no features: the patches are larger.
@@ -152,32 +169,69 @@ pub(super) mod opencv_calls {
             return Ok(Vec::new());
         }
         crate::features::sift::use_one_thread();
-        let image = Mat::new_rows_cols_with_bytes::<u8>(grey.size.height as i32, grey.size.width as i32, &grey.values)?;
+        let image = Mat::new_rows_cols_with_bytes::<u8>(
+            grey.size.height as i32,
+            grey.size.width as i32,
+            &grey.values,
+        )?;
         let mut keypoints = Vector::<KeyPoint>::new();
         let mut descriptors = Mat::default();
         match kind {
             BinaryKind::Orb => {
                 let limit = limit.min(i32::MAX as usize) as i32;
-                let mut orb: Ptr<ORB> =
-                    ORB::create(limit, ORB_SCALE, 8, 31, 0, 2, ORB_ScoreType::HARRIS_SCORE, 31, 20)?;
-                orb.detect_and_compute(&image, &no_array(), &mut keypoints, &mut descriptors, false)?;
+                let mut orb: Ptr<ORB> = ORB::create(
+                    limit,
+                    ORB_SCALE,
+                    8,
+                    31,
+                    0,
+                    2,
+                    ORB_ScoreType::HARRIS_SCORE,
+                    31,
+                    20,
+                )?;
+                orb.detect_and_compute(
+                    &image,
+                    &no_array(),
+                    &mut keypoints,
+                    &mut descriptors,
+                    false,
+                )?;
             }
             BinaryKind::Akaze => {
-                let (bits, spread) = (AKAZE_DescriptorType::DESCRIPTOR_MLDB, KAZE_DiffusivityType::DIFF_PM_G2);
+                let (bits, spread) = (
+                    AKAZE_DescriptorType::DESCRIPTOR_MLDB,
+                    KAZE_DiffusivityType::DIFF_PM_G2,
+                );
                 let mut akaze: Ptr<AKAZE> = AKAZE::create(bits, 0, 3, 0.001, 4, 4, spread)?;
-                akaze.detect_and_compute(&image, &no_array(), &mut keypoints, &mut descriptors, false)?;
+                akaze.detect_and_compute(
+                    &image,
+                    &no_array(),
+                    &mut keypoints,
+                    &mut descriptors,
+                    false,
+                )?;
             }
         }
         let mut found = Vec::with_capacity(keypoints.len());
         for (row, keypoint) in keypoints.iter().enumerate() {
             let at = keypoint.pt();
             let half_px = match kind {
-                BinaryKind::Orb => CORNER_FROM_OPENCV * f64::from(ORB_SCALE).powi(keypoint.octave()),
+                BinaryKind::Orb => {
+                    CORNER_FROM_OPENCV * f64::from(ORB_SCALE).powi(keypoint.octave())
+                }
                 BinaryKind::Akaze => CORNER_FROM_OPENCV,
             };
             let point = ImagePoint::new(f64::from(at.x) + half_px, f64::from(at.y) + half_px);
             let descriptor = BinaryDescriptor::from_bytes(descriptors.at_row::<u8>(row as i32)?);
-            found.push((Keypoint { point, size_px: keypoint.size(), strength: keypoint.response() }, descriptor));
+            found.push((
+                Keypoint {
+                    point,
+                    size_px: keypoint.size(),
+                    strength: keypoint.response(),
+                },
+                descriptor,
+            ));
         }
         Ok(found)
     }
@@ -189,9 +243,12 @@ mod tests {
 
     #[test]
     fn a_quarter_of_the_bits_is_the_gate() {
-        let [none, quarter] = [0, 0b0001_0001].map(|byte| BinaryDescriptor::from_bytes(&[byte; 64]));
+        let [none, quarter] =
+            [0, 0b0001_0001].map(|byte| BinaryDescriptor::from_bytes(&[byte; 64]));
         for kind in [BinaryKind::Orb, BinaryKind::Akaze] {
-            let distance = none.as_bytes(kind).squared_distance(&quarter.as_bytes(kind));
+            let distance = none
+                .as_bytes(kind)
+                .squared_distance(&quarter.as_bytes(kind));
             assert!((distance - 0.2).abs() < 0.05, "{kind:?}: {distance}");
         }
     }
@@ -210,18 +267,45 @@ mod tests {
         // A bright square on grey: corners at 60 and 100 px.
         let size = ImageSize::new(160, 160);
         let inside = |x: u32, y: u32| (60..100).contains(&x) && (60..100).contains(&y);
-        let pixels = (0..160).flat_map(|y| (0..160).map(move |x| if inside(x, y) { 230u8 } else { 60 }));
-        let picture = Picture::new(size, pixels.flat_map(|value| [value, value, value, 255]).collect()).unwrap();
+        let pixels =
+            (0..160).flat_map(|y| (0..160).map(move |x| if inside(x, y) { 230u8 } else { 60 }));
+        let picture = Picture::new(
+            size,
+            pixels
+                .flat_map(|value| [value, value, value, 255])
+                .collect(),
+        )
+        .unwrap();
         for kind in [BinaryKind::Orb, BinaryKind::Akaze] {
             let found = extract_binary(&picture, &[], kind, 50).unwrap();
-            assert!(!found.keypoints.is_empty() && found.keypoints.len() == found.descriptors.len(), "{kind:?}");
-            let middle = found.keypoints.iter().fold([0.0, 0.0], |sum, k| [sum[0] + k.point.x, sum[1] + k.point.y]);
+            assert!(
+                !found.keypoints.is_empty() && found.keypoints.len() == found.descriptors.len(),
+                "{kind:?}"
+            );
+            let middle = found.keypoints.iter().fold([0.0, 0.0], |sum, k| {
+                [sum[0] + k.point.x, sum[1] + k.point.y]
+            });
             let middle = middle.map(|sum| sum / found.keypoints.len() as f64);
-            // The square is the same from all sides, so its features are centred on it: at 80, in corner coordinates.
-            assert!(middle.iter().all(|at| (at - 80.0).abs() < 2.0), "{kind:?} {middle:?}");
-            let left = PixelBox { x: 0.0, y: 0.0, width: 80.0, height: 160.0 };
+            // The square is the same from all sides, so its features are centred on it: at 80, in
+            // corner coordinates.
+            assert!(
+                middle.iter().all(|at| (at - 80.0).abs() < 2.0),
+                "{kind:?} {middle:?}"
+            );
+            let left = PixelBox {
+                x: 0.0,
+                y: 0.0,
+                width: 80.0,
+                height: 160.0,
+            };
             let masked = extract_binary(&picture, &[left], kind, 50).unwrap();
-            assert!(masked.keypoints.iter().all(|keypoint| keypoint.point.x >= 80.0), "{kind:?}");
+            assert!(
+                masked
+                    .keypoints
+                    .iter()
+                    .all(|keypoint| keypoint.point.x >= 80.0),
+                "{kind:?}"
+            );
         }
     }
 }

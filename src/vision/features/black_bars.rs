@@ -13,13 +13,13 @@ const OF_ROW: f32 = 0.98;
 /// A row is of a bar in this share of the pictures,
 const OF_PICTURES: f64 = 0.95;
 
-/// and in this share of them the picture that follows is brighter by so many grey levels: a dark sky ends elsewhere in
-/// each.
+/// and in this share of them the picture that follows is brighter by so many grey levels: a dark
+/// sky ends elsewhere in each.
 const EDGE_IN: f64 = 0.7;
 const EDGE: f32 = 12.0;
 
-/// A bar takes at most this share of the height or width; a thinner one than this many px of the reduced picture is the border of
-/// the picture.
+/// A bar takes at most this share of the height or width; a thinner one than this many px of the
+/// reduced picture is the border of the picture.
 const LARGEST: f64 = 0.3;
 const THIN: usize = 2;
 
@@ -42,23 +42,47 @@ struct Row {
 /// The bars of some pictures of one size, as boxes that are there throughout.
 pub(super) fn black_bars(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
     let lit: Vec<&ReducedPicture> = pictures.iter().filter(|picture| is_lit(picture)).collect();
-    let [first, _, ..] = lit[..] else { return Vec::new() };
+    let [first, _, ..] = lit[..] else {
+        return Vec::new();
+    };
     let (width, height) = (f64::from(first.size.width), f64::from(first.size.height));
     let mut bars = Vec::new();
     for border in [Border::Top, Border::Bottom, Border::Left, Border::Right] {
-        let Some(rows) = depth(&lit, border) else { continue };
+        let Some(rows) = depth(&lit, border) else {
+            continue;
+        };
         // The row of reduced pixels that the bar ends in is partly black.
         let deep = (first.step * (rows + 1)) as f64;
         let pixel_box = match border {
-            Border::Top => PixelBox { x: 0.0, y: 0.0, width, height: deep },
+            Border::Top => PixelBox {
+                x: 0.0,
+                y: 0.0,
+                width,
+                height: deep,
+            },
             Border::Bottom => {
                 let y = (first.step * (first.height - rows - 1)) as f64;
-                PixelBox { x: 0.0, y, width, height: height - y }
+                PixelBox {
+                    x: 0.0,
+                    y,
+                    width,
+                    height: height - y,
+                }
             }
-            Border::Left => PixelBox { x: 0.0, y: 0.0, width: deep, height },
+            Border::Left => PixelBox {
+                x: 0.0,
+                y: 0.0,
+                width: deep,
+                height,
+            },
             Border::Right => {
                 let x = (first.step * (first.width - rows - 1)) as f64;
-                PixelBox { x, y: 0.0, width: width - x, height }
+                PixelBox {
+                    x,
+                    y: 0.0,
+                    width: width - x,
+                    height,
+                }
             }
         };
         bars.push(StandingGraphic::throughout(pixel_box, pictures.len()));
@@ -71,7 +95,8 @@ fn is_lit(picture: &ReducedPicture) -> bool {
     2 * black < picture.grey.len()
 }
 
-/// How many rows from a border on are black in nearly all pictures and end alike in most; none where there is no bar.
+/// How many rows from a border on are black in nearly all pictures and end alike in most; none
+/// where there is no bar.
 fn depth(pictures: &[&ReducedPicture], border: Border) -> Option<usize> {
     let first = pictures.first()?;
     let all = match border {
@@ -79,11 +104,16 @@ fn depth(pictures: &[&ReducedPicture], border: Border) -> Option<usize> {
         Border::Left | Border::Right => first.width,
     };
     let most = (LARGEST * all as f64) as usize;
-    let rows: Vec<Vec<Row>> =
-        pictures.iter().map(|picture| (0..most + 3).map(|at| row(picture, border, at)).collect()).collect();
-    let share =
-        |holds: &dyn Fn(&[Row]) -> bool| rows.iter().filter(|rows| holds(rows)).count() as f64 / rows.len() as f64;
-    let deep = (0..=most).take_while(|&at| share(&|rows| rows[at].black >= OF_ROW) >= OF_PICTURES).count();
+    let rows: Vec<Vec<Row>> = pictures
+        .iter()
+        .map(|picture| (0..most + 3).map(|at| row(picture, border, at)).collect())
+        .collect();
+    let share = |holds: &dyn Fn(&[Row]) -> bool| {
+        rows.iter().filter(|rows| holds(rows)).count() as f64 / rows.len() as f64
+    };
+    let deep = (0..=most)
+        .take_while(|&at| share(&|rows| rows[at].black >= OF_ROW) >= OF_PICTURES)
+        .count();
     let ends = share(&|rows| deep > 0 && rows[deep + 1].mean > rows[deep - 1].mean + EDGE);
     (deep >= THIN && deep <= most && ends >= EDGE_IN).then_some(deep)
 }
@@ -113,13 +143,19 @@ mod tests {
 
     const SIZE: ImageSize = ImageSize::new(480, 270);
 
-    /// Grey that changes from picture to picture inside a frame of black, px above, below, left and right.
+    /// Grey that changes from picture to picture inside a frame of black, px above, below, left and
+    /// right.
     fn picture(number: u32, [above, below, left, right]: [u32; 4]) -> ReducedPicture {
         let mut rgba = Vec::new();
         for y in 0..SIZE.height {
             for x in 0..SIZE.width {
-                let inside = (above..SIZE.height - below).contains(&y) && (left..SIZE.width - right).contains(&x);
-                let grey = if inside { 60 + ((x + y + 17 * number) % 120) as u8 } else { ((x + y) % 5) as u8 };
+                let inside = (above..SIZE.height - below).contains(&y)
+                    && (left..SIZE.width - right).contains(&x);
+                let grey = if inside {
+                    60 + ((x + y + 17 * number) % 120) as u8
+                } else {
+                    ((x + y) % 5) as u8
+                };
                 rgba.extend([grey, grey, grey, 255]);
             }
         }
@@ -127,17 +163,33 @@ mod tests {
     }
 
     fn found(of: &[[u32; 4]]) -> Vec<PixelBox> {
-        let pictures: Vec<ReducedPicture> = (0..).zip(of).map(|(number, bars)| picture(number, *bars)).collect();
-        black_bars(&pictures).iter().map(|bar| bar.pixel_box).collect()
+        let pictures: Vec<ReducedPicture> = (0..)
+            .zip(of)
+            .map(|(number, bars)| picture(number, *bars))
+            .collect();
+        black_bars(&pictures)
+            .iter()
+            .map(|bar| bar.pixel_box)
+            .collect()
     }
 
     #[test]
     fn bars_are_as_deep_as_they_are() {
-        let [above, below] = found(&[[30, 20, 0, 0]; 5])[..] else { panic!("two bars") };
-        assert_eq!((above.x, above.y, above.width, above.height), (0.0, 0.0, 480.0, 31.0));
+        let [above, below] = found(&[[30, 20, 0, 0]; 5])[..] else {
+            panic!("two bars")
+        };
+        assert_eq!(
+            (above.x, above.y, above.width, above.height),
+            (0.0, 0.0, 480.0, 31.0)
+        );
         assert_eq!((below.y, below.width, below.height), (249.0, 480.0, 21.0));
-        let [left, right] = found(&[[0, 0, 60, 60]; 2])[..] else { panic!("two bars") };
-        assert_eq!((left.width, left.height, right.x, right.width), (61.0, 270.0, 419.0, 61.0));
+        let [left, right] = found(&[[0, 0, 60, 60]; 2])[..] else {
+            panic!("two bars")
+        };
+        assert_eq!(
+            (left.width, left.height, right.x, right.width),
+            (61.0, 270.0, 419.0, 61.0)
+        );
     }
 
     #[test]

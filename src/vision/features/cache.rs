@@ -1,8 +1,9 @@
 //! A cache of features on disk.
 //!
-//! A folder of files, one a picture, named by a hash of everything that decides the features: the picture's own hash, the
-//! settings, the masks and the version of this code. The folder may be deleted at any time; a file that is damaged or of
-//! another version counts as absent. It is limited in size; the oldest files are deleted first.
+//! A folder of files, one a picture, named by a hash of everything that decides the features: the
+//! picture's own hash, the settings, the masks and the version of this code. The folder may be
+//! deleted at any time; a file that is damaged or of another version counts as absent. It is
+//! limited in size; the oldest files are deleted first.
 
 use super::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions, Features, Keypoint};
 use sha2::{Digest, Sha256};
@@ -13,7 +14,8 @@ use std::time::SystemTime;
 use touchline_core::files::{read_regular, remove_stray_files, temporary_file_in};
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, hex};
 
-/// Changes whenever the same picture and settings would give other features, or the files read differently.
+/// Changes whenever the same picture and settings would give other features, or the files read
+/// differently.
 const VERSION: u32 = 1;
 const MAGIC: &[u8; 8] = b"TLFEATS\0";
 const EXTENSION: &str = "features";
@@ -25,7 +27,8 @@ const FEATURE_BYTES: usize = 24 + DESCRIPTOR_BYTES;
 pub struct FeatureCache {
     folder: PathBuf,
     max_bytes: u64,
-    /// What the folder held when it was counted last and what was put there since; none before the first count.
+    /// What the folder held when it was counted last and what was put there since; none before the
+    /// first count.
     held_bytes: Arc<Mutex<Option<u64>>>,
 }
 
@@ -34,14 +37,25 @@ pub struct FeatureCache {
 pub struct FeatureKey(String);
 
 impl FeatureKey {
-    /// From the hash of the picture's file (its SHA-256, as documents keep it), the settings and the masks.
+    /// From the hash of the picture's file (its SHA-256, as documents keep it), the settings and
+    /// the masks.
     #[must_use]
     pub fn new(picture_sha256: &str, options: &FeatureOptions, masks: &[PixelBox]) -> Self {
         let mut digest = Sha256::new();
         digest.update(VERSION.to_le_bytes());
         digest.update(picture_sha256.as_bytes());
-        let FeatureOptions { max_count, max_width_px, root_sift, detector } = *options;
-        for number in [max_count, max_width_px, u32::from(root_sift), detector.code()] {
+        let FeatureOptions {
+            max_count,
+            max_width_px,
+            root_sift,
+            detector,
+        } = *options;
+        for number in [
+            max_count,
+            max_width_px,
+            u32::from(root_sift),
+            detector.code(),
+        ] {
             digest.update(number.to_le_bytes());
         }
         for mask in masks {
@@ -54,10 +68,15 @@ impl FeatureKey {
 }
 
 impl FeatureCache {
-    /// A cache in a folder, which is made when something is first put there, of at most `max_bytes`.
+    /// A cache in a folder, which is made when something is first put there, of at most
+    /// `max_bytes`.
     #[must_use]
     pub fn new(folder: &Path, max_bytes: u64) -> Self {
-        Self { folder: folder.to_path_buf(), max_bytes, held_bytes: Arc::default() }
+        Self {
+            folder: folder.to_path_buf(),
+            max_bytes,
+            held_bytes: Arc::default(),
+        }
     }
 
     /// The features of a picture, if they are there and whole.
@@ -69,7 +88,8 @@ impl FeatureCache {
     /// Keeps features; older files make room.
     ///
     /// # Errors
-    /// The folder cannot be made or written to. Nothing depends on it: the features are found again.
+    /// The folder cannot be made or written to. Nothing depends on it: the features are found
+    /// again.
     pub fn put(&self, key: &FeatureKey, features: &Features) -> io::Result<()> {
         let bytes = encode(features);
         std::fs::create_dir_all(&self.folder)?;
@@ -84,9 +104,13 @@ impl FeatureCache {
         self.folder.join(&key.0).with_extension(EXTENSION)
     }
 
-    /// Makes room for `more` bytes. The folder is counted at first and when it is full, not for every file.
+    /// Makes room for `more` bytes. The folder is counted at first and when it is full, not for
+    /// every file.
     fn make_room_if_needed(&self, more: u64) -> io::Result<()> {
-        let mut held = self.held_bytes.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut held = self
+            .held_bytes
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         let total = match *held {
             Some(bytes) if bytes + more <= self.max_bytes => bytes,
             _ => self.make_room(more)?,
@@ -102,9 +126,18 @@ impl FeatureCache {
         for entry in std::fs::read_dir(&self.folder)? {
             let path = entry?.path();
             // Another program may have deleted it meanwhile.
-            let Ok(metadata) = std::fs::symlink_metadata(&path) else { continue };
-            if path.extension().is_some_and(|extension| extension == EXTENSION) {
-                files.push((metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH), path, metadata.len()));
+            let Ok(metadata) = std::fs::symlink_metadata(&path) else {
+                continue;
+            };
+            if path
+                .extension()
+                .is_some_and(|extension| extension == EXTENSION)
+            {
+                files.push((
+                    metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH),
+                    path,
+                    metadata.len(),
+                ));
             }
         }
         let mut total: u64 = files.iter().map(|(.., bytes)| bytes).sum();
@@ -124,7 +157,11 @@ impl FeatureCache {
 
 fn encode(features: &Features) -> Vec<u8> {
     let mut body = Vec::with_capacity(12 + features.len() * FEATURE_BYTES);
-    for number in [features.image_size.width, features.image_size.height, features.len() as u32] {
+    for number in [
+        features.image_size.width,
+        features.image_size.height,
+        features.len() as u32,
+    ] {
         body.extend(number.to_le_bytes());
     }
     for (keypoint, descriptor) in features.keypoints.iter().zip(&features.descriptors) {
@@ -143,7 +180,9 @@ fn encode(features: &Features) -> Vec<u8> {
 
 /// The features in a file; none if it is not whole.
 fn decode(file: &[u8]) -> Option<Features> {
-    let body = file.strip_prefix(MAGIC)?.strip_prefix(&VERSION.to_le_bytes())?;
+    let body = file
+        .strip_prefix(MAGIC)?
+        .strip_prefix(&VERSION.to_le_bytes())?;
     let (checksum, body) = body.split_first_chunk()?;
     if crc32fast::hash(body) != u32::from_le_bytes(*checksum) {
         return None;
@@ -154,7 +193,10 @@ fn decode(file: &[u8]) -> Option<Features> {
     if !remainder.is_empty() || chunks.len() != number(8)? as usize {
         return None;
     }
-    let mut features = Features { image_size: ImageSize::new(number(0)?, number(4)?), ..Features::default() };
+    let mut features = Features {
+        image_size: ImageSize::new(number(0)?, number(4)?),
+        ..Features::default()
+    };
     for chunk in chunks {
         let (x, rest) = chunk.split_first_chunk()?;
         let (y, rest) = rest.split_first_chunk()?;
@@ -162,8 +204,14 @@ fn decode(file: &[u8]) -> Option<Features> {
         let (strength, descriptor) = rest.split_first_chunk()?;
         let point = ImagePoint::new(f64::from_le_bytes(*x), f64::from_le_bytes(*y));
         let (size_px, strength) = (f32::from_le_bytes(*size), f32::from_le_bytes(*strength));
-        features.keypoints.push(Keypoint { point, size_px, strength });
-        features.descriptors.push(Descriptor(*descriptor.first_chunk()?));
+        features.keypoints.push(Keypoint {
+            point,
+            size_px,
+            strength,
+        });
+        features
+            .descriptors
+            .push(Descriptor(*descriptor.first_chunk()?));
     }
     Some(features)
 }
@@ -177,9 +225,15 @@ mod tests {
         Features {
             image_size: ImageSize::new(1280, 720),
             keypoints: (0..count)
-                .map(|i| Keypoint { point: ImagePoint::new(f64::from(i), 0.1), size_px: 2.5, strength: 0.01 })
+                .map(|i| Keypoint {
+                    point: ImagePoint::new(f64::from(i), 0.1),
+                    size_px: 2.5,
+                    strength: 0.01,
+                })
                 .collect(),
-            descriptors: (0..count).map(|i| Descriptor([i; DESCRIPTOR_BYTES])).collect(),
+            descriptors: (0..count)
+                .map(|i| Descriptor([i; DESCRIPTOR_BYTES]))
+                .collect(),
         }
     }
 
@@ -192,9 +246,20 @@ mod tests {
         assert_eq!(cache.get(&key), None);
         cache.put(&key, &features(3)).unwrap();
         assert_eq!(cache.get(&key), Some(features(3)));
-        let mask = PixelBox { x: 1.0, y: 2.0, width: 3.0, height: 4.0 };
-        let root = FeatureOptions { root_sift: true, ..options };
-        let orb = FeatureOptions { detector: Detector::Orb, ..options };
+        let mask = PixelBox {
+            x: 1.0,
+            y: 2.0,
+            width: 3.0,
+            height: 4.0,
+        };
+        let root = FeatureOptions {
+            root_sift: true,
+            ..options
+        };
+        let orb = FeatureOptions {
+            detector: Detector::Orb,
+            ..options
+        };
         for other in [
             FeatureKey::new("abd", &options, &[]),
             FeatureKey::new("abc", &root, &[]),
@@ -228,7 +293,10 @@ mod tests {
         for i in 0..5u64 {
             cache.put(&key(i), &features(10)).unwrap();
             let written = SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(1000 + i);
-            let file = std::fs::File::options().write(true).open(cache.file(&key(i))).unwrap();
+            let file = std::fs::File::options()
+                .write(true)
+                .open(cache.file(&key(i)))
+                .unwrap();
             file.set_modified(written).unwrap();
         }
         let kept: Vec<bool> = (0..5).map(|i| cache.get(&key(i)).is_some()).collect();

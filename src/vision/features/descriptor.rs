@@ -3,28 +3,36 @@
 /// How many numbers a SIFT descriptor has, a byte each.
 pub const DESCRIPTOR_BYTES: usize = 128;
 
-/// The Euclidean length of a descriptor, up to rounding: OpenCV scales SIFT to it before it rounds to bytes.
+/// The Euclidean length of a descriptor, up to rounding: OpenCV scales SIFT to it before it rounds
+/// to bytes.
 pub const DESCRIPTOR_NORM: f32 = 512.0;
 
-/// The square of the largest distance of two descriptors, for descriptors of unit length: those that share no entry.
+/// The square of the largest distance of two descriptors, for descriptors of unit length: those
+/// that share no entry.
 pub const MAX_SQUARED_DISTANCE: f32 = 2.0;
 
-/// A SIFT descriptor, as bytes; its length is `DESCRIPTOR_NORM`. It begins where a line of the processor's memory does.
+/// A SIFT descriptor, as bytes; its length is `DESCRIPTOR_NORM`. It begins where a line of the
+/// processor's memory does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(align(64))]
 pub struct Descriptor(pub [u8; DESCRIPTOR_BYTES]);
 
 impl Descriptor {
-    /// The squared distance of two descriptors, each taken as of unit length: 0 to `MAX_SQUARED_DISTANCE`.
+    /// The squared distance of two descriptors, each taken as of unit length: 0 to
+    /// `MAX_SQUARED_DISTANCE`.
     #[must_use]
     pub fn squared_distance(&self, other: &Self) -> f32 {
         self.squared_byte_distance(other) as f32 / (DESCRIPTOR_NORM * DESCRIPTOR_NORM)
     }
 
-    /// The squared distance of two descriptors as they are, in bytes: a shape that compilers turn into SIMD.
+    /// The squared distance of two descriptors as they are, in bytes: a shape that compilers turn
+    /// into SIMD.
     #[must_use]
     #[inline(always)]
-    #[allow(clippy::inline_always, reason = "searches are compiled for the processor at hand, with all they inline")]
+    #[allow(
+        clippy::inline_always,
+        reason = "searches are compiled for the processor at hand, with all they inline"
+    )]
     pub fn squared_byte_distance(&self, other: &Self) -> u32 {
         let mut sum = 0i32;
         for (&a, &b) in self.0.iter().zip(&other.0) {
@@ -44,7 +52,11 @@ impl Descriptor {
     #[must_use]
     pub fn root(values: &[f32; DESCRIPTOR_BYTES]) -> Self {
         let sum: f32 = values.iter().map(|value| value.max(0.0)).sum();
-        let scale = if sum > 0.0 { DESCRIPTOR_NORM * DESCRIPTOR_NORM / sum } else { 0.0 };
+        let scale = if sum > 0.0 {
+            DESCRIPTOR_NORM * DESCRIPTOR_NORM / sum
+        } else {
+            0.0
+        };
         Self(values.map(|value| (value.max(0.0) * scale).sqrt().round().min(255.0) as u8))
     }
 }
@@ -54,8 +66,9 @@ const SKETCH_BYTES: usize = DESCRIPTOR_BYTES / GROUP;
 /// Bytes of a descriptor that a byte of its sketch stands for.
 const GROUP: usize = 4;
 
-/// A quarter of a descriptor: the means of groups of four bytes. Two patches of one place differ in single cells, outliers
-/// in whole regions: how far two sketches are apart tells most outliers by a quarter of the memory.
+/// A quarter of a descriptor: the means of groups of four bytes. Two patches of one place differ in
+/// single cells, outliers in whole regions: how far two sketches are apart tells most outliers by a
+/// quarter of the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(align(32))]
 pub struct Sketch([u8; SKETCH_BYTES]);
@@ -66,20 +79,27 @@ impl Sketch {
     pub fn of(descriptor: &Descriptor) -> Self {
         Self(std::array::from_fn(|at| {
             let corner = at / 16 * 64 + at / 8 % 2 * 16 + at % 8;
-            let sum: u16 = [0, 8, 32, 40].iter().map(|cell| u16::from(descriptor.0[corner + cell])).sum();
+            let sum: u16 = [0, 8, 32, 40]
+                .iter()
+                .map(|cell| u16::from(descriptor.0[corner + cell]))
+                .sum();
             ((sum + GROUP as u16 / 2) / GROUP as u16) as u8
         }))
     }
 
-    /// The part of the squared distance of two descriptors, in bytes, that their groups' means tell: four values whose sums
-    /// differ by d differ by d² / 4 at least in sum of squares. The means are rounded, so that each group may seem one more
-    /// apart than it is.
+    /// The part of the squared distance of two descriptors, in bytes, that their groups' means
+    /// tell: four values whose sums differ by d differ by d² / 4 at least in sum of squares. The
+    /// means are rounded, so that each group may seem one more apart than it is.
     #[must_use]
     #[inline(always)]
-    #[allow(clippy::inline_always, reason = "searches are compiled for the processor at hand, with all they inline")]
+    #[allow(
+        clippy::inline_always,
+        reason = "searches are compiled for the processor at hand, with all they inline"
+    )]
     pub fn squared_byte_distance(&self, other: &Self) -> u32 {
         // Two steps, as SIMD has differences of bytes.
-        let differences: [u8; SKETCH_BYTES] = std::array::from_fn(|at| self.0[at].abs_diff(other.0[at]));
+        let differences: [u8; SKETCH_BYTES] =
+            std::array::from_fn(|at| self.0[at].abs_diff(other.0[at]));
         let mut sum = 0i32;
         for difference in differences {
             let difference = i16::from(difference);
@@ -109,33 +129,54 @@ mod tests {
         }
         assert_eq!(a.squared_distance(&a), 0.0);
         assert!((a.squared_distance(&b) - MAX_SQUARED_DISTANCE).abs() < 1e-3);
-        let (full, empty) = (Descriptor([255; DESCRIPTOR_BYTES]), Descriptor([0; DESCRIPTOR_BYTES]));
+        let (full, empty) = (
+            Descriptor([255; DESCRIPTOR_BYTES]),
+            Descriptor([0; DESCRIPTOR_BYTES]),
+        );
         assert_eq!(full.squared_byte_distance(&empty), 128 * 255 * 255);
     }
 
     #[test]
     fn sketches_say_hardly_more_than_descriptors() {
         let descriptor = |seed: u32| {
-            Descriptor(std::array::from_fn(|i| ((seed * 7919 + 1).wrapping_mul(i as u32 * 31 + 17) >> 9) as u8))
+            Descriptor(std::array::from_fn(|i| {
+                ((seed * 7919 + 1).wrapping_mul(i as u32 * 31 + 17) >> 9) as u8
+            }))
         };
         let mut tight = 0;
         for seed in 0..200 {
             let (a, b) = (descriptor(seed), descriptor(seed / 2 + 1000));
-            let (told, is) = (Sketch::of(&a).squared_byte_distance(&Sketch::of(&b)), a.squared_byte_distance(&b));
+            let (told, is) = (
+                Sketch::of(&a).squared_byte_distance(&Sketch::of(&b)),
+                a.squared_byte_distance(&b),
+            );
             // (√told − √rounding)² ≤ is, where rounding is four for each group.
             let rounding = f64::from((GROUP * SKETCH_BYTES) as u32).sqrt();
-            assert!((f64::from(told).sqrt() - rounding) <= f64::from(is).sqrt(), "{told} of {is}");
+            assert!(
+                (f64::from(told).sqrt() - rounding) <= f64::from(is).sqrt(),
+                "{told} of {is}"
+            );
             tight += u32::from(told > is / 10);
         }
         assert!(tight > 100, "and they do say something: {tight} of 200");
-        let (dark, bright) = (Descriptor([0; DESCRIPTOR_BYTES]), Descriptor([255; DESCRIPTOR_BYTES]));
-        assert_eq!(Sketch::of(&dark).squared_byte_distance(&Sketch::of(&bright)), 128 * 255 * 255);
+        let (dark, bright) = (
+            Descriptor([0; DESCRIPTOR_BYTES]),
+            Descriptor([255; DESCRIPTOR_BYTES]),
+        );
+        assert_eq!(
+            Sketch::of(&dark).squared_byte_distance(&Sketch::of(&bright)),
+            128 * 255 * 255
+        );
         let mut cells = Descriptor([0; DESCRIPTOR_BYTES]);
         for cell in [10, 11, 14, 15] {
             cells.0[cell * 8 + 5] = 100;
         }
         let apart = Sketch::of(&cells).squared_byte_distance(&Sketch::of(&dark));
-        assert_eq!(apart, 4 * 100 * 100, "the cells of the last corner are one group");
+        assert_eq!(
+            apart,
+            4 * 100 * 100,
+            "the cells of the last corner are one group"
+        );
     }
 
     #[test]
@@ -145,9 +186,17 @@ mod tests {
             *value = (i * 37 % 90) as f32;
         }
         let root = Descriptor::root(&values);
-        let length = root.0.iter().map(|&v| f32::from(v).powi(2)).sum::<f32>().sqrt();
+        let length = root
+            .0
+            .iter()
+            .map(|&v| f32::from(v).powi(2))
+            .sum::<f32>()
+            .sqrt();
         assert!((length - DESCRIPTOR_NORM).abs() < 4.0, "{length}");
-        assert_eq!(Descriptor::root(&[0.0; DESCRIPTOR_BYTES]), Descriptor([0; DESCRIPTOR_BYTES]));
+        assert_eq!(
+            Descriptor::root(&[0.0; DESCRIPTOR_BYTES]),
+            Descriptor([0; DESCRIPTOR_BYTES])
+        );
         assert_eq!(Descriptor::plain(&values).0[..4], [0, 37, 74, 21]);
     }
 }

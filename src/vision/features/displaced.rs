@@ -1,5 +1,6 @@
-//! Whether what two pictures show is displaced between them, by blocks that are looked for around their places: edges alone do not
-//! tell, since those of long lines and boards stand while a camera turns slowly along them.
+//! Whether what two pictures show is displaced between them, by blocks that are looked for around
+//! their places: edges alone do not tell, since those of long lines and boards stand while a camera
+//! turns slowly along them.
 
 use super::reduced::{EdgeKind, ReducedPicture};
 
@@ -12,7 +13,8 @@ const BLOCKS: (usize, usize) = (8, 5);
 /// A block is looked for as far off as this, px of the picture reduced twice.
 const REACH: isize = 10;
 
-/// A block that lies elsewhere by less has not moved, px of the picture reduced twice: a sixtieth of its width.
+/// A block that lies elsewhere by less has not moved, px of the picture reduced twice: a sixtieth
+/// of its width.
 const LEAST: isize = 2;
 
 /// What a block shows lies elsewhere, or where it was, if its correlation there is greater by this.
@@ -24,8 +26,8 @@ const LEAST_CONTRAST: f32 = 2.0;
 /// Fewer blocks than this do not decide.
 const FEWEST: usize = 4;
 
-/// Of the blocks that decide at most this share has not moved where the camera has: those of graphics, and what lies around the
-/// point that a zoom leaves in its place.
+/// Of the blocks that decide at most this share has not moved where the camera has: those of
+/// graphics, and what lies around the point that a zoom leaves in its place.
 const MOST_STAYING: f32 = 1.0 / 3.0;
 
 /// The brightness of a picture reduced twice.
@@ -40,20 +42,31 @@ impl CoarsePicture {
     pub fn new(picture: &ReducedPicture) -> Self {
         let (width, height) = (picture.width / STEP, picture.height / STEP);
         let of_cell = |column: usize, row: usize| -> f32 {
-            let rows = (row * STEP..(row + 1) * STEP).map(|row| row * picture.width + column * STEP);
-            rows.map(|start| picture.grey[start..start + STEP].iter().sum::<f32>()).sum()
+            let rows =
+                (row * STEP..(row + 1) * STEP).map(|row| row * picture.width + column * STEP);
+            rows.map(|start| picture.grey[start..start + STEP].iter().sum::<f32>())
+                .sum()
         };
         let cells = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
         let weight = 1.0 / (STEP * STEP) as f32;
-        Self { width, height, grey: cells.map(|(column, row)| weight * of_cell(column, row)).collect() }
+        Self {
+            width,
+            height,
+            grey: cells
+                .map(|(column, row)| weight * of_cell(column, row))
+                .collect(),
+        }
     }
 
-    /// Whether what it shows lies elsewhere in another picture of the same size: to the side for upright edges, up or down for
-    /// level ones. None where too few blocks tell, as after a wide turn.
+    /// Whether what it shows lies elsewhere in another picture of the same size: to the side for
+    /// upright edges, up or down for level ones. None where too few blocks tell, as after a wide
+    /// turn.
     pub fn is_displaced(&self, other: &Self, kind: EdgeKind) -> Option<bool> {
         let (mut moved, mut stayed) = (0_usize, 0_usize);
         for block in self.blocks() {
-            let Some([near, far]) = block.correlations(self, other, kind) else { continue };
+            let Some([near, far]) = block.correlations(self, other, kind) else {
+                continue;
+            };
             moved += usize::from(far > near + CLEARER);
             stayed += usize::from(near > far + CLEARER);
         }
@@ -64,13 +77,21 @@ impl CoarsePicture {
     fn blocks(&self) -> impl Iterator<Item = Block> {
         let (width, height) = (self.width / BLOCKS.0, self.height / BLOCKS.1);
         let places = (0..BLOCKS.1).flat_map(|row| (0..BLOCKS.0).map(move |column| (column, row)));
-        places.map(move |(column, row)| Block { left: column * width, top: row * height, width, height })
+        places.map(move |(column, row)| Block {
+            left: column * width,
+            top: row * height,
+            width,
+            height,
+        })
     }
 
-    /// The part of a row that a block displaced by some px covers; none where it reaches beyond the picture.
+    /// The part of a row that a block displaced by some px covers; none where it reaches beyond the
+    /// picture.
     fn row_of(&self, block: &Block, row: usize, (right, down): (isize, isize)) -> Option<&[f32]> {
         let left = block.left.checked_add_signed(right)?;
-        let row = (block.top + row).checked_add_signed(down).filter(|row| *row < self.height)?;
+        let row = (block.top + row)
+            .checked_add_signed(down)
+            .filter(|row| *row < self.height)?;
         let start = row * self.width + left;
         (left + block.width <= self.width).then(|| &self.grey[start..start + block.width])
     }
@@ -85,11 +106,20 @@ struct Block {
 }
 
 impl Block {
-    /// The greatest correlation with another picture about its place and farther off along the axis that moves edges of a kind; none
-    /// where it shows nothing.
-    fn correlations(&self, one: &CoarsePicture, other: &CoarsePicture, kind: EdgeKind) -> Option<[f32; 2]> {
+    /// The greatest correlation with another picture about its place and farther off along the axis
+    /// that moves edges of a kind; none where it shows nothing.
+    fn correlations(
+        &self,
+        one: &CoarsePicture,
+        other: &CoarsePicture,
+        kind: EdgeKind,
+    ) -> Option<[f32; 2]> {
         let count = (self.width * self.height) as f32;
-        let own = || (0..self.height).filter_map(|row| one.row_of(self, row, (0, 0))).flatten();
+        let own = || {
+            (0..self.height)
+                .filter_map(|row| one.row_of(self, row, (0, 0)))
+                .flatten()
+        };
         let mean = own().sum::<f32>() / count;
         let contrast = (own().map(|grey| (grey - mean).powi(2)).sum::<f32>() / count).sqrt();
         if count == 0.0 || contrast < LEAST_CONTRAST {
@@ -103,7 +133,9 @@ impl Block {
                     EdgeKind::Level => down,
                 };
                 let is_far = usize::from(off.abs() >= LEAST);
-                if let Some(correlation) = self.correlation(one, other, (right, down), mean, contrast) {
+                if let Some(correlation) =
+                    self.correlation(one, other, (right, down), mean, contrast)
+                {
                     best[is_far] = best[is_far].max(correlation);
                 }
             }
@@ -141,18 +173,40 @@ mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
 
-    /// Blotches in all directions that lie this far to the right and down; a part of the picture stands.
+    /// Blotches in all directions that lie this far to the right and down; a part of the picture
+    /// stands.
     fn picture(right: f32, down: f32, standing: usize) -> CoarsePicture {
         let (width, height) = (480, 270);
         let grey = |column: usize, row: usize| {
-            let (x, y) =
-                if row < standing { (column as f32, row as f32) } else { (column as f32 - right, row as f32 - down) };
-            let waves = [(0.11, 0.05), (0.07, -0.13), (-0.031, 0.19), (0.23, 0.17), (0.151, -0.063)];
-            110.0 + waves.iter().map(|(by_x, by_y)| 9.0 * (by_x * x + by_y * y).sin()).sum::<f32>()
+            let (x, y) = if row < standing {
+                (column as f32, row as f32)
+            } else {
+                (column as f32 - right, row as f32 - down)
+            };
+            let waves = [
+                (0.11, 0.05),
+                (0.07, -0.13),
+                (-0.031, 0.19),
+                (0.23, 0.17),
+                (0.151, -0.063),
+            ];
+            110.0
+                + waves
+                    .iter()
+                    .map(|(by_x, by_y)| 9.0 * (by_x * x + by_y * y).sin())
+                    .sum::<f32>()
         };
-        let grey = (0..height).flat_map(|row| (0..width).map(move |column| grey(column, row))).collect();
+        let grey = (0..height)
+            .flat_map(|row| (0..width).map(move |column| grey(column, row)))
+            .collect();
         let size = ImageSize::new(width as u32, height as u32);
-        CoarsePicture::new(&ReducedPicture { size, step: 1, width, height, grey })
+        CoarsePicture::new(&ReducedPicture {
+            size,
+            step: 1,
+            width,
+            height,
+            grey,
+        })
     }
 
     #[test]
@@ -165,7 +219,8 @@ mod tests {
             (0.0, -13.0, false, true),
             (-25.0, 14.0, true, true),
         ] {
-            let moved = EdgeKind::ALL.map(|kind| first.is_displaced(&picture(right, down, 0), kind));
+            let moved =
+                EdgeKind::ALL.map(|kind| first.is_displaced(&picture(right, down, 0), kind));
             assert_eq!(moved, [Some(upright), Some(level)], "{right} {down}");
         }
     }
@@ -180,10 +235,19 @@ mod tests {
     fn pictures_without_contrast_and_tiny_ones_tell_nothing() {
         let flat = |width: usize, height: usize| {
             let size = ImageSize::new(width as u32, height as u32);
-            CoarsePicture::new(&ReducedPicture { size, step: 1, width, height, grey: vec![90.0; width * height] })
+            CoarsePicture::new(&ReducedPicture {
+                size,
+                step: 1,
+                width,
+                height,
+                grey: vec![90.0; width * height],
+            })
         };
         for (width, height) in [(480, 270), (8, 4), (1, 1)] {
-            assert_eq!(flat(width, height).is_displaced(&flat(width, height), EdgeKind::Upright), None);
+            assert_eq!(
+                flat(width, height).is_displaced(&flat(width, height), EdgeKind::Upright),
+                None
+            );
         }
     }
 }

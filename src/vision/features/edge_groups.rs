@@ -23,13 +23,13 @@ const SIDES_APART: f64 = 8.0;
 /// Letters have this share of upright edges.
 const LETTERS: f64 = 0.25;
 
-/// The side of a box has upright edges along this share of its height, this close to the end of the box, px of the reduced
-/// picture.
+/// The side of a box has upright edges along this share of its height, this close to the end of the
+/// box, px of the reduced picture.
 const SIDE: f64 = 0.5;
 const SIDE_WITHIN: usize = 2;
 
-/// A band across the picture has a level rim in this share of the columns, at most this far off one row, px of the reduced
-/// picture.
+/// A band across the picture has a level rim in this share of the columns, at most this far off one
+/// row, px of the reduced picture.
 const ACROSS: f64 = 0.9;
 const LEVEL_WITHIN: usize = 1;
 
@@ -44,29 +44,50 @@ pub(super) struct EdgeGroup {
 impl EdgeGroup {
     fn of(edges: Vec<StandingEdge>) -> Self {
         let extent = |of: fn(&StandingEdge) -> usize| {
-            edges.iter().map(of).fold((usize::MAX, 0), |(least, most), at| (least.min(at), most.max(at)))
+            edges
+                .iter()
+                .map(of)
+                .fold((usize::MAX, 0), |(least, most), at| {
+                    (least.min(at), most.max(at))
+                })
         };
         let ((left, right), (top, bottom)) = (extent(|edge| edge.column), extent(|edge| edge.row));
-        Self { extents: [left, top, right, bottom], edges }
+        Self {
+            extents: [left, top, right, bottom],
+            edges,
+        }
     }
 
-    /// Whether it has letters, or a side at its left and its right end, or both rims across a picture of this width. A board's rim
-    /// has none of these: it stands while the camera pans along it.
+    /// Whether it has letters, or a side at its left and its right end, or both rims across a
+    /// picture of this width. A board's rim has none of these: it stands while the camera pans
+    /// along it.
     pub(super) fn is_a_box(&self, width: usize) -> bool {
         let [left, top, right, bottom] = self.extents;
         if right - left < THIN || bottom - top < THIN {
             return false;
         }
-        let level = || self.edges.iter().filter(|edge| edge.slope.kind() == EdgeKind::Level);
+        let level = || {
+            self.edges
+                .iter()
+                .filter(|edge| edge.slope.kind() == EdgeKind::Level)
+        };
         let rim = |end: usize| {
-            let columns: BTreeSet<usize> =
-                level().filter(|edge| edge.row.abs_diff(end) <= LEVEL_WITHIN).map(|edge| edge.column).collect();
+            let columns: BTreeSet<usize> = level()
+                .filter(|edge| edge.row.abs_diff(end) <= LEVEL_WITHIN)
+                .map(|edge| edge.column)
+                .collect();
             columns.len() as f64 >= ACROSS * width as f64
         };
-        let upright = || self.edges.iter().filter(|edge| edge.slope.kind() == EdgeKind::Upright);
+        let upright = || {
+            self.edges
+                .iter()
+                .filter(|edge| edge.slope.kind() == EdgeKind::Upright)
+        };
         let side = |end: usize| {
-            let rows: BTreeSet<usize> =
-                upright().filter(|edge| edge.column.abs_diff(end) <= SIDE_WITHIN).map(|edge| edge.row).collect();
+            let rows: BTreeSet<usize> = upright()
+                .filter(|edge| edge.column.abs_diff(end) <= SIDE_WITHIN)
+                .map(|edge| edge.row)
+                .collect();
             rows.len() as f64 >= SIDE * (bottom - top + 1) as f64
         };
         upright().count() as f64 >= LETTERS * self.edges.len() as f64
@@ -74,7 +95,8 @@ impl EdgeGroup {
             || (rim(top) && rim(bottom))
     }
 
-    /// Whether two groups are the upper and the lower rim of one box, or its sides: where a camera only pans level edges tell nothing.
+    /// Whether two groups are the upper and the lower rim of one box, or its sides: where a camera
+    /// only pans level edges tell nothing.
     fn is_rim_beside(&self, other: &Self) -> bool {
         let ([left, top, right, bottom], [other_left, other_top, other_right, other_bottom]) =
             (self.extents, other.extents);
@@ -84,32 +106,50 @@ impl EdgeGroup {
         };
         let rims = near(left, other_left)
             && near(right, other_right)
-            && apart(top.max(other_top), bottom.min(other_bottom), right - left, RIMS_APART);
+            && apart(
+                top.max(other_top),
+                bottom.min(other_bottom),
+                right - left,
+                RIMS_APART,
+            );
         let sides = near(top, other_top)
             && near(bottom, other_bottom)
             && self.is_upright()
             && other.is_upright()
-            && apart(left.max(other_left), right.min(other_right), bottom - top, SIDES_APART);
+            && apart(
+                left.max(other_left),
+                right.min(other_right),
+                bottom - top,
+                SIDES_APART,
+            );
         rims || sides
     }
 
     fn is_upright(&self) -> bool {
-        self.edges.iter().all(|edge| edge.slope.kind() == EdgeKind::Upright)
+        self.edges
+            .iter()
+            .all(|edge| edge.slope.kind() == EdgeKind::Upright)
     }
 }
 
-/// Groups of edges whose cells touch, corners included, the topmost first; the two rims of a box are one.
+/// Groups of edges whose cells touch, corners included, the topmost first; the two rims of a box
+/// are one.
 pub(super) fn joined(edges: &[StandingEdge]) -> Vec<EdgeGroup> {
     let mut cells = BTreeMap::<(usize, usize), Vec<StandingEdge>>::new();
     for &edge in edges {
-        cells.entry((edge.row / CELL + 1, edge.column / CELL + 1)).or_default().push(edge);
+        cells
+            .entry((edge.row / CELL + 1, edge.column / CELL + 1))
+            .or_default()
+            .push(edge);
     }
     cells.retain(|_, edges| edges.len() >= IN_CELL);
     let mut found: Vec<EdgeGroup> = Vec::new();
     while let Some((first, mut edges)) = cells.pop_first() {
         let mut open = vec![first];
         while let Some((row, column)) = open.pop() {
-            for near in (row - 1..=row + 1).flat_map(|row| (column - 1..=column + 1).map(move |column| (row, column))) {
+            for near in (row - 1..=row + 1)
+                .flat_map(|row| (column - 1..=column + 1).map(move |column| (row, column)))
+            {
                 if let Some(more) = cells.remove(&near) {
                     edges.extend(more);
                     open.push(near);

@@ -7,7 +7,9 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum FeatureError {
     /// The program was built without the feature `opencv`.
-    #[error("this touchline was built without OpenCV and finds no image features; build it with the feature `opencv`")]
+    #[error(
+        "this touchline was built without OpenCV and finds no image features; build it with the feature `opencv`"
+    )]
     WithoutOpenCv,
     /// OpenCV refused.
     #[error("OpenCV could not find the features of a picture of {width} × {height} px: {reason}")]

@@ -16,24 +16,43 @@ const SURPLUS: u32 = 2;
 /// The features of a picture whose centres lie in none of the `masks` (px of the full picture).
 ///
 /// # Errors
-/// The program was built without OpenCV, or OpenCV refused. A picture without texture has no features, and no error.
+/// The program was built without OpenCV, or OpenCV refused. A picture without texture has no
+/// features, and no error.
 #[cfg(feature = "opencv")]
-pub fn extract(picture: &Picture, masks: &[PixelBox], options: &FeatureOptions) -> Result<Features, FeatureError> {
+pub fn extract(
+    picture: &Picture,
+    masks: &[PixelBox],
+    options: &FeatureOptions,
+) -> Result<Features, FeatureError> {
     let image_size = picture.size();
     let factor = options.reduction(image_size.width);
     let grey = crate::media::grey_reduced(picture, factor);
-    let limit = f64::from(options.max_count.saturating_mul(SURPLUS)) / open_share(masks, image_size);
-    let found = found(&grey, limit.min(f64::from(i32::MAX)) as u32, options).map_err(|error| FeatureError::OpenCv {
-        width: image_size.width,
-        height: image_size.height,
-        reason: error.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
+    let limit =
+        f64::from(options.max_count.saturating_mul(SURPLUS)) / open_share(masks, image_size);
+    let found = found(&grey, limit.min(f64::from(i32::MAX)) as u32, options).map_err(|error| {
+        FeatureError::OpenCv {
+            width: image_size.width,
+            height: image_size.height,
+            reason: error
+                .to_string()
+                .split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" "),
+        }
     })?;
     let full_px = f64::from(factor);
     let (keypoints, descriptors): (Vec<_>, Vec<_>) = found
         .into_iter()
         .map(|(reduced, descriptor)| {
             let point = ImagePoint::new(reduced.point.x * full_px, reduced.point.y * full_px);
-            (Keypoint { point, size_px: reduced.size_px * factor as f32, ..reduced }, descriptor)
+            (
+                Keypoint {
+                    point,
+                    size_px: reduced.size_px * factor as f32,
+                    ..reduced
+                },
+                descriptor,
+            )
         })
         .filter(|(keypoint, _)| !masks.iter().any(|mask| mask.contains(keypoint.point)))
         .unzip();
@@ -45,7 +64,8 @@ pub fn extract(picture: &Picture, masks: &[PixelBox], options: &FeatureOptions) 
     })
 }
 
-/// What the detector finds in a grey picture: about `limit` keypoints in its px, and their descriptors.
+/// What the detector finds in a grey picture: about `limit` keypoints in its px, and their
+/// descriptors.
 #[cfg(feature = "opencv")]
 fn found(
     grey: &crate::media::GreyPicture,
@@ -54,9 +74,16 @@ fn found(
 ) -> opencv::Result<Vec<(Keypoint, Descriptor)>> {
     match options.detector {
         Detector::Sift => {
-            let describe = if options.root_sift { Descriptor::root } else { Descriptor::plain };
+            let describe = if options.root_sift {
+                Descriptor::root
+            } else {
+                Descriptor::plain
+            };
             let found = super::sift::sift(grey, limit)?;
-            Ok(found.into_iter().map(|(keypoint, values)| (keypoint, describe(&values))).collect())
+            Ok(found
+                .into_iter()
+                .map(|(keypoint, values)| (keypoint, describe(&values)))
+                .collect())
         }
         Detector::Orb => bits(grey, limit, BinaryKind::Orb),
         Detector::Akaze => bits(grey, limit, BinaryKind::Akaze),
@@ -64,17 +91,29 @@ fn found(
 }
 
 #[cfg(feature = "opencv")]
-fn bits(grey: &crate::media::GreyPicture, limit: u32, kind: BinaryKind) -> opencv::Result<Vec<(Keypoint, Descriptor)>> {
+fn bits(
+    grey: &crate::media::GreyPicture,
+    limit: u32,
+    kind: BinaryKind,
+) -> opencv::Result<Vec<(Keypoint, Descriptor)>> {
     let found = super::binary::opencv_calls::detect(grey, kind, limit as usize)?;
-    Ok(found.into_iter().map(|(keypoint, descriptor)| (keypoint, descriptor.as_bytes(kind))).collect())
+    Ok(found
+        .into_iter()
+        .map(|(keypoint, descriptor)| (keypoint, descriptor.as_bytes(kind)))
+        .collect())
 }
 
-/// The share of a picture that no mask covers, at least a tenth: what is found there must make up for the rest.
+/// The share of a picture that no mask covers, at least a tenth: what is found there must make up
+/// for the rest.
 #[cfg(feature = "opencv")]
 fn open_share(masks: &[PixelBox], size: ImageSize) -> f64 {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
-    let side = |from: f64, extent: f64, limit: f64| ((from + extent).min(limit) - from.max(0.0)).max(0.0);
-    let covered: f64 = masks.iter().map(|m| side(m.x, m.width, width) * side(m.y, m.height, height)).sum();
+    let side =
+        |from: f64, extent: f64, limit: f64| ((from + extent).min(limit) - from.max(0.0)).max(0.0);
+    let covered: f64 = masks
+        .iter()
+        .map(|m| side(m.x, m.width, width) * side(m.y, m.height, height))
+        .sum();
     (1.0 - covered / (width * height)).max(0.1)
 }
 
@@ -92,6 +131,10 @@ pub fn opencv_version() -> Option<String> {
 /// # Errors
 /// Always [`FeatureError::WithoutOpenCv`].
 #[cfg(not(feature = "opencv"))]
-pub fn extract(_picture: &Picture, _masks: &[PixelBox], _options: &FeatureOptions) -> Result<Features, FeatureError> {
+pub fn extract(
+    _picture: &Picture,
+    _masks: &[PixelBox],
+    _options: &FeatureOptions,
+) -> Result<Features, FeatureError> {
     Err(FeatureError::WithoutOpenCv)
 }

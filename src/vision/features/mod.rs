@@ -11,10 +11,12 @@
 //! | [`FeatureOptions`] | how many, at which resolution, plain or RootSIFT |
 //! | [`extract_binary`] | ORB and AKAZE with all their bits, to compare with |
 //!
-//! SIFT is OpenCV's; each kind of features is called in one function, and the rest builds without it (see
+//! SIFT is OpenCV's; each kind of features is called in one function, and the rest builds without
+//! it (see
 //! [`FeatureError::WithoutOpenCv`]). Keypoints are in px of the full picture, corner convention: OpenCV counts from the first pixel's centre,
-//! and its SIFT lies 0.25 px too far right and down, as its first octave is enlarged without the half pixel. Both
-//! together, a corner coordinate is its number + 0.25; a test with a mirrored picture holds that.
+//! and its SIFT lies 0.25 px too far right and down, as its first octave is enlarged without the
+//! half pixel. Both together, a corner coordinate is its number + 0.25; a test with a mirrored
+//! picture holds that.
 //!
 //! Frames, signs and units: [`touchline_core::conventions`].
 

@@ -30,16 +30,19 @@ impl Detector {
     }
 }
 
-/// How features are looked for. Forests remember theirs: what was learned at one setting is asked at the same.
+/// How features are looked for. Forests remember theirs: what was learned at one setting is asked
+/// at the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FeatureOptions {
     /// At most as many, the strongest and well spread. 1000 by default.
     pub max_count: u32,
-    /// Wider pictures are reduced by the smallest whole factor that brings them to this width, px. 1280 by default:
-    /// 1080p is halved, which costs a quarter of the time and no accuracy that could be measured.
+    /// Wider pictures are reduced by the smallest whole factor that brings them to this width, px.
+    /// 1280 by default: 1080p is halved, which costs a quarter of the time and no accuracy that
+    /// could be measured.
     pub max_width_px: u32,
-    /// `RootSIFT`: the square root of the histograms' shares, so that Euclidean distances are Hellinger distances
-    /// (Arandjelović and Zisserman, CVPR 2012). Plain by default, as in the paper.
+    /// `RootSIFT`: the square root of the histograms' shares, so that Euclidean distances are
+    /// Hellinger distances (Arandjelović and Zisserman, CVPR 2012). Plain by default, as in the
+    /// paper.
     pub root_sift: bool,
     /// What finds them. SIFT by default.
     pub detector: Detector,
@@ -47,7 +50,12 @@ pub struct FeatureOptions {
 
 impl Default for FeatureOptions {
     fn default() -> Self {
-        Self { max_count: 1000, max_width_px: 1280, root_sift: false, detector: Detector::Sift }
+        Self {
+            max_count: 1000,
+            max_width_px: 1280,
+            root_sift: false,
+            detector: Detector::Sift,
+        }
     }
 }
 
@@ -69,6 +77,13 @@ mod tests {
         for (width, factor) in [(0, 1), (640, 1), (1280, 1), (1281, 2), (1920, 2), (3840, 3)] {
             assert_eq!(options.reduction(width), factor, "{width}");
         }
-        assert_eq!(FeatureOptions { max_width_px: 0, ..options }.reduction(2), 2);
+        assert_eq!(
+            FeatureOptions {
+                max_width_px: 0,
+                ..options
+            }
+            .reduction(2),
+            2
+        );
     }
 }

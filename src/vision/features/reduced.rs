@@ -1,4 +1,5 @@
-//! Pictures reduced in size, their slopes of brightness, and whether the camera moved between two of them.
+//! Pictures reduced in size, their slopes of brightness, and whether the camera moved between two
+//! of them.
 
 use crate::media::Picture;
 use touchline_core::geometry::ImageSize;
@@ -9,17 +10,19 @@ const WIDTH: u32 = 480;
 /// An edge weaker than this may be noise, grey levels over two px of the reduced picture.
 const LEAST_EDGE: f32 = 4.0;
 
-/// An edge stands in two pictures if the direction that they share makes this share of its strength in each.
+/// An edge stands in two pictures if the direction that they share makes this share of its strength
+/// in each.
 const ALONG: f32 = 0.7;
 
-/// Of the edges of two pictures less than this share stands once a camera has moved by a few px: by chance a third, from frame to
-/// frame of a slow pan four fifths.
+/// Of the edges of two pictures less than this share stands once a camera has moved by a few px: by
+/// chance a third, from frame to frame of a slow pan four fifths.
 const MOVED: f32 = 0.5;
 
 /// Fewer edges than this share of the reduced picture's pixels tell nothing: a fade, a white-out.
 const FEWEST: f32 = 0.01;
 
-/// How the brightness changes to the right and downwards, grey levels over two px of a reduced picture.
+/// How the brightness changes to the right and downwards, grey levels over two px of a reduced
+/// picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Slope {
     pub right: f32,
@@ -36,11 +39,17 @@ impl Slope {
     }
 
     pub fn times(self, factor: f32) -> Self {
-        Self { right: self.right * factor, down: self.down * factor }
+        Self {
+            right: self.right * factor,
+            down: self.down * factor,
+        }
     }
 
     pub fn plus(self, other: Self) -> Self {
-        Self { right: self.right + other.right, down: self.down + other.down }
+        Self {
+            right: self.right + other.right,
+            down: self.down + other.down,
+        }
     }
 
     /// The same direction, and at most this strength.
@@ -54,7 +63,11 @@ impl Slope {
     }
 
     pub fn kind(self) -> EdgeKind {
-        if self.down.abs() > self.right.abs() { EdgeKind::Level } else { EdgeKind::Upright }
+        if self.down.abs() > self.right.abs() {
+            EdgeKind::Level
+        } else {
+            EdgeKind::Upright
+        }
     }
 }
 
@@ -92,14 +105,21 @@ impl ReducedPicture {
         for (row, pixels) in rows.take(height * step).enumerate() {
             let reduced = &mut grey[row / step * width..][..width];
             for (column, pixel) in pixels.chunks_exact(4).take(width * step).enumerate() {
-                reduced[column / step] += f32::from(pixel[0]) + 2.0 * f32::from(pixel[1]) + f32::from(pixel[2]);
+                reduced[column / step] +=
+                    f32::from(pixel[0]) + 2.0 * f32::from(pixel[1]) + f32::from(pixel[2]);
             }
         }
         let weight = 1.0 / (4 * step * step) as f32;
         for value in &mut grey {
             *value *= weight;
         }
-        Self { size, step, width, height, grey }
+        Self {
+            size,
+            step,
+            width,
+            height,
+            grey,
+        }
     }
 
     /// The slope at a pixel away from the borders.
@@ -112,8 +132,8 @@ impl ReducedPicture {
     }
 }
 
-/// Whether the camera moved between two pictures, whatever else did: less than half of the edges stand where they stood. None for
-/// pictures of two sizes, or without edges.
+/// Whether the camera moved between two pictures, whatever else did: less than half of the edges
+/// stand where they stood. None for pictures of two sizes, or without edges.
 #[must_use]
 pub fn has_moved(one: &ReducedPicture, other: &ReducedPicture) -> Option<bool> {
     let [upright, level] = count_edges(one, other)?;

@@ -8,7 +8,8 @@ use opencv::prelude::*;
 use std::sync::Once;
 use touchline_core::geometry::ImagePoint;
 
-/// From OpenCV's keypoint to corner coordinates: half a pixel for the convention, less the quarter by which its SIFT errs.
+/// From OpenCV's keypoint to corner coordinates: half a pixel for the convention, less the quarter
+/// by which its SIFT errs.
 const CORNER_FROM_OPENCV: f64 = 0.25;
 
 /// Pictures with a shorter side give no features; OpenCV's pyramid needs some pixels.
@@ -29,29 +30,51 @@ pub(super) fn use_one_thread() {
     });
 }
 
-/// The strongest `limit` SIFT keypoints of a grey picture and their descriptors, in OpenCV's numbers (0 to 255).
-pub(super) fn sift(grey: &GreyPicture, limit: u32) -> opencv::Result<Vec<(Keypoint, [f32; DESCRIPTOR_BYTES])>> {
+/// The strongest `limit` SIFT keypoints of a grey picture and their descriptors, in OpenCV's
+/// numbers (0 to 255).
+pub(super) fn sift(
+    grey: &GreyPicture,
+    limit: u32,
+) -> opencv::Result<Vec<(Keypoint, [f32; DESCRIPTOR_BYTES])>> {
     let (width, height) = (grey.size.width, grey.size.height);
     if limit == 0 || width.min(height) < MIN_SIDE_PX {
         return Ok(Vec::new());
     }
     use_one_thread();
     let image = Mat::new_rows_cols_with_bytes::<u8>(height as i32, width as i32, &grey.values)?;
-    let mut sift = SIFT::create(limit.min(i32::MAX as u32) as i32, LAYERS, CONTRAST, EDGE, SIGMA)?;
+    let mut sift = SIFT::create(
+        limit.min(i32::MAX as u32) as i32,
+        LAYERS,
+        CONTRAST,
+        EDGE,
+        SIGMA,
+    )?;
     let mut keypoints = Vector::<KeyPoint>::new();
     let mut descriptors = Mat::default();
     sift.detect_and_compute(&image, &no_array(), &mut keypoints, &mut descriptors, false)?;
     if keypoints.is_empty() {
         return Ok(Vec::new());
     }
-    let (rows, _) = descriptors.data_typed::<f32>()?.as_chunks::<DESCRIPTOR_BYTES>();
+    let (rows, _) = descriptors
+        .data_typed::<f32>()?
+        .as_chunks::<DESCRIPTOR_BYTES>();
     Ok(keypoints
         .iter()
         .zip(rows)
         .map(|(found, values)| {
             let at = found.pt();
-            let point = ImagePoint::new(f64::from(at.x) + CORNER_FROM_OPENCV, f64::from(at.y) + CORNER_FROM_OPENCV);
-            (Keypoint { point, size_px: found.size(), strength: found.response() }, *values)
+            let point = ImagePoint::new(
+                f64::from(at.x) + CORNER_FROM_OPENCV,
+                f64::from(at.y) + CORNER_FROM_OPENCV,
+            );
+            (
+                Keypoint {
+                    point,
+                    size_px: found.size(),
+                    strength: found.response(),
+                },
+                *values,
+            )
         })
         .collect())
 }

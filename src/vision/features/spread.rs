@@ -6,14 +6,21 @@ use touchline_core::geometry::ImageSize;
 /// The picture is looked at in as many columns and rows.
 const GRID: (usize, usize) = (8, 5);
 
-/// A cell of the grid may hold this many times its even share before the others have had their turn.
+/// A cell of the grid may hold this many times its even share before the others have had their
+/// turn.
 const CELL_SHARES: usize = 4;
 
-/// The indices of at most `max_count` features: the strongest, but no cell of the grid gets more than four times its even
-/// share while others have features left. In order of strength, then of place.
+/// The indices of at most `max_count` features: the strongest, but no cell of the grid gets more
+/// than four times its even share while others have features left. In order of strength, then of
+/// place.
 pub(super) fn spread(keypoints: &[Keypoint], size: ImageSize, max_count: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..keypoints.len()).collect();
-    order.sort_by(|&a, &b| keypoints[b].strength.total_cmp(&keypoints[a].strength).then(a.cmp(&b)));
+    order.sort_by(|&a, &b| {
+        keypoints[b]
+            .strength
+            .total_cmp(&keypoints[a].strength)
+            .then(a.cmp(&b))
+    });
     if order.len() <= max_count {
         return order;
     }
@@ -39,7 +46,8 @@ fn cell_of(keypoint: &Keypoint, size: ImageSize) -> usize {
         let cell = position / f64::from(extent.max(1)) * cells as f64;
         (cell.max(0.0) as usize).min(cells - 1)
     };
-    along(keypoint.point.y, size.height, GRID.1) * GRID.0 + along(keypoint.point.x, size.width, GRID.0)
+    along(keypoint.point.y, size.height, GRID.1) * GRID.0
+        + along(keypoint.point.x, size.width, GRID.0)
 }
 
 #[cfg(test)]
@@ -48,7 +56,11 @@ mod tests {
     use touchline_core::geometry::ImagePoint;
 
     fn keypoint(x: f64, strength: f32) -> Keypoint {
-        Keypoint { point: ImagePoint::new(x, 50.0), size_px: 2.0, strength }
+        Keypoint {
+            point: ImagePoint::new(x, 50.0),
+            size_px: 2.0,
+            strength,
+        }
     }
 
     #[test]
@@ -58,9 +70,16 @@ mod tests {
         let weak = (0..100).map(|i| keypoint(700.0, i as f32));
         let keypoints: Vec<_> = strong.chain(weak).collect();
         let kept = spread(&keypoints, size, 400);
-        let far = kept.iter().filter(|&&i| keypoints[i].point.x > 600.0).count();
+        let far = kept
+            .iter()
+            .filter(|&&i| keypoints[i].point.x > 600.0)
+            .count();
         assert_eq!((kept.len(), far), (400, 40));
         assert_eq!(kept[0], 899, "the strongest first");
-        assert_eq!(spread(&keypoints[..30], size, 400).len(), 30, "few are all kept");
+        assert_eq!(
+            spread(&keypoints[..30], size, 400).len(),
+            30,
+            "few are all kept"
+        );
     }
 }

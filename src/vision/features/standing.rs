@@ -1,8 +1,9 @@
 //! What stands still on the screen between two pictures of a camera that moved.
 //!
-//! A score bug, a watermark or a black box lies at the same pixels whatever the camera does. Its features agree perfectly with
-//! each other, and would outvote the stadium. Two pictures tell them: features that look alike at the same place while the
-//! rest of the picture moved. Where the rest did not move, the pair tells nothing: a still camera is no graphic.
+//! A score bug, a watermark or a black box lies at the same pixels whatever the camera does. Its
+//! features agree perfectly with each other, and would outvote the stadium. Two pictures tell them:
+//! features that look alike at the same place while the rest of the picture moved. Where the rest
+//! did not move, the pair tells nothing: a still camera is no graphic.
 
 use super::{Features, Keypoint};
 use touchline_core::geometry::{ImagePoint, ImageSize};
@@ -22,14 +23,15 @@ const MAX_SIZE_RATIO: f32 = 1.25;
 /// A pair has to show as many features that stand: fewer are chance.
 const LEAST_STANDING: usize = 3;
 
-/// Features that lie in at least this share of the places of a picture that have any are the picture, and not a graphic on
-/// it.
+/// Features that lie in at least this share of the places of a picture that have any are the
+/// picture, and not a graphic on it.
 pub const WHOLE_PICTURE: f64 = 0.3;
 
 /// Columns and rows of the grid of places.
 const PLACES: (usize, usize) = (16, 9);
 
-/// The features of a picture by where they are: what is asked for are those within [`NEAR_PX`] of a point.
+/// The features of a picture by where they are: what is asked for are those within [`NEAR_PX`] of a
+/// point.
 pub(super) struct Placed<'a> {
     pub features: &'a Features,
     cell_px: f64,
@@ -46,7 +48,9 @@ impl<'a> Placed<'a> {
         let columns = (f64::from(size.width) / cell_px) as usize + 1;
         let rows = (f64::from(size.height) / cell_px) as usize + 1;
         let cell = |keypoint: &Keypoint| {
-            let along = |position: f64, count: usize| ((position / cell_px).max(0.0) as usize).min(count - 1);
+            let along = |position: f64, count: usize| {
+                ((position / cell_px).max(0.0) as usize).min(count - 1)
+            };
             along(keypoint.point.y, rows) * columns + along(keypoint.point.x, columns)
         };
         let mut ends = vec![0; columns * rows];
@@ -60,7 +64,13 @@ impl<'a> Placed<'a> {
         }
         let mut order: Vec<u32> = (0..features.len() as u32).collect();
         order.sort_by_key(|&feature| cell(&features.keypoints[feature as usize]));
-        Self { features, cell_px, columns, ends, order }
+        Self {
+            features,
+            cell_px,
+            columns,
+            ends,
+            order,
+        }
     }
 
     /// The features in the cells around a point.
@@ -72,25 +82,33 @@ impl<'a> Placed<'a> {
         };
         let columns = cells(point.x, self.columns);
         cells(point.y, rows).flat_map(move |row| {
-            let (first, last) = (row * self.columns + columns.start, row * self.columns + columns.end);
+            let (first, last) = (
+                row * self.columns + columns.start,
+                row * self.columns + columns.end,
+            );
             let start = if first == 0 { 0 } else { self.ends[first - 1] };
             let end = if last == 0 { 0 } else { self.ends[last - 1] };
-            self.order[start.min(end)..end].iter().map(|&feature| feature as usize)
+            self.order[start.min(end)..end]
+                .iter()
+                .map(|&feature| feature as usize)
         })
     }
 
-    /// The feature most alike to one of another picture among those near its place, and how far off that is, px.
+    /// The feature most alike to one of another picture among those near its place, and how far off
+    /// that is, px.
     fn most_alike(&self, other: &Features, feature: usize) -> Option<(usize, f64)> {
         let keypoint = &other.keypoints[feature];
         let near_px = NEAR_PX * other.image_size.scale_from_1920();
         let alike = self.around(keypoint.point).filter_map(|near| {
             let candidate = &self.features.keypoints[near];
-            let ratio = candidate.size_px.max(keypoint.size_px) / candidate.size_px.min(keypoint.size_px);
+            let ratio =
+                candidate.size_px.max(keypoint.size_px) / candidate.size_px.min(keypoint.size_px);
             let distance_px = candidate.point.distance_px(keypoint.point);
             if distance_px > near_px || ratio > MAX_SIZE_RATIO {
                 return None;
             }
-            let unlike = self.features.descriptors[near].squared_distance(&other.descriptors[feature]);
+            let unlike =
+                self.features.descriptors[near].squared_distance(&other.descriptors[feature]);
             (unlike <= MAX_SQUARED_DISTANCE).then_some((unlike, near, distance_px))
         });
         let best = alike.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
@@ -98,8 +116,9 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// The features of two pictures that stand still while the rest of the picture moves, by their numbers; none where the
-/// pair does not tell: too few stand, the camera hardly moved, or the pictures differ in size.
+/// The features of two pictures that stand still while the rest of the picture moves, by their
+/// numbers; none where the pair does not tell: too few stand, the camera hardly moved, or the
+/// pictures differ in size.
 pub(super) fn standing_pair(one: &Placed<'_>, other: &Placed<'_>) -> Option<Vec<(usize, usize)>> {
     let (first, second) = (one.features, other.features);
     if first.image_size != second.image_size {
@@ -113,20 +132,25 @@ pub(super) fn standing_pair(one: &Placed<'_>, other: &Placed<'_>) -> Option<Vec<
         })
         .collect();
     let hardly_moved = place_share(
-        near.iter().map(|&(feature, ..)| first.keypoints[feature].point),
+        near.iter()
+            .map(|&(feature, ..)| first.keypoints[feature].point),
         first.keypoints.iter().map(|keypoint| keypoint.point),
         first.image_size,
     );
     if hardly_moved >= WHOLE_PICTURE {
         return None;
     }
-    let standing = near.into_iter().filter(|(.., distance_px)| *distance_px <= standing_px);
-    let standing: Vec<(usize, usize)> = standing.map(|(feature, found, _)| (feature, found)).collect();
+    let standing = near
+        .into_iter()
+        .filter(|(.., distance_px)| *distance_px <= standing_px);
+    let standing: Vec<(usize, usize)> = standing
+        .map(|(feature, found, _)| (feature, found))
+        .collect();
     (standing.len() >= LEAST_STANDING).then_some(standing)
 }
 
-/// The share of the places (cells of a 16 × 9 grid) with any of `all` the points of a picture that have some of them, 0 to 1; 0
-/// where there are none.
+/// The share of the places (cells of a 16 × 9 grid) with any of `all` the points of a picture that
+/// have some of them, 0 to 1; 0 where there are none.
 #[must_use]
 pub fn place_share(
     some: impl IntoIterator<Item = ImagePoint>,
@@ -148,5 +172,9 @@ pub fn place_share(
     }
     let textured = held.iter().filter(|(any, _)| *any).count();
     let shared = held.iter().filter(|(any, some)| *any && *some).count();
-    if textured == 0 { 0.0 } else { shared as f64 / textured as f64 }
+    if textured == 0 {
+        0.0
+    } else {
+        shared as f64 / textured as f64
+    }
 }

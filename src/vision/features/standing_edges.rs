@@ -1,10 +1,12 @@
-//! Graphics that are burnt into pictures, by their edges: an edge that stands at the same pixels with the same direction while the
-//! camera moves belongs to the screen and not to the stadium. Finds what has few features: watermarks, faint ones too, black
-//! boxes, the rims of a ticker whose letters move; and what is shown for a part of the pictures.
+//! Graphics that are burnt into pictures, by their edges: an edge that stands at the same pixels
+//! with the same direction while the camera moves belongs to the screen and not to the stadium.
+//! Finds what has few features: watermarks, faint ones too, black boxes, the rims of a ticker whose
+//! letters move; and what is shown for a part of the pictures.
 //!
-//! What counts at a pixel is how far the mean of its slopes over the pictures is from zero, in standard errors: a faint edge over a
-//! background that changes shows after enough pictures. Only pictures between which the camera moved are counted, for upright
-//! and level edges each by themselves: level edges of boards stand while a camera pans.
+//! What counts at a pixel is how far the mean of its slopes over the pictures is from zero, in
+//! standard errors: a faint edge over a background that changes shows after enough pictures. Only
+//! pictures between which the camera moved are counted, for upright and level edges each by
+//! themselves: level edges of boards stand while a camera pans.
 
 use super::black_bars::black_bars;
 use super::camera_views::camera_views;
@@ -18,18 +20,20 @@ use touchline_core::geometry::PixelBox;
 /// With fewer pictures edges of a crowd stand by chance.
 const LEAST_VIEWS: usize = 6;
 
-/// Besides all pictures, windows of as many neighbours are searched, each half over the next, the largest first.
+/// Besides all pictures, windows of as many neighbours are searched, each half over the next, the
+/// largest first.
 const WINDOWS: [usize; 3] = [32, 16, 8];
 
 /// A window has at least as many views.
 const LEAST_VIEWS_IN_WINDOW: usize = 7;
 
-/// The least mean slope, grey levels over two px, and the least distance of it from zero in standard errors.
+/// The least mean slope, grey levels over two px, and the least distance of it from zero in
+/// standard errors.
 const LEAST_MEAN: f32 = 1.5;
 const LEAST_ERRORS: f32 = 7.0;
 
-/// In all pictures, which may be few, it is also enough that slopes of more than this strength agree in this share of them, each as
-/// far as this share of its strength.
+/// In all pictures, which may be few, it is also enough that slopes of more than this strength
+/// agree in this share of them, each as far as this share of its strength.
 const LEAST_EDGE: f32 = 4.0;
 const AGREEING: f32 = 0.85;
 const ALONG: f32 = 0.7;
@@ -40,12 +44,13 @@ const LEAST_VARIANCE: f32 = 0.25;
 /// It is not shown for a moment in at most so many pictures running.
 const LONGEST_GAP: usize = 1;
 
-/// The least edges of a graphic in all pictures, and in a window: around the point that a slow zoom leaves in its place a few
-/// stand for a while.
+/// The least edges of a graphic in all pictures, and in a window: around the point that a slow zoom
+/// leaves in its place a few stand for a while.
 const LEAST_EDGES: usize = 24;
 const LEAST_EDGES_IN_WINDOW: usize = 150;
 
-/// The least in all pictures where there are fewer views than this: a player whom the camera follows stands on the screen for a second.
+/// The least in all pictures where there are fewer views than this: a player whom the camera
+/// follows stands on the screen for a second.
 const FEW_VIEWS: usize = 12;
 const LEAST_EDGES_IN_FEW: usize = 75;
 
@@ -55,12 +60,15 @@ const LARGEST: f64 = 0.35;
 /// Boxes reach beyond the edges, px of the reduced picture.
 const MARGIN: f64 = 1.5;
 
-/// Finds the graphics that stand in all or some neighbouring ones of the pictures of one camera, in their order of time as far as
-/// they have one; those that are shown longest first. Nothing is found in fewer than six pictures, in pictures that differ in
-/// size, or where the camera turned by a degree or two in all; black bars along the borders are, in two pictures.
+/// Finds the graphics that stand in all or some neighbouring ones of the pictures of one camera, in
+/// their order of time as far as they have one; those that are shown longest first. Nothing is
+/// found in fewer than six pictures, in pictures that differ in size, or where the camera turned by
+/// a degree or two in all; black bars along the borders are, in two pictures.
 #[must_use]
 pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
-    let Some(first) = pictures.first() else { return Vec::new() };
+    let Some(first) = pictures.first() else {
+        return Vec::new();
+    };
     if pictures.iter().any(|picture| picture.size != first.size) {
         return Vec::new();
     }
@@ -77,15 +85,28 @@ pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
         };
         let in_window = EdgeKind::ALL.map(|kind| {
             let of_kind = &views[kind as usize];
-            let within: Vec<usize> = of_kind.iter().copied().filter(|view| window.contains(view)).collect();
-            if within.len() < least_views { Vec::new() } else { within }
+            let within: Vec<usize> = of_kind
+                .iter()
+                .copied()
+                .filter(|view| window.contains(view))
+                .collect();
+            if within.len() < least_views {
+                Vec::new()
+            } else {
+                within
+            }
         });
         for group in joined(&standing_edges(pictures, &in_window, is_part)) {
             if group.edges.len() < least_edges || !group.is_a_box(width) {
                 continue;
             }
-            let Some(graphic) = shown(pictures, &window, group) else { continue };
-            if !found.iter().any(|known: &StandingGraphic| known.is_also(&graphic)) {
+            let Some(graphic) = shown(pictures, &window, group) else {
+                continue;
+            };
+            if !found
+                .iter()
+                .any(|known: &StandingGraphic| known.is_also(&graphic))
+            {
                 found.push(graphic);
             }
         }
@@ -95,21 +116,34 @@ pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
 
 /// All places, and shorter windows of them.
 fn windows(count: usize) -> Vec<Range<usize>> {
-    let shorter = WINDOWS.into_iter().filter(|length| *length < count).flat_map(|length| {
-        let starts = (0..count - length).step_by(length / 2).chain([count - length]);
-        starts.map(move |start| start..start + length)
-    });
+    let shorter = WINDOWS
+        .into_iter()
+        .filter(|length| *length < count)
+        .flat_map(|length| {
+            let starts = (0..count - length)
+                .step_by(length / 2)
+                .chain([count - length]);
+            starts.map(move |start| start..start + length)
+        });
     std::iter::once(0..count).chain(shorter).collect()
 }
 
 /// The edges that stand in the views of each kind.
-fn standing_edges(pictures: &[ReducedPicture], views: &[Vec<usize>; 2], is_part: bool) -> Vec<StandingEdge> {
+fn standing_edges(
+    pictures: &[ReducedPicture],
+    views: &[Vec<usize>; 2],
+    is_part: bool,
+) -> Vec<StandingEdge> {
     let (width, height) = (pictures[0].width, pictures[0].height);
     let rows = 1..height.saturating_sub(1);
     let of_row = |row: usize| {
         (1..width.saturating_sub(1)).filter_map(move |column| {
             EdgeKind::ALL.into_iter().find_map(|kind| {
-                let slopes = || views[kind as usize].iter().map(|&view| pictures[view].slope(column, row).capped(CAP));
+                let slopes = || {
+                    views[kind as usize]
+                        .iter()
+                        .map(|&view| pictures[view].slope(column, row).capped(CAP))
+                };
                 let slope = mean_slope(slopes, is_part).filter(|mean| mean.kind() == kind)?;
                 Some(StandingEdge { column, row, slope })
             })
@@ -120,7 +154,9 @@ fn standing_edges(pictures: &[ReducedPicture], views: &[Vec<usize>; 2], is_part:
 
 /// The mean of slopes that agree; none where they do not.
 fn mean_slope<I: Iterator<Item = Slope>>(slopes: impl Fn() -> I, is_part: bool) -> Option<Slope> {
-    let (sum, count) = slopes().fold((Slope::default(), 0.0_f32), |(sum, count), slope| (sum.plus(slope), count + 1.0));
+    let (sum, count) = slopes().fold((Slope::default(), 0.0_f32), |(sum, count), slope| {
+        (sum.plus(slope), count + 1.0)
+    });
     if count < 2.0 {
         return None;
     }
@@ -130,7 +166,9 @@ fn mean_slope<I: Iterator<Item = Slope>>(slopes: impl Fn() -> I, is_part: bool) 
         return None;
     }
     let direction = mean.unit();
-    let scatter: f32 = slopes().map(|slope| (slope.dot(direction) - strength).powi(2)).sum();
+    let scatter: f32 = slopes()
+        .map(|slope| (slope.dot(direction) - strength).powi(2))
+        .sum();
     let variance = scatter / (count - 1.0) + LEAST_VARIANCE;
     let agrees = |slope: &Slope| {
         let along = slope.dot(direction);
@@ -142,20 +180,40 @@ fn mean_slope<I: Iterator<Item = Slope>>(slopes: impl Fn() -> I, is_part: bool) 
 }
 
 /// A group of edges with the pictures that show it, in and beyond the window in which it was found.
-fn shown(pictures: &[ReducedPicture], window: &Range<usize>, group: EdgeGroup) -> Option<StandingGraphic> {
+fn shown(
+    pictures: &[ReducedPicture],
+    window: &Range<usize>,
+    group: EdgeGroup,
+) -> Option<StandingGraphic> {
     let first = pictures.first()?;
     let step = first.step as f64;
     let [left, top, right, bottom] = group.extents.map(|at| at as f64);
-    let (x, y) = ((step * (left - MARGIN)).max(0.0), (step * (top - MARGIN)).max(0.0));
+    let (x, y) = (
+        (step * (left - MARGIN)).max(0.0),
+        (step * (top - MARGIN)).max(0.0),
+    );
     let to_x = (step * (right + 1.0 + MARGIN)).min(f64::from(first.size.width));
     let to_y = (step * (bottom + 1.0 + MARGIN)).min(f64::from(first.size.height));
-    let pixel_box = PixelBox { x, y, width: to_x - x, height: to_y - y };
+    let pixel_box = PixelBox {
+        x,
+        y,
+        width: to_x - x,
+        height: to_y - y,
+    };
     let area = f64::from(first.size.width) * f64::from(first.size.height);
     if pixel_box.width * pixel_box.height > LARGEST * area {
         return None;
     }
-    let mut graphic = StandingGraphic { pixel_box, first: 0, last: 0, edges: group.edges };
-    let shown: Vec<bool> = pictures.iter().map(|picture| graphic.is_shown_in(picture)).collect();
+    let mut graphic = StandingGraphic {
+        pixel_box,
+        first: 0,
+        last: 0,
+        edges: group.edges,
+    };
+    let shown: Vec<bool> = pictures
+        .iter()
+        .map(|picture| graphic.is_shown_in(picture))
+        .collect();
     let run = longest_run(&shown).filter(|run| run.len() >= LEAST_VIEWS)?;
     // What stands in other pictures than those it was found in was not what was found.
     let in_window = (window.start.max(run.start)..window.end.min(run.end)).len();
@@ -192,7 +250,11 @@ mod tests {
         let mut rgba = Vec::new();
         for y in 0..SIZE.height {
             for x in 0..SIZE.width {
-                let stripes = if (x + y / 2 + shift) % 97 < 40 { 90 } else { 130 };
+                let stripes = if (x + y / 2 + shift) % 97 < 40 {
+                    90
+                } else {
+                    130
+                };
                 let in_bar = (60..300).contains(&x) && (40..80).contains(&y);
                 let letter = in_bar && (50..70).contains(&y) && x % 24 < 10;
                 let faint = (700..860).contains(&x) && (440..500).contains(&y);
@@ -210,7 +272,10 @@ mod tests {
     }
 
     fn pictures(shifts: &[u32], with_graphics: bool) -> Vec<ReducedPicture> {
-        shifts.iter().map(|&shift| picture(shift, with_graphics)).collect()
+        shifts
+            .iter()
+            .map(|&shift| picture(shift, with_graphics))
+            .collect()
     }
 
     const SHIFTS: [u32; 6] = [0, 13, 31, 50, 64, 83];
@@ -218,12 +283,25 @@ mod tests {
     #[test]
     fn a_bar_and_a_faint_box_are_found_as_wide_as_they_are() {
         let found = standing_graphics(&pictures(&SHIFTS, true));
-        let [bar, faint] = &found[..] else { panic!("{found:?}") };
-        for (graphic, [x, y, to_x, to_y]) in [(bar, [60.0, 40.0, 300.0, 80.0]), (faint, [700.0, 440.0, 860.0, 500.0])] {
+        let [bar, faint] = &found[..] else {
+            panic!("{found:?}")
+        };
+        for (graphic, [x, y, to_x, to_y]) in [
+            (bar, [60.0, 40.0, 300.0, 80.0]),
+            (faint, [700.0, 440.0, 860.0, 500.0]),
+        ] {
             let found = graphic.pixel_box;
             assert_eq!((graphic.first, graphic.last), (0, SHIFTS.len() - 1));
-            let off = [found.x - x, found.y - y, found.x + found.width - to_x, found.y + found.height - to_y];
-            assert!(off[0] <= 0.0 && off[1] <= 0.0 && off[2] >= 0.0 && off[3] >= 0.0, "{found:?}");
+            let off = [
+                found.x - x,
+                found.y - y,
+                found.x + found.width - to_x,
+                found.y + found.height - to_y,
+            ];
+            assert!(
+                off[0] <= 0.0 && off[1] <= 0.0 && off[2] >= 0.0 && off[3] >= 0.0,
+                "{found:?}"
+            );
             assert!(off.iter().all(|px| px.abs() < 10.0), "{found:?}");
         }
     }
@@ -232,7 +310,11 @@ mod tests {
     fn what_moves_is_no_graphic_and_neither_is_a_still_camera() {
         assert_eq!(standing_graphics(&pictures(&SHIFTS, false)), []);
         assert_eq!(standing_graphics(&pictures(&[7; 6], true)), []);
-        assert_eq!(standing_graphics(&pictures(&SHIFTS[..3], true)), [], "too few pictures");
+        assert_eq!(
+            standing_graphics(&pictures(&SHIFTS[..3], true)),
+            [],
+            "too few pictures"
+        );
         assert_eq!(standing_graphics(&[]), []);
     }
 }

@@ -3,9 +3,11 @@
 use super::{FrameRef, Picture};
 use lru::LruCache;
 
-/// Keeps decoded frames, and forgets those not used for longest when they take more memory than allowed.
+/// Keeps decoded frames, and forgets those not used for longest when they take more memory than
+/// allowed.
 ///
-/// The frame put in last always stays, even one larger than the whole budget: it is what the user looks at.
+/// The frame put in last always stays, even one larger than the whole budget: it is what the user
+/// looks at.
 #[derive(Debug)]
 pub struct FrameCache {
     budget_bytes: usize,
@@ -17,7 +19,11 @@ impl FrameCache {
     /// An empty cache that keeps up to `budget_bytes` of pixels.
     #[must_use]
     pub fn new(budget_bytes: usize) -> Self {
-        Self { budget_bytes, bytes: 0, frames: LruCache::unbounded() }
+        Self {
+            budget_bytes,
+            bytes: 0,
+            frames: LruCache::unbounded(),
+        }
     }
 
     /// A frame, if it is kept; this counts as a use.
@@ -31,7 +37,8 @@ impl FrameCache {
         self.frames.contains(frame)
     }
 
-    /// Keeps a frame in place of what was kept for it before, and forgets others until the budget holds.
+    /// Keeps a frame in place of what was kept for it before, and forgets others until the budget
+    /// holds.
     pub fn insert(&mut self, frame: FrameRef, picture: Picture) {
         self.bytes += picture.bytes();
         if let Some(before) = self.frames.put(frame, picture) {
@@ -48,7 +55,9 @@ impl FrameCache {
 
     fn keep_budget(&mut self) {
         while self.bytes > self.budget_bytes && self.frames.len() > 1 {
-            let Some((_, oldest)) = self.frames.pop_lru() else { break };
+            let Some((_, oldest)) = self.frames.pop_lru() else {
+                break;
+            };
             self.bytes -= oldest.bytes();
         }
     }
@@ -90,7 +99,10 @@ mod tests {
             cache.insert(frame(index), picture(index as u8));
         }
         cache.set_budget(800);
-        assert_eq!([0, 1, 2].map(|index| cache.contains(&frame(index))), [false, true, true]);
+        assert_eq!(
+            [0, 1, 2].map(|index| cache.contains(&frame(index))),
+            [false, true, true]
+        );
         assert_eq!(cache.budget_bytes(), 800);
     }
 

@@ -16,7 +16,9 @@ pub fn sha256_of_file(path: &Path) -> Result<String, MediaError> {
     let mut digest = Sha256::new();
     let mut block = vec![0; 1 << 16];
     loop {
-        let count = file.read(&mut block).map_err(|error| MediaError::from_io(path, &error))?;
+        let count = file
+            .read(&mut block)
+            .map_err(|error| MediaError::from_io(path, &error))?;
         if count == 0 {
             break;
         }

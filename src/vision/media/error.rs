@@ -180,7 +180,10 @@ impl MediaError {
             io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => Self::Missing { path },
             io::ErrorKind::PermissionDenied => Self::NoPermission { path },
             io::ErrorKind::IsADirectory => Self::NotAFile { path },
-            _ => Self::Unreadable { path, reason: error.to_string() },
+            _ => Self::Unreadable {
+                path,
+                reason: error.to_string(),
+            },
         }
     }
 }
@@ -189,11 +192,15 @@ impl MediaError {
 pub(super) fn open_file(path: &Path) -> Result<std::fs::File, MediaError> {
     let metadata = std::fs::metadata(path).map_err(|error| MediaError::from_io(path, &error))?;
     if !metadata.is_file() {
-        return Err(MediaError::NotAFile { path: path.to_path_buf() });
+        return Err(MediaError::NotAFile {
+            path: path.to_path_buf(),
+        });
     }
     let file = open_named(path).map_err(|error| MediaError::from_io(path, &error))?;
     if metadata.len() == 0 {
-        return Err(MediaError::Empty { path: path.to_path_buf() });
+        return Err(MediaError::Empty {
+            path: path.to_path_buf(),
+        });
     }
     Ok(file)
 }
@@ -204,7 +211,8 @@ mod tests {
 
     #[test]
     fn what_the_system_refuses_is_named() {
-        let message = |kind| MediaError::from_io(Path::new("a.png"), &io::Error::from(kind)).to_string();
+        let message =
+            |kind| MediaError::from_io(Path::new("a.png"), &io::Error::from(kind)).to_string();
         assert_eq!(
             message(io::ErrorKind::PermissionDenied),
             "a.png: no permission to read it; change the permissions of the file or copy it elsewhere"

@@ -9,24 +9,31 @@ pub const IMAGE_EXTENSIONS: [&str; 7] = ["png", "jpg", "jpeg", "tif", "tiff", "b
 /// What a folder holds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FolderListing {
-    /// The image files, `folder` included in their paths, in natural order: `frame9.png` before `frame10.png`.
+    /// The image files, `folder` included in their paths, in natural order: `frame9.png` before
+    /// `frame10.png`.
     pub images: Vec<PathBuf>,
     /// Images left out, with the reason.
     pub notices: Vec<Notice>,
 }
 
-/// The images directly in a folder, known by their endings. Hidden files (a leading dot) and folders are passed over.
+/// The images directly in a folder, known by their endings. Hidden files (a leading dot) and
+/// folders are passed over.
 ///
 /// # Errors
 /// The folder is missing, is not a folder or cannot be read.
 pub fn list_images(folder: &Path) -> Result<FolderListing, MediaError> {
-    let metadata = std::fs::metadata(folder).map_err(|error| MediaError::from_io(folder, &error))?;
+    let metadata =
+        std::fs::metadata(folder).map_err(|error| MediaError::from_io(folder, &error))?;
     if !metadata.is_dir() {
-        return Err(MediaError::NotAFolder { path: folder.to_path_buf() });
+        return Err(MediaError::NotAFolder {
+            path: folder.to_path_buf(),
+        });
     }
     let mut listing = FolderListing::default();
     for entry in std::fs::read_dir(folder).map_err(|error| MediaError::from_io(folder, &error))? {
-        let path = entry.map_err(|error| MediaError::from_io(folder, &error))?.path();
+        let path = entry
+            .map_err(|error| MediaError::from_io(folder, &error))?
+            .path();
         if !has_image_extension(&path) || is_hidden(&path) || path.is_dir() {
             continue;
         }
@@ -37,17 +44,24 @@ pub fn list_images(folder: &Path) -> Result<FolderListing, MediaError> {
         }
     }
     // Names that compare equal naturally ("1.png", "01.png") still need one order.
-    listing.images.sort_by(|a, b| alphanumeric_sort::compare_path(a, b).then_with(|| a.cmp(b)));
+    listing
+        .images
+        .sort_by(|a, b| alphanumeric_sort::compare_path(a, b).then_with(|| a.cmp(b)));
     Ok(listing)
 }
 
 /// Whether a name ends as an image's does.
 pub(super) fn has_image_extension(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| IMAGE_EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known)))
+    path.extension().is_some_and(|extension| {
+        IMAGE_EXTENSIONS
+            .iter()
+            .any(|known| extension.eq_ignore_ascii_case(known))
+    })
 }
 
 fn is_hidden(path: &Path) -> bool {
-    path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
+    path.file_name()
+        .is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
 }
 
 #[cfg(test)]
@@ -55,18 +69,37 @@ mod tests {
     use super::*;
 
     fn names(listing: &FolderListing) -> Vec<String> {
-        listing.images.iter().map(|path| path.file_name().unwrap().to_string_lossy().into_owned()).collect()
+        listing
+            .images
+            .iter()
+            .map(|path| path.file_name().unwrap().to_string_lossy().into_owned())
+            .collect()
     }
 
     #[test]
     fn natural_order_and_only_images() {
         let folder = tempfile::tempdir().unwrap();
-        for name in ["f10.png", "f9.PNG", "f1.jpeg", "._f1.jpeg", "notes.txt", "f2", "f02.webp", "f2.webp", "a.tiff"] {
+        for name in [
+            "f10.png",
+            "f9.PNG",
+            "f1.jpeg",
+            "._f1.jpeg",
+            "notes.txt",
+            "f2",
+            "f02.webp",
+            "f2.webp",
+            "a.tiff",
+        ] {
             std::fs::write(folder.path().join(name), "").unwrap();
         }
         std::fs::create_dir(folder.path().join("folder.png")).unwrap();
         let listing = list_images(folder.path()).unwrap();
-        assert_eq!(names(&listing), ["a.tiff", "f1.jpeg", "f2.webp", "f02.webp", "f9.PNG", "f10.png"]);
+        assert_eq!(
+            names(&listing),
+            [
+                "a.tiff", "f1.jpeg", "f2.webp", "f02.webp", "f9.PNG", "f10.png"
+            ]
+        );
         assert!(listing.notices.is_empty());
     }
 
@@ -75,9 +108,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a.png");
         std::fs::write(&file, "x").unwrap();
-        assert_eq!(list_images(&file).unwrap_err(), MediaError::NotAFolder { path: file });
+        assert_eq!(
+            list_images(&file).unwrap_err(),
+            MediaError::NotAFolder { path: file }
+        );
         let nothing = folder.path().join("nothing");
-        assert_eq!(list_images(&nothing).unwrap_err(), MediaError::Missing { path: nothing });
+        assert_eq!(
+            list_images(&nothing).unwrap_err(),
+            MediaError::Missing { path: nothing }
+        );
     }
 
     #[cfg(target_os = "linux")]
@@ -86,7 +125,11 @@ mod tests {
         use std::os::unix::ffi::OsStrExt;
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("é.png"), "").unwrap();
-        std::fs::write(folder.path().join(std::ffi::OsStr::from_bytes(b"\xff.png")), "").unwrap();
+        std::fs::write(
+            folder.path().join(std::ffi::OsStr::from_bytes(b"\xff.png")),
+            "",
+        )
+        .unwrap();
         let listing = list_images(folder.path()).unwrap();
         assert_eq!(names(&listing), ["é.png"]);
         assert_eq!(

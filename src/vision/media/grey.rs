@@ -20,15 +20,24 @@ fn weighed([red, green, blue, _]: [u8; 4]) -> u32 {
     WEIGHTS[0] * u32::from(red) + WEIGHTS[1] * u32::from(green) + WEIGHTS[2] * u32::from(blue)
 }
 
-/// The picture in grey, every block of `factor` × `factor` px averaged to one; columns and rows that fill no block are
-/// dropped. A corner coordinate of the full picture is `factor` times that of the reduced one.
+/// The picture in grey, every block of `factor` × `factor` px averaged to one; columns and rows
+/// that fill no block are dropped. A corner coordinate of the full picture is `factor` times that
+/// of the reduced one.
 #[must_use]
 pub fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
     let full = picture.size();
     if factor == 1 {
         // Nothing to sum up.
-        let values = picture.rgba().as_chunks::<4>().0.iter().map(|pixel| ((128 + weighed(*pixel)) / 256) as u8);
-        return GreyPicture { size: full, values: values.collect() };
+        let values = picture
+            .rgba()
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .map(|pixel| ((128 + weighed(*pixel)) / 256) as u8);
+        return GreyPicture {
+            size: full,
+            values: values.collect(),
+        };
     }
     let size = ImageSize::new(full.width / factor, full.height / factor);
     let (factor, width) = (factor as usize, size.width as usize);
@@ -36,7 +45,11 @@ pub fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
     let divisor = (factor * factor) as u32 * 256;
     let mut values = Vec::with_capacity(width * size.height as usize);
     let mut sums = vec![0u32; width];
-    for block_row in picture.rgba().chunks_exact((row_bytes * factor).max(1)).take(size.height as usize) {
+    for block_row in picture
+        .rgba()
+        .chunks_exact((row_bytes * factor).max(1))
+        .take(size.height as usize)
+    {
         sums.fill(divisor / 2);
         for row in block_row.chunks_exact(row_bytes) {
             for (sum, block) in sums.iter_mut().zip(row.chunks_exact(4 * factor)) {
@@ -51,12 +64,16 @@ pub fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
 }
 
 impl GreyPicture {
-    /// The grey value at a point (corner convention, px of this picture), linear between the centres of the four pixels around
-    /// it; points outside take the nearest pixel's. 0 for a picture without pixels.
+    /// The grey value at a point (corner convention, px of this picture), linear between the
+    /// centres of the four pixels around it; points outside take the nearest pixel's. 0 for a
+    /// picture without pixels.
     #[must_use]
     pub fn at(&self, point: ImagePoint) -> f64 {
         let width = self.size.width as usize;
-        let (Some(right), Some(bottom)) = (width.checked_sub(1), (self.size.height as usize).checked_sub(1)) else {
+        let (Some(right), Some(bottom)) = (
+            width.checked_sub(1),
+            (self.size.height as usize).checked_sub(1),
+        ) else {
             return 0.0;
         };
         let x = (point.x - 0.5).clamp(0.0, right as f64);
@@ -66,7 +83,8 @@ impl GreyPicture {
         let (next_column, next_row) = ((column + 1).min(right), (row + 1).min(bottom));
         let grey = |row: usize, column: usize| f64::from(self.values[row * width + column]);
         let above = grey(row, column) * (1.0 - share_x) + grey(row, next_column) * share_x;
-        let below = grey(next_row, column) * (1.0 - share_x) + grey(next_row, next_column) * share_x;
+        let below =
+            grey(next_row, column) * (1.0 - share_x) + grey(next_row, next_column) * share_x;
         above * (1.0 - share_y) + below * share_y
     }
 }
@@ -84,17 +102,38 @@ mod tests {
         let picture = Picture::new(ImageSize::new(3, 3), rgba).unwrap();
         let half = grey_reduced(&picture, 2);
         assert_eq!((half.size, half.values), (ImageSize::new(1, 1), vec![15]));
-        assert_eq!(grey_reduced(&picture, 1).values, [0, 10, 99, 20, 30, 99, 7, 7, 7]);
+        assert_eq!(
+            grey_reduced(&picture, 1).values,
+            [0, 10, 99, 20, 30, 99, 7, 7, 7]
+        );
         assert!(grey_reduced(&picture, 4).values.is_empty());
     }
 
     #[test]
     fn between_pixel_centres_grey_is_linear_and_outside_it_is_the_borders() {
-        let grey = GreyPicture { size: ImageSize::new(2, 2), values: vec![0, 100, 40, 200] };
-        for (x, y, value) in [(0.5, 0.5, 0.0), (1.0, 0.5, 50.0), (0.5, 1.0, 20.0), (1.0, 1.0, 85.0), (9.0, -3.0, 100.0)]
-        {
-            assert!((grey.at(ImagePoint::new(x, y)) - value).abs() < 1e-12, "at {x}, {y}");
+        let grey = GreyPicture {
+            size: ImageSize::new(2, 2),
+            values: vec![0, 100, 40, 200],
+        };
+        for (x, y, value) in [
+            (0.5, 0.5, 0.0),
+            (1.0, 0.5, 50.0),
+            (0.5, 1.0, 20.0),
+            (1.0, 1.0, 85.0),
+            (9.0, -3.0, 100.0),
+        ] {
+            assert!(
+                (grey.at(ImagePoint::new(x, y)) - value).abs() < 1e-12,
+                "at {x}, {y}"
+            );
         }
-        assert!(GreyPicture { size: ImageSize::new(0, 0), values: Vec::new() }.at(ImagePoint::default()) == 0.0);
+        assert!(
+            GreyPicture {
+                size: ImageSize::new(0, 0),
+                values: Vec::new()
+            }
+            .at(ImagePoint::default())
+                == 0.0
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! Image files: PNG, JPEG, TIFF, BMP and WebP, known by their content, turned upright as their EXIF data say.
+//! Image files: PNG, JPEG, TIFF, BMP and WebP, known by their content, turned upright as their EXIF
+//! data say.
 
 use super::error::open_file;
 use super::jpeg_end::is_cut_off;
@@ -23,7 +24,10 @@ pub struct ImageLimits {
 
 impl Default for ImageLimits {
     fn default() -> Self {
-        Self { max_side_px: 16_384, max_megapixels: 100 }
+        Self {
+            max_side_px: 16_384,
+            max_megapixels: 100,
+        }
     }
 }
 
@@ -40,7 +44,10 @@ impl ImageLimits {
     /// Refuses a size beyond the limits.
     pub(super) fn check(&self, path: &Path, width: u32, height: u32) -> Result<(), MediaError> {
         let area = u64::from(width) * u64::from(height);
-        if width <= self.max_side_px && height <= self.max_side_px && area <= self.max_megapixels * 1_000_000 {
+        if width <= self.max_side_px
+            && height <= self.max_side_px
+            && area <= self.max_megapixels * 1_000_000
+        {
             return Ok(());
         }
         Err(MediaError::TooLarge {
@@ -55,8 +62,9 @@ impl ImageLimits {
 
 /// Reads an image file with the default [`ImageLimits`].
 ///
-/// The format is known by the content, not by the name's ending. The EXIF orientation is applied, 16-bit and float
-/// channels become 8-bit, grey becomes RGB, transparent pixels are laid over black.
+/// The format is known by the content, not by the name's ending. The EXIF orientation is applied,
+/// 16-bit and float channels become 8-bit, grey becomes RGB, transparent pixels are laid over
+/// black.
 ///
 /// # Errors
 /// The file cannot be read, is no image of a known format, is damaged or too large.
@@ -71,14 +79,17 @@ pub fn load_image(path: &Path) -> Result<Picture, MediaError> {
 pub fn load_image_within(path: &Path, limits: ImageLimits) -> Result<Picture, MediaError> {
     let (format, mut decoder) = open_decoder(path, limits)?;
     if format == ImageFormat::Jpeg {
-        let limit = limits.max_megapixels.saturating_mul(1_000_000 * MAX_BYTES_PER_PX);
+        let limit = limits
+            .max_megapixels
+            .saturating_mul(1_000_000 * MAX_BYTES_PER_PX);
         let bytes = read_named(path, limit).map_err(|error| MediaError::from_io(path, &error))?;
         if is_cut_off(&bytes) {
             return Err(ends_too_early(path));
         }
     }
     let orientation = orientation_of(&mut decoder);
-    let mut image = DynamicImage::from_decoder(decoder).map_err(|error| named(path, limits, &error))?;
+    let mut image =
+        DynamicImage::from_decoder(decoder).map_err(|error| named(path, limits, &error))?;
     image.apply_orientation(orientation);
     let has_alpha = image.color().has_alpha();
     let mut rgba = image.into_rgba8();
@@ -89,17 +100,20 @@ pub fn load_image_within(path: &Path, limits: ImageLimits) -> Result<Picture, Me
     Picture::new(size, rgba.into_raw())
 }
 
-/// The size of an image as [`load_image`] returns it, EXIF orientation applied, without decoding the pixels.
+/// The size of an image as [`load_image`] returns it, EXIF orientation applied, without decoding
+/// the pixels.
 ///
 /// # Errors
-/// The file cannot be read, is no image of a known format or is too large by the default [`ImageLimits`].
+/// The file cannot be read, is no image of a known format or is too large by the default
+/// [`ImageLimits`].
 pub fn image_size(path: &Path) -> Result<ImageSize, MediaError> {
     let (_, mut decoder) = open_decoder(path, ImageLimits::default())?;
     let (width, height) = decoder.dimensions();
     Ok(match orientation_of(&mut decoder) {
-        Orientation::Rotate90 | Orientation::Rotate270 | Orientation::Rotate90FlipH | Orientation::Rotate270FlipH => {
-            ImageSize::new(height, width)
-        }
+        Orientation::Rotate90
+        | Orientation::Rotate270
+        | Orientation::Rotate90FlipH
+        | Orientation::Rotate270FlipH => ImageSize::new(height, width),
         Orientation::NoTransforms
         | Orientation::Rotate180
         | Orientation::FlipHorizontal
@@ -108,30 +122,52 @@ pub fn image_size(path: &Path) -> Result<ImageSize, MediaError> {
 }
 
 /// The format and a decoder that has read the header and found the stated size within the limits.
-fn open_decoder(path: &Path, limits: ImageLimits) -> Result<(ImageFormat, impl ImageDecoder), MediaError> {
-    let all = limits.max_megapixels.saturating_mul(1_000_000 * MAX_BYTES_PER_PX);
+fn open_decoder(
+    path: &Path,
+    limits: ImageLimits,
+) -> Result<(ImageFormat, impl ImageDecoder), MediaError> {
+    let all = limits
+        .max_megapixels
+        .saturating_mul(1_000_000 * MAX_BYTES_PER_PX);
     let open = |max_alloc: u64| {
         let reader = ImageReader::new(BufReader::new(open_file(path)?));
-        let mut reader = reader.with_guessed_format().map_err(|error| MediaError::from_io(path, &error))?;
+        let mut reader = reader
+            .with_guessed_format()
+            .map_err(|error| MediaError::from_io(path, &error))?;
         let Some(format) = reader.format() else {
-            return Err(MediaError::NotAnImage { path: path.to_path_buf() });
+            return Err(MediaError::NotAnImage {
+                path: path.to_path_buf(),
+            });
         };
-        // The size is checked below, with its numbers; this bounds what a decoder allocates before and beside it.
+        // The size is checked below, with its numbers; this bounds what a decoder allocates before
+        // and beside it.
         let mut decoder_limits = Limits::no_limits();
         decoder_limits.max_alloc = Some(max_alloc);
         reader.limits(decoder_limits);
-        let decoder = reader.into_decoder().map_err(|error| named(path, limits, &error))?;
+        let decoder = reader
+            .into_decoder()
+            .map_err(|error| named(path, limits, &error))?;
         Ok((format, decoder))
     };
-    // A colour profile unfolds before the size of a PNG is known, so it is opened with little first.
-    let (format, mut decoder) = open(if is_png(path)? { MAX_METADATA_BYTES } else { all })?;
+    // A colour profile unfolds before the size of a PNG is known, so it is opened with little
+    // first.
+    let (format, mut decoder) = open(if is_png(path)? {
+        MAX_METADATA_BYTES
+    } else {
+        all
+    })?;
     let (width, height) = decoder.dimensions();
     if format == ImageFormat::Png {
-        let pixels = u64::from(width).saturating_mul(u64::from(height)).saturating_mul(MAX_BYTES_PER_PX);
+        let pixels = u64::from(width)
+            .saturating_mul(u64::from(height))
+            .saturating_mul(MAX_BYTES_PER_PX);
         (_, decoder) = open(pixels.saturating_add(MAX_METADATA_BYTES).min(all))?;
     }
     if width == 0 || height == 0 {
-        return Err(MediaError::DamagedImage { path: path.to_path_buf(), reason: format!("{width} × {height} px") });
+        return Err(MediaError::DamagedImage {
+            path: path.to_path_buf(),
+            reason: format!("{width} × {height} px"),
+        });
     }
     limits.check(path, width, height)?;
     Ok((format, decoder))
@@ -140,7 +176,9 @@ fn open_decoder(path: &Path, limits: ImageLimits) -> Result<(ImageFormat, impl I
 /// Whether a file begins as a PNG does.
 fn is_png(path: &Path) -> Result<bool, MediaError> {
     let mut begin = Vec::new();
-    let read = open_file(path)?.take(PNG.len() as u64).read_to_end(&mut begin);
+    let read = open_file(path)?
+        .take(PNG.len() as u64)
+        .read_to_end(&mut begin);
     read.map_err(|error| MediaError::from_io(path, &error))?;
     Ok(begin == PNG)
 }
@@ -163,34 +201,57 @@ fn lay_over_black(rgba: &mut image::RgbaImage) {
 
 /// The error of a decoder as a `MediaError`.
 fn named(path: &Path, limits: ImageLimits, error: &ImageError) -> MediaError {
-    let damaged = |error: &dyn Error| MediaError::DamagedImage { path: path.to_path_buf(), reason: reason(error) };
+    let damaged = |error: &dyn Error| MediaError::DamagedImage {
+        path: path.to_path_buf(),
+        reason: reason(error),
+    };
     match error {
-        ImageError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => ends_too_early(path),
+        ImageError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
+            ends_too_early(path)
+        }
         ImageError::IoError(error) => MediaError::from_io(path, error),
         ImageError::Unsupported(error) => {
             let what = match error.kind() {
-                UnsupportedErrorKind::Format(ImageFormatHint::Exact(format)) => format!("{format:?}").to_uppercase(),
+                UnsupportedErrorKind::Format(ImageFormatHint::Exact(format)) => {
+                    format!("{format:?}").to_uppercase()
+                }
                 _ => reason(error),
             };
-            MediaError::UnsupportedImage { path: path.to_path_buf(), what }
+            MediaError::UnsupportedImage {
+                path: path.to_path_buf(),
+                what,
+            }
         }
-        ImageError::Limits(_) => {
-            MediaError::TooMuchMemory { path: path.to_path_buf(), max_megapixels: limits.max_megapixels }
-        }
+        ImageError::Limits(_) => MediaError::TooMuchMemory {
+            path: path.to_path_buf(),
+            max_megapixels: limits.max_megapixels,
+        },
         ImageError::Decoding(error) => damaged(error),
         ImageError::Encoding(_) | ImageError::Parameter(_) => damaged(error),
     }
 }
 
 fn ends_too_early(path: &Path) -> MediaError {
-    MediaError::DamagedImage { path: path.to_path_buf(), reason: "the file ends too early".to_owned() }
+    MediaError::DamagedImage {
+        path: path.to_path_buf(),
+        reason: "the file ends too early".to_owned(),
+    }
 }
 
 /// The innermost message of an error as one line, without a dumped data structure at its end.
 fn reason(error: &dyn Error) -> String {
-    let innermost = std::iter::successors(Some(error), |&error| error.source()).last().unwrap_or(error);
-    let words = innermost.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
-    let words = words.split(" while decoding ChunkType").next().unwrap_or(&words);
+    let innermost = std::iter::successors(Some(error), |&error| error.source())
+        .last()
+        .unwrap_or(error);
+    let words = innermost
+        .to_string()
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
+    let words = words
+        .split(" while decoding ChunkType")
+        .next()
+        .unwrap_or(&words);
     words.trim_matches(|c| c == '.' || c == '"').to_owned()
 }
 
@@ -228,9 +289,15 @@ mod tests {
     fn depth_grey_and_alpha_become_opaque_rgba() {
         let folder = tempfile::tempdir().unwrap();
         let load = |name: &str, image: DynamicImage| {
-            load_image(&saved(folder.path(), name, image)).unwrap().pixel(0, 0).unwrap()
+            load_image(&saved(folder.path(), name, image))
+                .unwrap()
+                .pixel(0, 0)
+                .unwrap()
         };
-        assert_eq!(load("grey.png", GrayImage::from_pixel(2, 2, Luma([77])).into()), [77, 77, 77, 255]);
+        assert_eq!(
+            load("grey.png", GrayImage::from_pixel(2, 2, Luma([77])).into()),
+            [77, 77, 77, 255]
+        );
         let deep = ImageBuffer::from_pixel(2, 2, Rgb([0xffff_u16, 0x8080, 0]));
         assert_eq!(load("deep.png", deep.clone().into()), [255, 128, 0, 255]);
         assert_eq!(load("deep.tif", deep.into()), [255, 128, 0, 255]);
@@ -281,14 +348,25 @@ mod tests {
             std::fs::write(&path, with_orientation(&jpeg, orientation)).unwrap();
             let picture = load_image(&path).unwrap();
             let size = picture.size();
-            let expected = if (5..=8).contains(&orientation) { (16, 32) } else { (32, 16) };
-            assert_eq!((size.width, size.height), expected, "orientation {orientation}");
+            let expected = if (5..=8).contains(&orientation) {
+                (16, 32)
+            } else {
+                (32, 16)
+            };
+            assert_eq!(
+                (size.width, size.height),
+                expected,
+                "orientation {orientation}"
+            );
             assert_eq!(image_size(&path).unwrap(), size);
             let places = [(1, 1), (size.width - 2, 1), (1, size.height - 2)];
             for ((x, y), corner) in places.into_iter().zip(corners) {
                 let pixel = picture.pixel(x, y).unwrap();
                 let is_near = pixel.iter().zip(corner).all(|(&a, b)| a.abs_diff(b) < 24);
-                assert!(is_near, "orientation {orientation} at {x}, {y}: {pixel:?}, not {corner:?}");
+                assert!(
+                    is_near,
+                    "orientation {orientation} at {x}, {y}: {pixel:?}, not {corner:?}"
+                );
             }
         }
     }
@@ -297,8 +375,27 @@ mod tests {
     fn limits_are_the_callers() {
         let folder = tempfile::tempdir().unwrap();
         let path = saved(folder.path(), "wide.png", RgbImage::new(30, 2));
-        let limits = ImageLimits { max_side_px: 29, max_megapixels: 1 };
-        assert!(matches!(load_image_within(&path, limits), Err(MediaError::TooLarge { width: 30, height: 2, .. })));
-        assert!(load_image_within(&path, ImageLimits { max_side_px: 30, ..limits }).is_ok());
+        let limits = ImageLimits {
+            max_side_px: 29,
+            max_megapixels: 1,
+        };
+        assert!(matches!(
+            load_image_within(&path, limits),
+            Err(MediaError::TooLarge {
+                width: 30,
+                height: 2,
+                ..
+            })
+        ));
+        assert!(
+            load_image_within(
+                &path,
+                ImageLimits {
+                    max_side_px: 30,
+                    ..limits
+                }
+            )
+            .is_ok()
+        );
     }
 }

@@ -7,8 +7,9 @@ const END: u8 = 0xd9;
 
 /// Whether the bytes, which begin as a JPEG does, run out before the marker that ends the picture.
 ///
-/// Segments are stepped over by their lengths, so that a thumbnail inside one does not count (T.81, B.1.1.4); in the
-/// data of a scan 0xff is always followed by a marker, or by 0 where it is data (B.1.1.5).
+/// Segments are stepped over by their lengths, so that a thumbnail inside one does not count (T.81,
+/// B.1.1.4); in the data of a scan 0xff is always followed by a marker, or by 0 where it is data
+/// (B.1.1.5).
 pub(super) fn is_cut_off(bytes: &[u8]) -> bool {
     let mut at = 2;
     while let Some((marker, after)) = next_marker(bytes, at) {
@@ -17,7 +18,8 @@ pub(super) fn is_cut_off(bytes: &[u8]) -> bool {
             // Markers without a segment: restarts, a start, a temporary one, and stuffed data.
             0 | 0x01 | 0xd0..=0xd8 => at = after,
             _ => {
-                let Some(&[high, low]) = bytes.get(after..after + 2).and_then(<[u8]>::first_chunk) else {
+                let Some(&[high, low]) = bytes.get(after..after + 2).and_then(<[u8]>::first_chunk)
+                else {
                     return true;
                 };
                 at = after + usize::from(u16::from_be_bytes([high, low])).max(2);
@@ -27,7 +29,8 @@ pub(super) fn is_cut_off(bytes: &[u8]) -> bool {
     true
 }
 
-/// The next marker at or behind a place and where it ends. Fill bytes (0xff) before a marker belong to it.
+/// The next marker at or behind a place and where it ends. Fill bytes (0xff) before a marker belong
+/// to it.
 fn next_marker(bytes: &[u8], from: usize) -> Option<(u8, usize)> {
     let start = from + bytes.get(from..)?.iter().position(|&byte| byte == 0xff)?;
     let after_fill = start + bytes[start..].iter().position(|&byte| byte != 0xff)?;
@@ -40,9 +43,12 @@ mod tests {
 
     fn jpeg() -> Vec<u8> {
         let mut bytes = std::io::Cursor::new(Vec::new());
-        let picture =
-            image::RgbImage::from_fn(32, 24, |x, y| image::Rgb([(9 * x) as u8, (7 * y) as u8, (x * y) as u8]));
-        picture.write_to(&mut bytes, image::ImageFormat::Jpeg).unwrap();
+        let picture = image::RgbImage::from_fn(32, 24, |x, y| {
+            image::Rgb([(9 * x) as u8, (7 * y) as u8, (x * y) as u8])
+        });
+        picture
+            .write_to(&mut bytes, image::ImageFormat::Jpeg)
+            .unwrap();
         bytes.into_inner()
     }
 
@@ -51,7 +57,11 @@ mod tests {
         let bytes = jpeg();
         assert!(!is_cut_off(&bytes));
         for length in 0..bytes.len() {
-            assert!(is_cut_off(&bytes[..length]), "{length} of {} bytes", bytes.len());
+            assert!(
+                is_cut_off(&bytes[..length]),
+                "{length} of {} bytes",
+                bytes.len()
+            );
         }
     }
 

@@ -28,12 +28,14 @@ pub enum Notice {
         /// The video.
         path: PathBuf,
     },
-    /// Jumping within the video gave other pictures than playing it, so that it is played from its start instead.
+    /// Jumping within the video gave other pictures than playing it, so that it is played from its
+    /// start instead.
     NoJumping {
         /// The video.
         path: PathBuf,
     },
-    /// The pixels of the video are not square; a camera's single focal length does not describe such frames.
+    /// The pixels of the video are not square; a camera's single focal length does not describe
+    /// such frames.
     PixelsNotSquare {
         /// The video.
         path: PathBuf,
@@ -49,14 +51,24 @@ pub enum Notice {
 
 /// The file's own name, for a line that a person reads.
 fn name(path: &Path) -> std::borrow::Cow<'_, str> {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy()
+    path.file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
 }
 
 impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::FramesStated { path, stated, decoded } => {
-                write!(f, "{} states {stated} frames, {decoded} decode. Numbering follows decoded frames.", name(path))
+            Self::FramesStated {
+                path,
+                stated,
+                decoded,
+            } => {
+                write!(
+                    f,
+                    "{} states {stated} frames, {decoded} decode. Numbering follows decoded frames.",
+                    name(path)
+                )
             }
             Self::UnevenFrameTimes { path, fps } => write!(
                 f,
@@ -81,7 +93,11 @@ impl fmt::Display for Notice {
                 name(path)
             ),
             Self::NameNotUtf8 { path } => {
-                write!(f, "{}: left out, its name is not UTF-8. Rename the file to use it.", name(path))
+                write!(
+                    f,
+                    "{}: left out, its name is not UTF-8. Rename the file to use it.",
+                    name(path)
+                )
             }
         }
     }

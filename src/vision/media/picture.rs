@@ -21,9 +21,16 @@ impl Picture {
     /// [`MediaError::WrongLength`] when the buffer does not fit the size.
     pub fn new(size: ImageSize, rgba: Vec<u8>) -> Result<Self, MediaError> {
         if Some(rgba.len()) == byte_count(size) {
-            Ok(Self { size, rgba: Arc::new(rgba) })
+            Ok(Self {
+                size,
+                rgba: Arc::new(rgba),
+            })
         } else {
-            Err(MediaError::WrongLength { bytes: rgba.len(), width: size.width, height: size.height })
+            Err(MediaError::WrongLength {
+                bytes: rgba.len(),
+                width: size.width,
+                height: size.height,
+            })
         }
     }
 
@@ -31,7 +38,10 @@ impl Picture {
     #[must_use]
     pub fn filled(size: ImageSize, colour: [u8; 4]) -> Self {
         let count = size.width as usize * size.height as usize;
-        Self { size, rgba: Arc::new(colour.repeat(count)) }
+        Self {
+            size,
+            rgba: Arc::new(colour.repeat(count)),
+        }
     }
 
     /// Columns and rows.
@@ -65,7 +75,9 @@ impl Picture {
 
 /// The length of an RGBA buffer of this size; none when it cannot be addressed.
 pub(super) fn byte_count(size: ImageSize) -> Option<usize> {
-    (size.width as usize).checked_mul(size.height as usize)?.checked_mul(4)
+    (size.width as usize)
+        .checked_mul(size.height as usize)?
+        .checked_mul(4)
 }
 
 impl fmt::Debug for Picture {
@@ -81,7 +93,10 @@ mod tests {
     #[test]
     fn a_buffer_must_fit_its_size() {
         let error = Picture::new(ImageSize::new(2, 2), vec![0; 15]).unwrap_err();
-        assert_eq!(error.to_string(), "15 bytes are not a picture of 2 × 2 px with 4 bytes each");
+        assert_eq!(
+            error.to_string(),
+            "15 bytes are not a picture of 2 × 2 px with 4 bytes each"
+        );
         assert!(Picture::new(ImageSize::new(u32::MAX, u32::MAX), Vec::new()).is_err());
     }
 

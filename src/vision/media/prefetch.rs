@@ -13,7 +13,8 @@ pub enum StepDirection {
 }
 
 impl StepDirection {
-    /// The direction of a step from one frame to another: unknown when it is no step to a near neighbour.
+    /// The direction of a step from one frame to another: unknown when it is no step to a near
+    /// neighbour.
     #[must_use]
     pub fn of_step(from: usize, to: usize) -> Self {
         const NEAR: usize = 12;
@@ -32,48 +33,78 @@ pub struct PrefetchOptions {
     pub ahead: usize,
     /// How many frames the other way. 2 by default.
     pub behind: usize,
-    /// Frames come cheaply only in rising order, as those of a video do: stepping back, whole blocks of `ahead` frames
-    /// are then decoded from their first frame on, rather than one jump for each. False by default (image files).
+    /// Frames come cheaply only in rising order, as those of a video do: stepping back, whole
+    /// blocks of `ahead` frames are then decoded from their first frame on, rather than one jump
+    /// for each. False by default (image files).
     pub in_blocks: bool,
 }
 
 impl Default for PrefetchOptions {
     fn default() -> Self {
-        Self { ahead: 12, behind: 2, in_blocks: false }
+        Self {
+            ahead: 12,
+            behind: 2,
+            in_blocks: false,
+        }
     }
 }
 
 impl PrefetchOptions {
-    /// The same, but with no more frames than half of a cache holds: 1,080p frames take 8 MB each, 4K frames 33 MB.
+    /// The same, but with no more frames than half of a cache holds: 1,080p frames take 8 MB each,
+    /// 4K frames 33 MB.
     #[must_use]
     pub fn within(self, budget_bytes: usize, picture_bytes: usize) -> Self {
         let room = budget_bytes / 2 / picture_bytes.max(1);
         // Stepping back in blocks keeps two blocks at once.
-        let ahead = if self.in_blocks { room / 2 } else { room.saturating_sub(self.behind.min(room / 2)) };
-        Self { ahead: self.ahead.min(ahead.max(1)), behind: self.behind.min(room / 2), ..self }
+        let ahead = if self.in_blocks {
+            room / 2
+        } else {
+            room.saturating_sub(self.behind.min(room / 2))
+        };
+        Self {
+            ahead: self.ahead.min(ahead.max(1)),
+            behind: self.behind.min(room / 2),
+            ..self
+        }
     }
 }
 
-/// The frames to decode beside `current` of `count` frames, the most urgent first, none twice and never `current`.
+/// The frames to decode beside `current` of `count` frames, the most urgent first, none twice and
+/// never `current`.
 ///
 /// Empty when `current` is not among them.
 #[must_use]
-pub fn prefetch_plan(current: usize, count: usize, direction: StepDirection, options: PrefetchOptions) -> Vec<usize> {
+pub fn prefetch_plan(
+    current: usize,
+    count: usize,
+    direction: StepDirection,
+    options: PrefetchOptions,
+) -> Vec<usize> {
     if current >= count {
         return Vec::new();
     }
-    let later = |frames: usize| (current + 1)..current.saturating_add(1).saturating_add(frames).min(count);
+    let later =
+        |frames: usize| (current + 1)..current.saturating_add(1).saturating_add(frames).min(count);
     let earlier = |frames: usize| (current.saturating_sub(frames)..current).rev();
     match direction {
-        StepDirection::Forward => later(options.ahead).chain(earlier(options.behind)).collect(),
+        StepDirection::Forward => later(options.ahead)
+            .chain(earlier(options.behind))
+            .collect(),
         StepDirection::Backward if options.in_blocks => {
             let block = options.ahead.max(1);
             let own = current / block * block;
             let before = own.saturating_sub(block)..own;
-            (own..current).chain(before).chain(later(options.behind)).collect()
+            (own..current)
+                .chain(before)
+                .chain(later(options.behind))
+                .collect()
         }
-        StepDirection::Backward => earlier(options.ahead).chain(later(options.behind)).collect(),
-        StepDirection::Unknown => later(options.ahead.div_ceil(2)).chain(earlier(options.behind)).collect(),
+        StepDirection::Backward => earlier(options.ahead)
+            .chain(later(options.behind))
+            .collect(),
+        StepDirection::Unknown => later(options.ahead.div_ceil(2))
+            .chain(earlier(options.behind))
+            .collect(),
     }
 }
 
@@ -82,23 +113,43 @@ mod tests {
     use super::*;
     use StepDirection::{Backward, Forward, Unknown};
 
-    const SINGLE: PrefetchOptions = PrefetchOptions { ahead: 4, behind: 2, in_blocks: false };
-    const BLOCKS: PrefetchOptions = PrefetchOptions { ahead: 4, behind: 1, in_blocks: true };
+    const SINGLE: PrefetchOptions = PrefetchOptions {
+        ahead: 4,
+        behind: 2,
+        in_blocks: false,
+    };
+    const BLOCKS: PrefetchOptions = PrefetchOptions {
+        ahead: 4,
+        behind: 1,
+        in_blocks: true,
+    };
 
     #[test]
     fn the_nearest_in_the_direction_come_first() {
-        assert_eq!(prefetch_plan(10, 100, Forward, SINGLE), [11, 12, 13, 14, 9, 8]);
-        assert_eq!(prefetch_plan(10, 100, Backward, SINGLE), [9, 8, 7, 6, 11, 12]);
+        assert_eq!(
+            prefetch_plan(10, 100, Forward, SINGLE),
+            [11, 12, 13, 14, 9, 8]
+        );
+        assert_eq!(
+            prefetch_plan(10, 100, Backward, SINGLE),
+            [9, 8, 7, 6, 11, 12]
+        );
         assert_eq!(prefetch_plan(10, 100, Unknown, SINGLE), [11, 12, 9, 8]);
     }
 
     #[test]
     fn back_through_a_video_in_blocks_of_rising_frames() {
-        assert_eq!(prefetch_plan(10, 100, Backward, BLOCKS), [8, 9, 4, 5, 6, 7, 11]);
+        assert_eq!(
+            prefetch_plan(10, 100, Backward, BLOCKS),
+            [8, 9, 4, 5, 6, 7, 11]
+        );
         // A step within a block asks for nothing new.
         assert_eq!(prefetch_plan(9, 100, Backward, BLOCKS), [8, 4, 5, 6, 7, 10]);
         assert_eq!(prefetch_plan(8, 100, Backward, BLOCKS), [4, 5, 6, 7, 9]);
-        assert_eq!(prefetch_plan(7, 100, Backward, BLOCKS), [4, 5, 6, 0, 1, 2, 3, 8]);
+        assert_eq!(
+            prefetch_plan(7, 100, Backward, BLOCKS),
+            [4, 5, 6, 0, 1, 2, 3, 8]
+        );
     }
 
     #[test]
@@ -139,7 +190,8 @@ mod tests {
         fn the_plan_fits_half_the_cache(budget in 0_usize..1000, picture in 1_usize..100, current in 0_usize..200, in_blocks: bool, which in 0_usize..3) {
             let options = PrefetchOptions { in_blocks, ..PrefetchOptions::default() }.within(budget, picture);
             let plan = prefetch_plan(current, 200, [Forward, Backward, Unknown][which], options);
-            // One neighbour is fetched however small the budget; whole blocks overhang by their part already shown.
+            // One neighbour is fetched however small the budget; whole blocks overhang by their
+            // part already shown.
             let room = (budget / 2 / picture).max(2);
             assert!(plan.len() <= room + options.behind + 1, "{} frames in room for {room}", plan.len());
         }

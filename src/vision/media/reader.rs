@@ -30,7 +30,8 @@ impl<R: ReadFrames + ?Sized> ReadFrames for &mut R {
     }
 }
 
-/// Fetches frames of images and videos. Belongs to one thread: a video's decoder stands at one place at a time.
+/// Fetches frames of images and videos. Belongs to one thread: a video's decoder stands at one
+/// place at a time.
 pub struct FrameReader {
     /// The videos used last, the latest at the end.
     videos: Vec<Video>,
@@ -57,11 +58,17 @@ impl FrameReader {
         Self::default()
     }
 
-    /// A reader that reports to `counting` while it counts the frames of a video: see [`Video::open_with_progress`]. Where that is
-    /// cancelled the video is not opened; the next read tries again.
+    /// A reader that reports to `counting` while it counts the frames of a video: see
+    /// [`Video::open_with_progress`]. Where that is cancelled the video is not opened; the next
+    /// read tries again.
     #[must_use]
     pub fn with_progress(counting: Progress<'static, CountProgress>) -> Self {
-        Self { videos: Vec::new(), noticed: BTreeSet::new(), notices: Vec::new(), counting }
+        Self {
+            videos: Vec::new(),
+            noticed: BTreeSet::new(),
+            notices: Vec::new(),
+            counting,
+        }
     }
 
     /// The pixels of a frame.
@@ -89,7 +96,11 @@ impl FrameReader {
     }
 
     fn video(&mut self, path: &Path) -> Result<&mut Video, MediaError> {
-        let video = match self.videos.iter().position(|video| *video.info().path == *path) {
+        let video = match self
+            .videos
+            .iter()
+            .position(|video| *video.info().path == *path)
+        {
             Some(at) => self.videos.remove(at),
             None => Video::open_with_progress(path, &self.counting.renew())?,
         };

@@ -1,7 +1,9 @@
 //! Where the frames of a project come from, and how one of them is named.
 
 use super::folder::has_image_extension;
-use super::{CountProgress, FolderListing, MediaError, Notice, Video, VideoInfo, image_size, list_images};
+use super::{
+    CountProgress, FolderListing, MediaError, Notice, Video, VideoInfo, image_size, list_images,
+};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -32,7 +34,10 @@ impl FrameRef {
     /// Frame `index`, from 0, of a video.
     #[must_use]
     pub fn video(path: impl Into<Arc<Path>>, index: usize) -> Self {
-        Self::Video { path: path.into(), index }
+        Self::Video {
+            path: path.into(),
+            index,
+        }
     }
 
     /// The file that holds the frame.
@@ -43,15 +48,22 @@ impl FrameRef {
         }
     }
 
-    /// What stands for the hash of a video's frame: hashing a match takes minutes, so path, length and time of the file do. None
-    /// for an image, and where the file is out of reach.
+    /// What stands for the hash of a video's frame: hashing a match takes minutes, so path, length
+    /// and time of the file do. None for an image, and where the file is out of reach.
     #[must_use]
     pub fn video_identity(&self) -> Option<String> {
-        let Self::Video { path, index } = self else { return None };
+        let Self::Video { path, index } = self else {
+            return None;
+        };
         let metadata = std::fs::metadata(path).ok()?;
         let modified = metadata.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
         let path = path.canonicalize().ok()?;
-        Some(format!("{}|{}|{}|{index}", path.display(), metadata.len(), modified.as_nanos()))
+        Some(format!(
+            "{}|{}|{}|{index}",
+            path.display(),
+            metadata.len(),
+            modified.as_nanos()
+        ))
     }
 }
 
@@ -74,7 +86,8 @@ pub enum FrameSource {
 }
 
 impl FrameSource {
-    /// Opens a folder of images, a single image or a video. Blocks while a video's frames are counted.
+    /// Opens a folder of images, a single image or a video. Blocks while a video's frames are
+    /// counted.
     ///
     /// # Errors
     /// Those of [`list_images`], [`image_size`] and [`Video::open`].
@@ -82,19 +95,24 @@ impl FrameSource {
         Self::open_with_progress(path, &Progress::default())
     }
 
-    /// Opens as [`FrameSource::open`] does; `progress` hears how far the counting of a video's frames has come, and may cancel
-    /// it.
+    /// Opens as [`FrameSource::open`] does; `progress` hears how far the counting of a video's
+    /// frames has come, and may cancel it.
     ///
     /// # Errors
     /// As [`FrameSource::open`]; [`MediaError::Stopped`] when `progress` cancelled it.
-    pub fn open_with_progress(path: &Path, progress: &Progress<'_, CountProgress>) -> Result<Self, MediaError> {
+    pub fn open_with_progress(
+        path: &Path,
+        progress: &Progress<'_, CountProgress>,
+    ) -> Result<Self, MediaError> {
         if path.is_dir() {
             Ok(Self::Folder(list_images(path)?))
         } else if has_image_extension(path) {
             image_size(path)?;
             Ok(vec![path.to_path_buf()].into())
         } else {
-            Ok(Self::Video(Video::open_with_progress(path, progress)?.info().clone()))
+            Ok(Self::Video(
+                Video::open_with_progress(path, progress)?.info().clone(),
+            ))
         }
     }
 
@@ -117,10 +135,14 @@ impl FrameSource {
     #[must_use]
     pub fn frame(&self, index: usize) -> Option<FrameRef> {
         match self {
-            Self::Folder(listing) => listing.images.get(index).map(|path| FrameRef::image(path.as_path())),
-            Self::Video(info) => {
-                (index < info.decoded_frames).then(|| FrameRef::Video { path: Arc::clone(&info.path), index })
-            }
+            Self::Folder(listing) => listing
+                .images
+                .get(index)
+                .map(|path| FrameRef::image(path.as_path())),
+            Self::Video(info) => (index < info.decoded_frames).then(|| FrameRef::Video {
+                path: Arc::clone(&info.path),
+                index,
+            }),
         }
     }
 
@@ -137,7 +159,10 @@ impl FrameSource {
 /// Images in an order of the caller's.
 impl From<Vec<PathBuf>> for FrameSource {
     fn from(images: Vec<PathBuf>) -> Self {
-        Self::Folder(FolderListing { images, notices: Vec::new() })
+        Self::Folder(FolderListing {
+            images,
+            notices: Vec::new(),
+        })
     }
 }
 
@@ -149,15 +174,26 @@ mod tests {
     fn a_folder_and_a_single_image() {
         let folder = tempfile::tempdir().unwrap();
         for name in ["10.png", "9.png"] {
-            image::RgbImage::new(2, 2).save(folder.path().join(name)).unwrap();
+            image::RgbImage::new(2, 2)
+                .save(folder.path().join(name))
+                .unwrap();
         }
         let source = FrameSource::open(folder.path()).unwrap();
         assert_eq!(source.len(), 2);
-        assert_eq!(source.frame(0), Some(FrameRef::image(folder.path().join("9.png"))));
+        assert_eq!(
+            source.frame(0),
+            Some(FrameRef::image(folder.path().join("9.png")))
+        );
         assert_eq!(source.frame(2), None);
         let single = FrameSource::open(&folder.path().join("10.png")).unwrap();
-        assert_eq!((single.len(), single.is_empty(), single.notices()), (1, false, [].as_slice()));
+        assert_eq!(
+            (single.len(), single.is_empty(), single.notices()),
+            (1, false, [].as_slice())
+        );
         let missing = folder.path().join("11.png");
-        assert_eq!(FrameSource::open(&missing).unwrap_err(), MediaError::Missing { path: missing });
+        assert_eq!(
+            FrameSource::open(&missing).unwrap_err(),
+            MediaError::Missing { path: missing }
+        );
     }
 }

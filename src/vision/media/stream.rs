@@ -4,10 +4,12 @@ use super::{FrameReader, FrameRef, MediaError, Picture, ReadFrames};
 use std::fmt;
 use touchline_core::progress::{Progress, Share};
 
-/// Reads a list of frames in its order: the frames of a clip, every tenth frame of a video, the images of a folder.
+/// Reads a list of frames in its order: the frames of a clip, every tenth frame of a video, the
+/// images of a folder.
 ///
-/// Each frame is read once, when it is asked for, and is the same picture that [`FrameReader::read`] gives for it. A frame that cannot
-/// be read is an item like any other, so that its receiver decides what to make of it. The stream has a decoder of its own, unless it
+/// Each frame is read once, when it is asked for, and is the same picture that
+/// [`FrameReader::read`] gives for it. A frame that cannot be read is an item like any other, so
+/// that its receiver decides what to make of it. The stream has a decoder of its own, unless it
 /// [borrows one](Self::with_reader); a video is read in order without a seek where no other reads with that decoder meanwhile.
 ///
 /// The stream reports to its progress before each frame, and ends early where that cancels it.
@@ -33,23 +35,37 @@ impl<'a, I: ExactSizeIterator<Item = FrameRef>> FrameStream<'a, I> {
     #[must_use]
     pub fn new(frames: impl IntoIterator<IntoIter = I>) -> Self {
         let frames = frames.into_iter();
-        let asked = Share { done: 0, of: frames.len() };
-        Self { reader: Box::new(FrameReader::new()), frames, progress: Progress::default(), asked }
+        let asked = Share {
+            done: 0,
+            of: frames.len(),
+        };
+        Self {
+            reader: Box::new(FrameReader::new()),
+            frames,
+            progress: Progress::default(),
+            asked,
+        }
     }
 
-    /// Reads with a decoder that others use before and after: a video that it has open is not opened again.
+    /// Reads with a decoder that others use before and after: a video that it has open is not
+    /// opened again.
     #[must_use]
     pub fn with_reader(self, reader: impl ReadFrames + 'a) -> Self {
-        Self { reader: Box::new(reader), ..self }
+        Self {
+            reader: Box::new(reader),
+            ..self
+        }
     }
 
-    /// Reports how many frames are done before each one is read. Where that is cancelled there is no further frame.
+    /// Reports how many frames are done before each one is read. Where that is cancelled there is
+    /// no further frame.
     #[must_use]
     pub fn with_progress(self, progress: Progress<'a, Share>) -> Self {
         Self { progress, ..self }
     }
 
-    /// Reads the next frame while `work` runs on another thread. `work` is done when this returns, even if there is no further frame.
+    /// Reads the next frame while `work` runs on another thread. `work` is done when this returns,
+    /// even if there is no further frame.
     pub fn next_during(&mut self, work: impl FnOnce() + Send) -> Option<StreamedFrame> {
         rayon::in_place_scope(|scope| {
             scope.spawn(|_| work());
@@ -91,7 +107,8 @@ mod tests {
     use std::sync::atomic::{AtomicBool, Ordering};
     use touchline_core::geometry::ImageSize;
 
-    /// Gives a picture for each frame of a video but those of some numbers, and remembers in which order they were asked for.
+    /// Gives a picture for each frame of a video but those of some numbers, and remembers in which
+    /// order they were asked for.
     #[derive(Default)]
     struct Numbered {
         damaged: Vec<usize>,
@@ -100,17 +117,27 @@ mod tests {
 
     impl ReadFrames for Numbered {
         fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
-            let FrameRef::Video { path, index } = frame else { panic!("{frame}") };
+            let FrameRef::Video { path, index } = frame else {
+                panic!("{frame}")
+            };
             self.asked.push(*index);
             if self.damaged.contains(index) {
-                return Err(MediaError::Missing { path: path.to_path_buf() });
+                return Err(MediaError::Missing {
+                    path: path.to_path_buf(),
+                });
             }
-            Ok(Picture::filled(ImageSize::new(4, 4), [*index as u8, 0, 0, 255]))
+            Ok(Picture::filled(
+                ImageSize::new(4, 4),
+                [*index as u8, 0, 0, 255],
+            ))
         }
     }
 
     fn frames(numbers: &[usize]) -> Vec<FrameRef> {
-        numbers.iter().map(|number| FrameRef::video(Path::new("match.mp4"), *number)).collect()
+        numbers
+            .iter()
+            .map(|number| FrameRef::video(Path::new("match.mp4"), *number))
+            .collect()
     }
 
     /// What a picture shows; none where it could not be read.
@@ -132,10 +159,21 @@ mod tests {
 
     #[test]
     fn a_frame_that_cannot_be_read_is_an_item_and_the_next_one_follows() {
-        let mut reader = Numbered { damaged: vec![1], ..Numbered::default() };
-        let streamed: Vec<StreamedFrame> = FrameStream::new(frames(&[0, 1, 2])).with_reader(&mut reader).collect();
-        assert_eq!(streamed.iter().map(number_in).collect::<Vec<_>>(), [Some(0), None, Some(2)]);
-        assert_eq!(streamed[1].source, FrameRef::video(Path::new("match.mp4"), 1));
+        let mut reader = Numbered {
+            damaged: vec![1],
+            ..Numbered::default()
+        };
+        let streamed: Vec<StreamedFrame> = FrameStream::new(frames(&[0, 1, 2]))
+            .with_reader(&mut reader)
+            .collect();
+        assert_eq!(
+            streamed.iter().map(number_in).collect::<Vec<_>>(),
+            [Some(0), None, Some(2)]
+        );
+        assert_eq!(
+            streamed[1].source,
+            FrameRef::video(Path::new("match.mp4"), 1)
+        );
     }
 
     #[test]
@@ -143,10 +181,22 @@ mod tests {
         let (steps, mut reader) = (Mutex::new(Vec::new()), Numbered::default());
         let progress = Progress::new(|Share { done, of }| {
             steps.lock().unwrap().push([done, of]);
-            if done == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if done == 2 {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         });
-        let mut stream = FrameStream::new(frames(&[4, 5, 6, 7])).with_reader(&mut reader).with_progress(progress);
-        assert_eq!(stream.by_ref().filter_map(|frame| number_in(&frame)).collect::<Vec<_>>(), [4, 5]);
+        let mut stream = FrameStream::new(frames(&[4, 5, 6, 7]))
+            .with_reader(&mut reader)
+            .with_progress(progress);
+        assert_eq!(
+            stream
+                .by_ref()
+                .filter_map(|frame| number_in(&frame))
+                .collect::<Vec<_>>(),
+            [4, 5]
+        );
         assert!(stream.next().is_none(), "it does not begin again");
         drop(stream);
         assert_eq!(*steps.lock().unwrap(), [[0, 4], [1, 4], [2, 4]]);
@@ -168,10 +218,18 @@ mod tests {
     fn images_are_read_with_a_reader_of_its_own() {
         let folder = tempfile::tempdir().unwrap();
         let paths = ["a.png", "b.png"].map(|name| folder.path().join(name));
-        image::RgbImage::from_pixel(2, 2, image::Rgb([8, 0, 0])).save(&paths[0]).unwrap();
+        image::RgbImage::from_pixel(2, 2, image::Rgb([8, 0, 0]))
+            .save(&paths[0])
+            .unwrap();
         let streamed: Vec<StreamedFrame> =
-            FrameStream::new(paths.each_ref().map(|path| FrameRef::image(path.as_path()))).collect();
+            FrameStream::new(paths.each_ref().map(|path| FrameRef::image(path.as_path())))
+                .collect();
         assert_eq!(number_in(&streamed[0]), Some(8));
-        assert_eq!(streamed[1].picture, Err(MediaError::Missing { path: paths[1].clone() }));
+        assert_eq!(
+            streamed[1].picture,
+            Err(MediaError::Missing {
+                path: paths[1].clone()
+            })
+        );
     }
 }

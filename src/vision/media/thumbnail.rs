@@ -12,31 +12,41 @@ const BLACK: [u8; 4] = [0, 0, 0, 255];
 /// The size of a thumbnail in the filmstrip, px.
 pub const THUMBNAIL_SIZE: ImageSize = ImageSize::new(160, 90);
 
-/// A picture scaled to fit into `size` and centred on black. A picture that is small enough is not enlarged.
+/// A picture scaled to fit into `size` and centred on black. A picture that is small enough is not
+/// enlarged.
 #[must_use]
 pub fn letterboxed(picture: &Picture, size: ImageSize) -> Picture {
     let inner = fitted(picture.size(), size);
-    let (left, top) = ((size.width - inner.width) / 2, (size.height - inner.height) / 2);
+    let (left, top) = (
+        (size.width - inner.width) / 2,
+        (size.height - inner.height) / 2,
+    );
     let mut rgba = Vec::with_capacity(4 * size.width as usize * size.height as usize);
     for y in 0..size.height {
         for x in 0..size.width {
-            let inside =
-                x.checked_sub(left).zip(y.checked_sub(top)).filter(|&(x, y)| x < inner.width && y < inner.height);
+            let inside = x
+                .checked_sub(left)
+                .zip(y.checked_sub(top))
+                .filter(|&(x, y)| x < inner.width && y < inner.height);
             rgba.extend(inside.map_or(BLACK, |(x, y)| mean_below(picture, inner, x, y)));
         }
     }
     Picture::new(size, rgba).unwrap_or_else(|_| Picture::filled(size, BLACK))
 }
 
-/// The mean of the pixels that one pixel of a smaller picture covers: of all of them up to [`SAMPLES`] in each
-/// direction, else of about as many, evenly spread.
+/// The mean of the pixels that one pixel of a smaller picture covers: of all of them up to
+/// [`SAMPLES`] in each direction, else of about as many, evenly spread.
 fn mean_below(picture: &Picture, small: ImageSize, x: u32, y: u32) -> [u8; 4] {
     let mut sum = [0_u32; 3];
     let mut count = 0;
     for row in covered(y, small.height, picture.size().height) {
         for column in covered(x, small.width, picture.size().width) {
             let [red, green, blue, _] = picture.pixel(column, row).unwrap_or(BLACK);
-            sum = [sum[0] + u32::from(red), sum[1] + u32::from(green), sum[2] + u32::from(blue)];
+            sum = [
+                sum[0] + u32::from(red),
+                sum[1] + u32::from(green),
+                sum[2] + u32::from(blue),
+            ];
             count += 1;
         }
     }
@@ -53,8 +63,13 @@ fn covered(at: u32, small: u32, large: u32) -> StepBy<Range<u32>> {
 
 /// The largest size of the shape of `inner` that fits into `outer`, at most `inner` itself.
 fn fitted(inner: ImageSize, outer: ImageSize) -> ImageSize {
-    let (width, height) = (f64::from(inner.width.max(1)), f64::from(inner.height.max(1)));
-    let scale = (f64::from(outer.width) / width).min(f64::from(outer.height) / height).min(1.0);
+    let (width, height) = (
+        f64::from(inner.width.max(1)),
+        f64::from(inner.height.max(1)),
+    );
+    let scale = (f64::from(outer.width) / width)
+        .min(f64::from(outer.height) / height)
+        .min(1.0);
     let side = |length: f64, limit: u32| ((length * scale).round().max(1.0) as u32).min(limit);
     ImageSize::new(side(width, outer.width), side(height, outer.height))
 }
@@ -67,7 +82,10 @@ mod tests {
 
     #[test]
     fn a_square_stands_between_two_black_bars() {
-        let small = letterboxed(&Picture::filled(ImageSize::new(900, 900), WHITE), THUMBNAIL_SIZE);
+        let small = letterboxed(
+            &Picture::filled(ImageSize::new(900, 900), WHITE),
+            THUMBNAIL_SIZE,
+        );
         assert_eq!(small.size(), THUMBNAIL_SIZE);
         assert_eq!(small.pixel(34, 45), Some(BLACK));
         assert_eq!(small.pixel(35, 45), Some(WHITE));
@@ -77,19 +95,38 @@ mod tests {
 
     #[test]
     fn a_pixel_is_the_mean_of_what_it_covers() {
-        let stripes = (0..320 * 180).flat_map(|pixel| if pixel % 2 == 0 { WHITE } else { BLACK }).collect();
-        let small = letterboxed(&Picture::new(ImageSize::new(320, 180), stripes).unwrap(), THUMBNAIL_SIZE);
-        assert!(small.rgba().chunks(4).all(|pixel| pixel == [128, 128, 128, 255]));
+        let stripes = (0..320 * 180)
+            .flat_map(|pixel| if pixel % 2 == 0 { WHITE } else { BLACK })
+            .collect();
+        let small = letterboxed(
+            &Picture::new(ImageSize::new(320, 180), stripes).unwrap(),
+            THUMBNAIL_SIZE,
+        );
+        assert!(
+            small
+                .rgba()
+                .chunks(4)
+                .all(|pixel| pixel == [128, 128, 128, 255])
+        );
     }
 
     #[test]
     fn extreme_shapes_keep_one_pixel() {
         for (width, height) in [(1, 10_000), (10_000, 1), (1, 1), (160, 90)] {
-            let small = letterboxed(&Picture::filled(ImageSize::new(width, height), WHITE), THUMBNAIL_SIZE);
+            let small = letterboxed(
+                &Picture::filled(ImageSize::new(width, height), WHITE),
+                THUMBNAIL_SIZE,
+            );
             assert_eq!(small.size(), THUMBNAIL_SIZE);
-            assert!(small.rgba().chunks(4).any(|pixel| pixel == WHITE), "{width} × {height}");
+            assert!(
+                small.rgba().chunks(4).any(|pixel| pixel == WHITE),
+                "{width} × {height}"
+            );
         }
-        let none = letterboxed(&Picture::filled(ImageSize::new(0, 0), WHITE), THUMBNAIL_SIZE);
+        let none = letterboxed(
+            &Picture::filled(ImageSize::new(0, 0), WHITE),
+            THUMBNAIL_SIZE,
+        );
         assert!(none.rgba().chunks(4).all(|pixel| pixel == BLACK));
     }
 }

@@ -4,7 +4,8 @@ use super::GroundPicture;
 use touchline_core::geometry::{ImagePoint, Vec2};
 use touchline_core::markings::LineSample;
 
-/// The width that optics and compression give to a line without any, px (full width at half height).
+/// The width that optics and compression give to a line without any, px (full width at half
+/// height).
 const BLUR_PX: f64 = 1.8;
 
 /// The ground beside the paint is looked at from this far beyond its edge, px.
@@ -20,8 +21,8 @@ pub struct Ridge {
     pub offset_px: f64,
     /// Its width between the places where half the contrast is reached, px.
     pub width_px: f64,
-    /// How much brighter it is than the brighter of its sides, grey levels; on a floor, how far its colour is from all that its
-    /// sides mix.
+    /// How much brighter it is than the brighter of its sides, grey levels; on a floor, how far its
+    /// colour is from all that its sides mix.
     pub contrast: f64,
 }
 
@@ -34,14 +35,26 @@ pub(super) struct Across {
     pub normal: Vec2,
     /// How wide the paint should be, px.
     pub width_px: f64,
-    /// Which way leads out of the playing area, where the ground may end: 1 along the normal, −1 against it, else 0.
+    /// Which way leads out of the playing area, where the ground may end: 1 along the normal, −1
+    /// against it, else 0.
     pub outward: f64,
 }
 
 impl From<&LineSample> for Across {
     fn from(sample: &LineSample) -> Self {
-        let LineSample { image, normal, width_px, outward, .. } = *sample;
-        Self { at: image, normal, width_px, outward }
+        let LineSample {
+            image,
+            normal,
+            width_px,
+            outward,
+            ..
+        } = *sample;
+        Self {
+            at: image,
+            normal,
+            width_px,
+            outward,
+        }
     }
 }
 
@@ -51,7 +64,8 @@ impl Across {
         (0.6 * self.width_px).max(2.5)
     }
 
-    /// From where to where beside the middle of the paint the ground is that it is compared with, px.
+    /// From where to where beside the middle of the paint the ground is that it is compared with,
+    /// px.
     pub fn beside_px(&self) -> (f64, f64) {
         let near_px = 0.5 * self.width_px + GAP_PX;
         (near_px, near_px + self.band_px())
@@ -73,12 +87,17 @@ impl Across {
     }
 }
 
-/// Whether most of what lies beside a ridge has the ground's colours, on every side that belongs to the playing area.
+/// Whether most of what lies beside a ridge has the ground's colours, on every side that belongs to
+/// the playing area.
 pub(super) fn is_on_ground(ground: &GroundPicture, across: &Across, ridge: &Ridge) -> bool {
-    let mut sides = [-1.0, 1.0].into_iter().filter(|sign| sign * across.outward <= 0.0);
+    let mut sides = [-1.0, 1.0]
+        .into_iter()
+        .filter(|sign| sign * across.outward <= 0.0);
     sides.all(|sign| {
         let on_ground = COLOUR_PX.into_iter().filter(|beyond_px| {
-            ground.is_ground(across.point(ridge.offset_px + sign * (0.5 * ridge.width_px + beyond_px)))
+            ground.is_ground(
+                across.point(ridge.offset_px + sign * (0.5 * ridge.width_px + beyond_px)),
+            )
         });
         2 * on_ground.count() > COLOUR_PX.len()
     })

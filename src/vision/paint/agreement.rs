@@ -31,7 +31,10 @@ pub(super) struct PaintedCells<'a> {
 impl<'a> PaintedCells<'a> {
     pub fn of(strokes: &'a Strokes) -> Self {
         let points = strokes.points.iter().map(|point| (point.at, point.normal));
-        Self { strokes, cells: DirectedCells::of(strokes.size(), points) }
+        Self {
+            strokes,
+            cells: DirectedCells::of(strokes.size(), points),
+        }
     }
 
     /// How far they agree with a camera's lines.
@@ -39,12 +42,25 @@ impl<'a> PaintedCells<'a> {
         let strokes = self.strokes;
         let size = strokes.size();
         let scale = size.scale_from_1920();
-        let options = SampleOptions { spacing_px: SPACING_PX * scale, ..SampleOptions::default() };
+        let options = SampleOptions {
+            spacing_px: SPACING_PX * scale,
+            ..SampleOptions::default()
+        };
         let samples = sample_lines(field, camera, size, &options);
-        let predicted = DirectedCells::of(size, samples.iter().map(|sample| (sample.image, sample.normal)));
-        let open = samples.iter().filter(|sample| strokes.shown(sample.image) != Shown::Other);
+        let predicted = DirectedCells::of(
+            size,
+            samples.iter().map(|sample| (sample.image, sample.normal)),
+        );
+        let open = samples
+            .iter()
+            .filter(|sample| strokes.shown(sample.image) != Shown::Other);
         Agreement {
-            explained: share(strokes.points.iter().map(|point| predicted.holds(point.at, point.normal))),
+            explained: share(
+                strokes
+                    .points
+                    .iter()
+                    .map(|point| predicted.holds(point.at, point.normal)),
+            ),
             seen: share(open.map(|sample| self.cells.holds(sample.image, sample.normal))),
         }
     }
@@ -83,10 +99,16 @@ impl DirectedCells {
         let cell_px = (0.5 * near_px).max(1.0);
         let count = |extent: u32| (f64::from(extent) / cell_px) as usize + 1;
         let (columns, rows) = (count(size.width), count(size.height));
-        let mut cells = Self { cell_px, columns, rows, directions: vec![0; columns * rows] };
+        let mut cells = Self {
+            cell_px,
+            columns,
+            rows,
+            directions: vec![0; columns * rows],
+        };
         for (at, normal) in points {
-            let bits =
-                with_neighbours(direction_of(normal)).into_iter().fold(0, |bits, direction| bits | (1 << direction));
+            let bits = with_neighbours(direction_of(normal))
+                .into_iter()
+                .fold(0, |bits, direction| bits | (1 << direction));
             for step in -2..=2 {
                 if let Some(cell) = cells.cell(at.moved(normal * (f64::from(step) * cell_px))) {
                     cells.directions[cell] |= bits;
@@ -98,13 +120,15 @@ impl DirectedCells {
 
     fn cell(&self, at: ImagePoint) -> Option<usize> {
         let (column, row) = ((at.x / self.cell_px).floor(), (at.y / self.cell_px).floor());
-        let inside = column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
+        let inside =
+            column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
         inside.then(|| row as usize * self.columns + column as usize)
     }
 
     /// Whether a curve of about a normal's direction lies near a point.
     fn holds(&self, at: ImagePoint, normal: Vec2) -> bool {
-        self.cell(at).is_some_and(|cell| self.directions[cell] & (1 << direction_of(normal)) != 0)
+        self.cell(at)
+            .is_some_and(|cell| self.directions[cell] & (1 << direction_of(normal)) != 0)
     }
 }
 
@@ -120,7 +144,11 @@ mod tests {
         let painted = PaintedCells::of(&strokes);
         let right = painted.agreement(&field, &truth());
         assert!(right.explained > 0.55 && right.seen > 0.85, "{right:?}");
-        for (pan_deg, tilt_deg, focal_px) in [(8.0, -14.0, 1500.0), (4.0, -17.0, 1500.0), (4.0, -14.0, 2200.0)] {
+        for (pan_deg, tilt_deg, focal_px) in [
+            (8.0, -14.0, 1500.0),
+            (4.0, -17.0, 1500.0),
+            (4.0, -14.0, 2200.0),
+        ] {
             let wrong = painted.agreement(&field, &camera(pan_deg, tilt_deg, focal_px));
             assert!(wrong.both() < 0.3 * right.both(), "{wrong:?}");
         }

@@ -1,54 +1,61 @@
-//! Aligns a camera with ridges of paint and with clicks: the problem linearised around one camera, and its robust solution.
+//! Aligns a camera with ridges of paint and with clicks: the problem linearised around one camera,
+//! and its robust solution.
 //!
 //! # Problem
 //!
-//! A camera predicts where the field's lines appear. At samples along each predicted line the picture was searched across the line,
-//! and ridges of paint were found at some offsets ([`Sightings`]). Find the small change u of the camera after which the lines lie on
-//! the ridges and the clicks near their landmarks.
+//! A camera predicts where the field's lines appear. At samples along each predicted line the
+//! picture was searched across the line, and ridges of paint were found at some offsets
+//! ([`Sightings`]). Find the small change u of the camera after which the lines lie on the ridges
+//! and the clicks near their landmarks.
 //!
 //! # Method
 //!
-//! A sample measures across its line only; along the line one ridge looks like the next. With the sample's image p, its unit normal n
-//! and the ridge's offset o along n, the residual is
+//! A sample measures across its line only; along the line one ridge looks like the next. With the
+//! sample's image p, its unit normal n and the ridge's offset o along n, the residual is
 //!
 //! ```text
 //! r(u) = o − n·(∂p/∂u) u
 //! ```
 //!
-//! as in edge trackers that search along normals (Harris: "Tracking with rigid models", 1992) and in point-to-line ICP (Chen and
-//! Medioni, 1992). With three unknowns each Gauss–Newton step ([`gauss_newton_step`]) solves a 3 × 3 system. Two things make it
-//! robust:
+//! as in edge trackers that search along normals (Harris: "Tracking with rigid models", 1992) and
+//! in point-to-line ICP (Chen and Medioni, 1992). With three unknowns each Gauss–Newton step
+//! ([`gauss_newton_step`]) solves a 3 × 3 system. Two things make it robust:
 //!
 //! * A sample may have several ridges: its own line, a parallel one, a board. It is paired with the ridge nearest to its line *after
 //!   the step so far*, chosen anew in every iteration.
 //! * Geman–McClure weights nearly ignore ridges farther off than the scale of the loss, and that scale shrinks from iteration to
 //!   iteration (graduated non-convexity).
 //!
-//! The picture is not read again between iterations. The linearisation therefore has to hold over the reach of the search;
-//! `snap.rs` repeats search and alignment with a smaller reach around the result.
+//! The picture is not read again between iterations. The linearisation therefore has to hold over
+//! the reach of the search; `snap.rs` repeats search and alignment with a smaller reach around the
+//! result.
 
 use super::Sightings;
 use nalgebra::{SMatrix, Vector1};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldElement;
 use touchline_core::geometry::{Angle, Mat3, Vec3};
-use touchline_core::solve::{BlockEquations, Linearised, Loss, Observation, Problem, Residual, gauss_newton_step};
+use touchline_core::solve::{
+    BlockEquations, Linearised, Loss, Observation, Problem, Residual, gauss_newton_step,
+};
 
 /// 1-σ of a ridge's offset on its own, px at 1920 px width.
 const RIDGE_SIGMA_PX: f64 = 0.5;
 
-/// 1-σ of what all samples of a line have in common, px at 1920 px width: paint that does not lie where the rules put it, a base
-/// that is slightly wrong.
+/// 1-σ of what all samples of a line have in common, px at 1920 px width: paint that does not lie
+/// where the rules put it, a base that is slightly wrong.
 const LINE_SIGMA_PX: f64 = 0.16;
 
 /// The influence of a click stops growing beyond 2 σ.
 const CLICK_LOSS: Loss = Loss::Huber { k: 2.0 };
 
-/// Damping of the normal equations, 1/px²: keeps the step finite where neither ridges nor clicks say anything.
+/// Damping of the normal equations, 1/px²: keeps the step finite where neither ridges nor clicks
+/// say anything.
 const DAMPING: f64 = 1e-9;
 
-/// A change of a camera in px: by how much pan and tilt move the centre of the picture, and the focal length its left and right
-/// border. So scaled, the three numbers are of one size, and one distance between steps makes sense.
+/// A change of a camera in px: by how much pan and tilt move the centre of the picture, and the
+/// focal length its left and right border. So scaled, the three numbers are of one size, and one
+/// distance between steps makes sense.
 pub(super) type StepPx = Vec3;
 
 /// A camera, and the scale of steps around it.
@@ -63,10 +70,14 @@ impl LinearisedCamera {
     pub fn new(base: &CameraBase, ptz: Ptz, width_px: u32) -> Self {
         let rad_per_px = 1.0 / ptz.focal_px;
         let log_focal_per_px = 2.0 / f64::from(width_px);
-        Self { camera: PtzCamera::new(*base, ptz), ptz_per_px: Vec3::new(rad_per_px, rad_per_px, log_focal_per_px) }
+        Self {
+            camera: PtzCamera::new(*base, ptz),
+            ptz_per_px: Vec3::new(rad_per_px, rad_per_px, log_focal_per_px),
+        }
     }
 
-    /// The camera after a step. The focal length changes by a factor of two at most, however far the step leads.
+    /// The camera after a step. The focal length changes by a factor of two at most, however far
+    /// the step leads.
     pub fn ptz_after(&self, step: &StepPx) -> Ptz {
         const MAX_LOG_FOCAL: f64 = std::f64::consts::LN_2;
         let change = step.component_mul(&self.ptz_per_px);
@@ -98,35 +109,47 @@ impl<'a> RidgeAlignment<'a> {
     /// `scale` is the width of the picture by 1920 px.
     pub fn new(around: &LinearisedCamera, sightings: &'a Sightings, scale: f64) -> Self {
         let by_step = sightings.samples.iter().map(|sample| {
-            // A sample that the linearised camera cannot see moves with no step, and so constrains none.
+            // A sample that the linearised camera cannot see moves with no step, and so constrains
+            // none.
             let Ok((_, image_by_ptz)) = around.camera.image_from_world_by_ptz(sample.at) else {
                 return StepPx::zeros();
             };
             around.by_step_from_by_ptz(image_by_ptz.tr_mul(&sample.normal))
         });
-        Self { sightings, by_step: by_step.collect(), sigmas_px: sample_sigmas_px(sightings, scale) }
+        Self {
+            sightings,
+            by_step: by_step.collect(),
+            sigmas_px: sample_sigmas_px(sightings, scale),
+        }
     }
 
     pub fn num_samples(&self) -> usize {
         self.by_step.len()
     }
 
-    /// The signed distance from a sample's line, after a step, to the ridge nearest to it, px; none for a sample without ridges.
+    /// The signed distance from a sample's line, after a step, to the ridge nearest to it, px; none
+    /// for a sample without ridges.
     pub fn residual_px(&self, sample: usize, step: &StepPx) -> Option<f64> {
         let line_moved_px = self.by_step[sample].dot(step);
         let ridge = self.sightings.nearest(sample, line_moved_px)?;
         Some(ridge.offset_px - line_moved_px)
     }
 
-    /// How many samples have a ridge on their line after a step. Each counts by its distance: 1 on the line, 0 from `within_px` on.
+    /// How many samples have a ridge on their line after a step. Each counts by its distance: 1 on
+    /// the line, 0 from `within_px` on.
     pub fn votes(&self, step: &StepPx, within_px: f64) -> f64 {
-        let residuals_px = (0..self.num_samples()).filter_map(|sample| self.residual_px(sample, step));
-        residuals_px.map(|residual_px| (1.0 - (residual_px / within_px).powi(2)).max(0.0)).sum()
+        let residuals_px =
+            (0..self.num_samples()).filter_map(|sample| self.residual_px(sample, step));
+        residuals_px
+            .map(|residual_px| (1.0 - (residual_px / within_px).powi(2)).max(0.0))
+            .sum()
     }
 
-    /// Aligns with the ridges of the samples in `takes_part` and with the clicks, beginning at `step`.
+    /// Aligns with the ridges of the samples in `takes_part` and with the clicks, beginning at
+    /// `step`.
     ///
-    /// Makes one Gauss–Newton step for each scale of the robust loss; scales go from coarse to fine.
+    /// Makes one Gauss–Newton step for each scale of the robust loss; scales go from coarse to
+    /// fine.
     pub fn align(
         &self,
         step: StepPx,
@@ -135,7 +158,12 @@ impl<'a> RidgeAlignment<'a> {
         takes_part: impl Fn(usize) -> bool,
     ) -> StepPx {
         loss_scales_px.iter().fold(step, |step, &loss_scale_px| {
-            let problem = AlignmentAtScale { ridges: self, clicks, takes_part: &takes_part, loss_scale_px };
+            let problem = AlignmentAtScale {
+                ridges: self,
+                clicks,
+                takes_part: &takes_part,
+                loss_scale_px,
+            };
             gauss_newton_step(&problem, &step).unwrap_or(step)
         })
     }
@@ -161,8 +189,17 @@ impl<TakesPart: Fn(usize) -> bool> Problem for AlignmentAtScale<'_, TakesPart> {
             equations.add(click, step, CLICK_LOSS);
         }
         for sample in (0..self.ridges.num_samples()).filter(|sample| (self.takes_part)(*sample)) {
-            let ridge = NearestRidge { ridges: self.ridges, sample };
-            equations.add(&ridge, step, Loss::GemanMcClure { c: self.loss_scale_px / ridge.sigma() });
+            let ridge = NearestRidge {
+                ridges: self.ridges,
+                sample,
+            };
+            equations.add(
+                &ridge,
+                step,
+                Loss::GemanMcClure {
+                    c: self.loss_scale_px / ridge.sigma(),
+                },
+            );
         }
         equations
     }
@@ -172,7 +209,8 @@ impl<TakesPart: Fn(usize) -> bool> Problem for AlignmentAtScale<'_, TakesPart> {
     }
 }
 
-/// The ridge of a sample that is nearest to where a step has brought its line; a sample without ridges has no value.
+/// The ridge of a sample that is nearest to where a step has brought its line; a sample without
+/// ridges has no value.
 struct NearestRidge<'a> {
     ridges: &'a RidgeAlignment<'a>,
     sample: usize,
@@ -182,7 +220,9 @@ impl Residual<1, 0, 3> for NearestRidge<'_> {
     type State = StepPx;
 
     fn element(&self) -> Option<FieldElement> {
-        Some(FieldElement::Paint(self.ridges.sightings.samples[self.sample].line))
+        Some(FieldElement::Paint(
+            self.ridges.sightings.samples[self.sample].line,
+        ))
     }
 
     fn sigma(&self) -> f64 {
@@ -196,25 +236,39 @@ impl Residual<1, 0, 3> for NearestRidge<'_> {
 
     fn linearised(&self, step: &StepPx) -> Option<Linearised<1, 0, 3>> {
         let by_own = self.ridges.by_step[self.sample].transpose();
-        Some(Linearised { value: self.value(step)?, by_shared: SMatrix::zeros(), by_own })
+        Some(Linearised {
+            value: self.value(step)?,
+            by_shared: SMatrix::zeros(),
+            by_own,
+        })
     }
 }
 
 /// 1-σ of every sample's ridge, px. The samples of a line share its error (see [`ridge_sigma_px`]).
 pub(super) fn sample_sigmas_px(sightings: &Sightings, scale: f64) -> Vec<f64> {
-    let num_lines = sightings.samples.iter().map(|sample| sample.line + 1).max().unwrap_or(0);
+    let num_lines = sightings
+        .samples
+        .iter()
+        .map(|sample| sample.line + 1)
+        .max()
+        .unwrap_or(0);
     let mut ridges_of_line = vec![0_u32; num_lines];
     for (index, sample) in sightings.samples.iter().enumerate() {
         ridges_of_line[sample.line] += u32::from(!sightings.ridges_at(index).is_empty());
     }
-    sightings.samples.iter().map(|sample| ridge_sigma_px(ridges_of_line[sample.line], scale)).collect()
+    sightings
+        .samples
+        .iter()
+        .map(|sample| ridge_sigma_px(ridges_of_line[sample.line], scale))
+        .collect()
 }
 
 /// 1-σ of one of `count` ridges of a line, px, if they are treated as independent.
 ///
-/// Their errors have a part of their own, σ, and a part τ that is common to the line. The mean of n such ridges has the variance
-/// σ²/n + τ². Independent ridges of variance σ² + n τ² have the same mean and the same variance of it, so a line with many samples
-/// does not count for more than its common error allows, and no covariance matrix is needed.
+/// Their errors have a part of their own, σ, and a part τ that is common to the line. The mean of n
+/// such ridges has the variance σ²/n + τ². Independent ridges of variance σ² + n τ² have the same
+/// mean and the same variance of it, so a line with many samples does not count for more than its
+/// common error allows, and no covariance matrix is needed.
 pub(super) fn ridge_sigma_px(count: u32, scale: f64) -> f64 {
     (RIDGE_SIGMA_PX.powi(2) + f64::from(count) * LINE_SIGMA_PX.powi(2)).sqrt() * scale
 }
@@ -256,7 +310,11 @@ impl Residual<1, 0, 3> for ClickRow {
     }
 
     fn linearised(&self, step: &StepPx) -> Option<Linearised<1, 0, 3>> {
-        Some(Linearised { value: self.value(step)?, by_shared: SMatrix::zeros(), by_own: self.by_step.transpose() })
+        Some(Linearised {
+            value: self.value(step)?,
+            by_shared: SMatrix::zeros(),
+            by_own: self.by_step.transpose(),
+        })
     }
 }
 
@@ -265,7 +323,8 @@ impl ClickAlignment {
     pub fn new(around: &LinearisedCamera, clicks: &[Observation]) -> Self {
         let mut rows = Vec::with_capacity(2 * clicks.len());
         for click in clicks.iter().filter(|click| !click.check) {
-            let Some((predicted_minus_click_px, by_ptz)) = click.shape.residual_by_ptz(&around.camera, click.image)
+            let Some((predicted_minus_click_px, by_ptz)) =
+                click.shape.residual_by_ptz(&around.camera, click.image)
             else {
                 continue;
             };
@@ -281,9 +340,12 @@ impl ClickAlignment {
         Self { rows }
     }
 
-    /// Whether a step takes no click farther from its landmark or line than `sigmas` beyond its present distance.
+    /// Whether a step takes no click farther from its landmark or line than `sigmas` beyond its
+    /// present distance.
     pub fn allows(&self, step: &StepPx, sigmas: f64) -> bool {
-        let is_allowed = |row: &ClickRow| row.residual_px(step).abs() <= sigmas * row.sigma_px + row.offset_px.abs();
+        let is_allowed = |row: &ClickRow| {
+            row.residual_px(step).abs() <= sigmas * row.sigma_px + row.offset_px.abs()
+        };
         self.rows.iter().all(is_allowed)
     }
 }
@@ -300,17 +362,32 @@ mod tests {
     #[test]
     fn ridges_and_clicks_change_with_a_step_as_their_derivatives_say() {
         let (field, near) = (soccer(), camera(4.1, -14.05, 1504.0));
-        let look = Look { reach_px: 16.0, spacing_px: 60.0, step_px: 1.0 };
+        let look = Look {
+            reach_px: 16.0,
+            spacing_px: 60.0,
+            step_px: 1.0,
+        };
         let sightings = Sightings::of(&GroundPicture::new(&PICTURE, &[]), &field, &near, look);
         let around = LinearisedCamera::new(near.base(), near.ptz(), SIZE.width);
         let ridges = RidgeAlignment::new(&around, &sightings, 1.0);
         let from = StepPx::new(0.7, -0.4, 1.1);
-        let with_ridge = (0..ridges.num_samples()).filter(|sample| !sightings.ridges_at(*sample).is_empty());
+        let with_ridge =
+            (0..ridges.num_samples()).filter(|sample| !sightings.ridges_at(*sample).is_empty());
         for sample in with_ridge {
-            assert_derivatives(&NearestRidge { ridges: &ridges, sample }, |step| from + step, "ridge");
+            assert_derivatives(
+                &NearestRidge {
+                    ridges: &ridges,
+                    sample,
+                },
+                |step| from + step,
+                "ridge",
+            );
         }
         let world = field.landmark_in_world(field.landmark("centre_mark").unwrap());
-        let image = truth().image_from_world(world).unwrap().moved(Vec2::new(2.0, 1.0));
+        let image = truth()
+            .image_from_world(world)
+            .unwrap()
+            .moved(Vec2::new(2.0, 1.0));
         let clicks = ClickAlignment::new(&around, &[Observation::of_point(world, image, 1.5, 0)]);
         assert_eq!(clicks.rows.len(), 2);
         for (row, axis_in_image) in clicks.rows.iter().zip([Vec2::x(), Vec2::y()]) {
@@ -319,12 +396,17 @@ mod tests {
             let moved = |step: StepPx| {
                 let stepped = PtzCamera::new(*near.base(), around.ptz_after(&step));
                 let at = stepped.image_from_world(world).unwrap();
-                at.offset_from(near.image_from_world(world).unwrap()).dot(&axis_in_image)
+                at.offset_from(near.image_from_world(world).unwrap())
+                    .dot(&axis_in_image)
             };
             for axis in 0..3 {
                 let h = StepPx::ith(axis, 1e-3);
                 let numeric = (moved(h) - moved(-h)) / 2e-3;
-                assert!((row.by_step[axis] - numeric).abs() < 1e-5, "{axis}: {} is not {numeric}", row.by_step[axis]);
+                assert!(
+                    (row.by_step[axis] - numeric).abs() < 1e-5,
+                    "{axis}: {} is not {numeric}",
+                    row.by_step[axis]
+                );
             }
         }
     }

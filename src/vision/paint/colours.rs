@@ -1,4 +1,5 @@
-//! Colours as three numbers whose differences say how far apart they look: brightness, and how much redder and bluer they are.
+//! Colours as three numbers whose differences say how far apart they look: brightness, and how much
+//! redder and bluer they are.
 
 use crate::media::Picture;
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
@@ -6,7 +7,8 @@ use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
 /// A colour, grey levels.
 pub(super) type Colour = Vec3;
 
-/// A grey level of hue counts this much of one of brightness: pictures are compressed so that hues are blurred more.
+/// A grey level of hue counts this much of one of brightness: pictures are compressed so that hues
+/// are blurred more.
 const HUE: f64 = 0.6;
 
 /// The weights of red, green and blue in brightness (BT.601).
@@ -25,8 +27,16 @@ pub(super) struct ColourProfile {
 }
 
 impl ColourProfile {
-    /// Reads the colours every `step_px` up to `reach_px` or a little farther on both sides of a point.
-    pub fn read(&mut self, picture: &Picture, middle: ImagePoint, normal: Vec2, reach_px: f64, step_px: f64) {
+    /// Reads the colours every `step_px` up to `reach_px` or a little farther on both sides of a
+    /// point.
+    pub fn read(
+        &mut self,
+        picture: &Picture,
+        middle: ImagePoint,
+        normal: Vec2,
+        reach_px: f64,
+        step_px: f64,
+    ) {
         let half = (reach_px / step_px).ceil() as usize;
         self.step_px = step_px;
         let along = Vec2::new(-normal.y, normal.x);
@@ -36,7 +46,10 @@ impl ColourProfile {
         let mut sum = Colour::zeros();
         for index in 0..=2 * half {
             let at = middle.moved(normal * ((index as f64 - half as f64) * step_px));
-            let here: Vec3 = ALONG_PX.iter().map(|by| rgb_at(picture, at.moved(along * *by))).sum();
+            let here: Vec3 = ALONG_PX
+                .iter()
+                .map(|by| rgb_at(picture, at.moved(along * *by)))
+                .sum();
             let here = colour_of(here / ALONG_PX.len() as f64);
             sum += here;
             self.colours.push(here);
@@ -64,7 +77,8 @@ impl ColourProfile {
         self.colours[index]
     }
 
-    /// The mean colour of the places from the first offset after a place to the last, both included, as far as there are any.
+    /// The mean colour of the places from the first offset after a place to the last, both
+    /// included, as far as there are any.
     pub fn mean(&self, index: usize, from: isize, to: isize) -> Colour {
         let last = self.colours.len() - 1;
         let from = index.saturating_add_signed(from).min(last);
@@ -73,11 +87,12 @@ impl ColourProfile {
     }
 }
 
-/// Red, green and blue at a point, linear between the centres of the four pixels around it; points outside take the nearest
-/// pixel's.
+/// Red, green and blue at a point, linear between the centres of the four pixels around it; points
+/// outside take the nearest pixel's.
 fn rgb_at(picture: &Picture, point: ImagePoint) -> Vec3 {
     let size = picture.size();
-    let (Some(right), Some(bottom)) = (size.width.checked_sub(1), size.height.checked_sub(1)) else {
+    let (Some(right), Some(bottom)) = (size.width.checked_sub(1), size.height.checked_sub(1))
+    else {
         return Vec3::zeros();
     };
     let x = (point.x - 0.5).clamp(0.0, f64::from(right));
@@ -85,7 +100,9 @@ fn rgb_at(picture: &Picture, point: ImagePoint) -> Vec3 {
     let (column, row) = (x as u32, y as u32);
     let (share_x, share_y) = (x - f64::from(column), y - f64::from(row));
     let rgb = |column: u32, row: u32| {
-        let [red, green, blue, _] = picture.pixel(column.min(right), row.min(bottom)).unwrap_or_default();
+        let [red, green, blue, _] = picture
+            .pixel(column.min(right), row.min(bottom))
+            .unwrap_or_default();
         Vec3::new(f64::from(red), f64::from(green), f64::from(blue))
     };
     let above = rgb(column, row) * (1.0 - share_x) + rgb(column + 1, row) * share_x;
@@ -96,5 +113,9 @@ fn rgb_at(picture: &Picture, point: ImagePoint) -> Vec3 {
 /// A colour from red, green and blue.
 fn colour_of(rgb: Vec3) -> Colour {
     let brightness = BRIGHTNESS.dot(&rgb);
-    Colour::new(brightness, HUE * (rgb.x - brightness), HUE * (rgb.z - brightness))
+    Colour::new(
+        brightness,
+        HUE * (rgb.x - brightness),
+        HUE * (rgb.z - brightness),
+    )
 }

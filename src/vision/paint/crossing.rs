@@ -1,9 +1,12 @@
-//! Where painted lines cross: the least-squares problem over the ridges that were seen of each line.
+//! Where painted lines cross: the least-squares problem over the ridges that were seen of each
+//! line.
 //!
-//! The camera predicts each line's direction within a few degrees and its place hardly at all. The unknowns are the landmark's shift from
-//! where the point was placed, and for each line a turn and an offset of its own: paint is not quite straight and not quite where the
-//! rules put it. A ridge's offset across its line is linear in all of them, so that each step ([`gauss_newton_step`]) is exact but for
-//! the pairing: a place may show several ridges, and the one nearest to its line is taken anew at each step.
+//! The camera predicts each line's direction within a few degrees and its place hardly at all. The
+//! unknowns are the landmark's shift from where the point was placed, and for each line a turn and
+//! an offset of its own: paint is not quite straight and not quite where the rules put it. A
+//! ridge's offset across its line is linear in all of them, so that each step
+//! ([`gauss_newton_step`]) is exact but for the pairing: a place may show several ridges, and the
+//! one nearest to its line is taken anew at each step.
 //!
 //! [`gauss_newton_step`]: touchline_core::solve::gauss_newton_step
 
@@ -59,7 +62,8 @@ impl Course {
     }
 }
 
-/// Where lines cross: the shift of the landmark, and how each line is turned and moved against the camera's prediction.
+/// Where lines cross: the shift of the landmark, and how each line is turned and moved against the
+/// camera's prediction.
 pub(super) struct CrossingAtScale<'a> {
     courses: &'a [Course],
     ridge_sigma_px: f64,
@@ -68,13 +72,16 @@ pub(super) struct CrossingAtScale<'a> {
 }
 
 impl<'a> CrossingAtScale<'a> {
-    /// `scale` is the width of the picture by 1920 px; the scale of the loss is in px at 1920 px width.
+    /// `scale` is the width of the picture by 1920 px; the scale of the loss is in px at 1920 px
+    /// width.
     pub fn new(courses: &'a [Course], loss_scale_px: f64, scale: f64) -> Self {
         Self {
             courses,
             ridge_sigma_px: RIDGE_SIGMA_PX * scale,
             line_sigma_px: LINE_SIGMA_PX * scale,
-            loss: Loss::GemanMcClure { c: loss_scale_px / RIDGE_SIGMA_PX },
+            loss: Loss::GemanMcClure {
+                c: loss_scale_px / RIDGE_SIGMA_PX,
+            },
         }
     }
 }
@@ -86,13 +93,27 @@ impl Problem for CrossingAtScale<'_> {
     fn equations(&self, state: &CrossingState) -> BlockEquations<0, PARAMETERS> {
         let mut equations = BlockEquations::zero();
         for line in 0..MOST_LINES {
-            for (of_line, sigma) in [DIRECTION_SIGMA, self.line_sigma_px].into_iter().enumerate() {
-                equations.add(&LinePrior { parameter: 2 + 2 * line + of_line, sigma }, state, self.loss);
+            for (of_line, sigma) in [DIRECTION_SIGMA, self.line_sigma_px]
+                .into_iter()
+                .enumerate()
+            {
+                equations.add(
+                    &LinePrior {
+                        parameter: 2 + 2 * line + of_line,
+                        sigma,
+                    },
+                    state,
+                    self.loss,
+                );
             }
         }
         for (line, course) in self.courses.iter().enumerate() {
             for place in &course.places {
-                let ridge = NearestRidge { place, line, sigma_px: self.ridge_sigma_px };
+                let ridge = NearestRidge {
+                    place,
+                    line,
+                    sigma_px: self.ridge_sigma_px,
+                };
                 equations.add(&ridge, state, self.loss);
             }
         }
@@ -128,7 +149,11 @@ impl Residual<1, 0, PARAMETERS> for LinePrior {
     fn linearised(&self, state: &CrossingState) -> Option<Linearised<1, 0, PARAMETERS>> {
         let mut by_own = SMatrix::zeros();
         by_own[self.parameter] = 1.0;
-        Some(Linearised { value: self.value(state)?, by_shared: SMatrix::zeros(), by_own })
+        Some(Linearised {
+            value: self.value(state)?,
+            by_shared: SMatrix::zeros(),
+            by_own,
+        })
     }
 
     /// A robust loss would let the prior go.
@@ -161,16 +186,26 @@ impl Residual<1, 0, PARAMETERS> for NearestRidge<'_> {
 
     fn linearised(&self, state: &CrossingState) -> Option<Linearised<1, 0, PARAMETERS>> {
         let by_own = offset_by_state(self.place, self.line).transpose();
-        Some(Linearised { value: self.value(state)?, by_shared: SMatrix::zeros(), by_own })
+        Some(Linearised {
+            value: self.value(state)?,
+            by_shared: SMatrix::zeros(),
+            by_own,
+        })
     }
 }
 
 /// Where the two lines that cross at the widest angle meet.
 pub(super) fn meeting_point(courses: &[Course]) -> Option<Vec2> {
-    let pairs =
-        courses.iter().enumerate().flat_map(|(index, one)| courses[..index].iter().map(move |other| (one, other)));
+    let pairs = courses
+        .iter()
+        .enumerate()
+        .flat_map(|(index, one)| courses[..index].iter().map(move |other| (one, other)));
     let crossing = |one: &Course, other: &Course| one.normal.perp(&other.normal);
-    let (one, other) = pairs.max_by(|a, b| crossing(a.0, a.1).abs().total_cmp(&crossing(b.0, b.1).abs()))?;
+    let (one, other) = pairs.max_by(|a, b| {
+        crossing(a.0, a.1)
+            .abs()
+            .total_cmp(&crossing(b.0, b.1).abs())
+    })?;
     if crossing(one, other).abs() < LEAST_CROSSING {
         return None;
     }
@@ -200,21 +235,45 @@ mod tests {
 
     #[test]
     fn residuals_change_with_shift_turn_and_offset_as_their_derivatives_say() {
-        let ridges = vec![Ridge { offset_px: 2.5, width_px: 3.0, contrast: 40.0 }];
-        let place = Place { normal: Vec2::new(0.6, 0.8), along_px: -35.0, ridges };
+        let ridges = vec![Ridge {
+            offset_px: 2.5,
+            width_px: 3.0,
+            contrast: 40.0,
+        }];
+        let place = Place {
+            normal: Vec2::new(0.6, 0.8),
+            along_px: -35.0,
+            ridges,
+        };
         let state = CrossingState::from_fn(|parameter, _| 0.1 * (parameter as f64 + 1.0));
         for line in 0..MOST_LINES {
-            let ridge = NearestRidge { place: &place, line, sigma_px: 0.6 };
+            let ridge = NearestRidge {
+                place: &place,
+                line,
+                sigma_px: 0.6,
+            };
             assert_derivatives(&ridge, |step| state + step, "ridge");
         }
         for parameter in 2..PARAMETERS {
-            assert_derivatives(&LinePrior { parameter, sigma: 0.35 }, |step| state + step, "prior");
+            assert_derivatives(
+                &LinePrior {
+                    parameter,
+                    sigma: 0.35,
+                },
+                |step| state + step,
+                "prior",
+            );
         }
     }
 
     #[test]
     fn two_lines_meet_where_their_offsets_say_and_parallel_ones_nowhere() {
-        let course = |normal: Vec2, offset_px: f64| Course { places: Vec::new(), open: 0, offset_px, normal };
+        let course = |normal: Vec2, offset_px: f64| Course {
+            places: Vec::new(),
+            open: 0,
+            offset_px,
+            normal,
+        };
         let upright = course(Vec2::x(), 3.0);
         let level = course(Vec2::y(), -2.0);
         let aslant = course(Vec2::new(0.99, 0.1).normalize(), 3.0);

@@ -7,7 +7,8 @@ pub(super) const DIRECTIONS: usize = 8;
 
 /// The direction of a normal, from x towards y, in steps of half a turn by [`DIRECTIONS`].
 pub(super) fn direction_of(normal: Vec2) -> usize {
-    let steps = (normal.y.atan2(normal.x) / std::f64::consts::PI * DIRECTIONS as f64).round() as i32;
+    let steps =
+        (normal.y.atan2(normal.x) / std::f64::consts::PI * DIRECTIONS as f64).round() as i32;
     steps.rem_euclid(DIRECTIONS as i32) as usize
 }
 
@@ -28,7 +29,13 @@ mod tests {
             assert_eq!(direction, direction_of(Vec2::new(-x, -y)));
             assert!(with_neighbours(direction).contains(&direction));
         }
-        assert_eq!((direction_of(Vec2::new(1.0, 0.01)), direction_of(Vec2::new(0.0, 1.0))), (0, 4));
+        assert_eq!(
+            (
+                direction_of(Vec2::new(1.0, 0.01)),
+                direction_of(Vec2::new(0.0, 1.0))
+            ),
+            (0, 4)
+        );
         assert_eq!(with_neighbours(0), [7, 0, 1]);
     }
 }

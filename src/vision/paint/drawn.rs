@@ -26,29 +26,49 @@ const SUBPIXELS: u32 = 3;
 
 /// A crowned soccer field.
 pub fn soccer() -> FieldModel {
-    builtin("soccer").unwrap().model(&BTreeMap::new(), 0.1).unwrap()
+    builtin("soccer")
+        .unwrap()
+        .model(&BTreeMap::new(), 0.1)
+        .unwrap()
 }
 
 /// A camera on the stand, with a lens that bends.
 pub fn camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
     let base = CameraBase {
-        distortion: FocalCurve { at_focal_px: 1500.0, value: -0.03, per_1000_px: 0.2, ..FocalCurve::NONE },
-        ..CameraBase::new(Vec3::new(1.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre())
+        distortion: FocalCurve {
+            at_focal_px: 1500.0,
+            value: -0.03,
+            per_1000_px: 0.2,
+            ..FocalCurve::NONE
+        },
+        ..CameraBase::new(
+            Vec3::new(1.0, -62.0, 17.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        )
     };
     PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
 }
 
 /// The basketball court as [`court_truth`] sees it, drawn once for all tests.
-pub static COURT: LazyLock<Picture> = LazyLock::new(|| drawn_as(&court(), &court_truth(), SIZE, court_colour));
+pub static COURT: LazyLock<Picture> =
+    LazyLock::new(|| drawn_as(&court(), &court_truth(), SIZE, court_colour));
 
 /// A flat basketball court.
 pub fn court() -> FieldModel {
-    builtin("basketball_nba").unwrap().model(&BTreeMap::new(), 0.0).unwrap()
+    builtin("basketball_nba")
+        .unwrap()
+        .model(&BTreeMap::new(), 0.0)
+        .unwrap()
 }
 
 /// A camera in the stands of a hall.
 pub fn court_camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
-    let base = CameraBase::new(Vec3::new(1.0, -24.0, 11.0), BaseAngles::default().base_from_world(), SIZE.centre());
+    let base = CameraBase::new(
+        Vec3::new(1.0, -24.0, 11.0),
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    );
     PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
 }
 
@@ -57,16 +77,23 @@ pub fn court_truth() -> PtzCamera {
     court_camera(-18.0, -21.0, 1300.0)
 }
 
-/// Light planks, a blue key and blue ground around the court, white lines, a three-point line of the key's blue.
+/// Light planks, a blue key and blue ground around the court, white lines, a three-point line of
+/// the key's blue.
 fn court_colour(field: &FieldModel, at: Vec3) -> [f64; 3] {
     const BLUE: [f64; 3] = [18.0, 52.0, 140.0];
     let painted = field.lines.iter().filter(|line| line.painted);
     let mut hit = painted.filter(|line| line.paint_centre.distance_m(at) <= line.width_m / 2.0);
     if let Some(line) = hit.next() {
-        return if line.id.as_str().starts_with("three_point") { BLUE } else { [236.0, 238.0, 236.0] };
+        return if line.id.as_str().starts_with("three_point") {
+            BLUE
+        } else {
+            [236.0, 238.0, 236.0]
+        };
     }
     let key = 0.5 * field.length_m - 5.79;
-    if at.x.abs() > 0.5 * field.length_m || at.y.abs() > 0.5 * field.width_m || (at.x.abs() > key && at.y.abs() < 2.44)
+    if at.x.abs() > 0.5 * field.length_m
+        || at.y.abs() > 0.5 * field.width_m
+        || (at.x.abs() > key && at.y.abs() < 2.44)
     {
         return BLUE;
     }
@@ -90,13 +117,17 @@ fn drawn_as(
     for row in 0..size.height {
         for column in 0..size.width {
             let middle = ImagePoint::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
-            let far = ground(field, camera, middle).is_none_or(|at| from_paint_m(field, at) > NO_PAINT_M);
+            let far =
+                ground(field, camera, middle).is_none_or(|at| from_paint_m(field, at) > NO_PAINT_M);
             let each = if far { 1 } else { SUBPIXELS };
             let mut sums = [0.0; 3];
             for sub in 0..each * each {
-                let at = |pixel: u32, sub: u32| f64::from(pixel) + (f64::from(sub) + 0.5) / f64::from(each);
+                let at = |pixel: u32, sub: u32| {
+                    f64::from(pixel) + (f64::from(sub) + 0.5) / f64::from(each)
+                };
                 let point = ImagePoint::new(at(column, sub % each), at(row, sub / each));
-                let colour = ground(field, camera, point).map_or([150.0, 180.0, 220.0], |at| colour(field, at));
+                let colour = ground(field, camera, point)
+                    .map_or([150.0, 180.0, 220.0], |at| colour(field, at));
                 for (sum, value) in sums.iter_mut().zip(colour) {
                     *sum += value;
                 }
@@ -118,7 +149,10 @@ fn ground(field: &FieldModel, camera: &PtzCamera, point: ImagePoint) -> Option<V
 
 /// How far the edge of the nearest paint is, m; negative within it.
 fn from_paint_m(field: &FieldModel, at: Vec3) -> f64 {
-    let (painted, at) = (field.lines.iter().filter(|line| line.painted), Vec3::new(at.x, at.y, 0.0));
+    let (painted, at) = (
+        field.lines.iter().filter(|line| line.painted),
+        Vec3::new(at.x, at.y, 0.0),
+    );
     let lines = painted.map(|line| line.paint_centre.distance_m(at) - line.width_m / 2.0);
     let spots = field.landmarks.iter().filter_map(|landmark| {
         let radius_m = 0.5 * landmark.spot_diameter_m?;
@@ -130,6 +164,14 @@ fn from_paint_m(field: &FieldModel, at: Vec3) -> f64 {
 fn colour(field: &FieldModel, at: Vec3) -> [f64; 3] {
     // Stripes of light and dark grass, 5 m wide; around the field it is not mown in stripes.
     let striped = at.y.abs() < field.width_m / 2.0 + 4.0;
-    let light = if striped && (at.x / 5.0).floor() as i64 % 2 == 0 { 1.0 } else { 1.2 };
-    if from_paint_m(field, at) <= 0.0 { [225.0, 230.0, 220.0] } else { [62.0 * light, 110.0 * light, 42.0 * light] }
+    let light = if striped && (at.x / 5.0).floor() as i64 % 2 == 0 {
+        1.0
+    } else {
+        1.2
+    };
+    if from_paint_m(field, at) <= 0.0 {
+        [225.0, 230.0, 220.0]
+    } else {
+        [62.0 * light, 110.0 * light, 42.0 * light]
+    }
 }

@@ -1,4 +1,5 @@
-//! A painted spot as a camera sees it, blurred, and the least-squares problem that lays it over a picture.
+//! A painted spot as a camera sees it, blurred, and the least-squares problem that lays it over a
+//! picture.
 
 use super::placed_point::lines_through;
 use nalgebra::{Matrix2, RowVector4, SMatrix, Vector1, Vector4};
@@ -22,7 +23,8 @@ const AROUND_PX: f64 = 4.0;
 /// The places at which a spot is drawn before it is blurred, a px.
 const FINE: f64 = 4.0;
 
-/// A spot and the lines through it as a camera sees them: how much of it covers each place around its middle.
+/// A spot and the lines through it as a camera sees them: how much of it covers each place around
+/// its middle.
 pub(super) struct Shape {
     /// Half of its extent in each direction, px.
     pub half: [i32; 2],
@@ -41,7 +43,9 @@ impl Shape {
         diameter_m: f64,
         scale: f64,
     ) -> Option<Self> {
-        let here = camera.image_from_world_jacobian(field.landmark_in_world(landmark)).ok()?;
+        let here = camera
+            .image_from_world_jacobian(field.landmark_in_world(landmark))
+            .ok()?;
         let px_a_metre: Matrix2<f64> = here.by_world.fixed_columns::<2>(0).into_owned();
         let metres_a_px = px_a_metre.try_inverse()?;
         if !px_a_metre.iter().all(|value| value.is_finite()) {
@@ -61,17 +65,27 @@ impl Shape {
         let cells = half.map(|half| 2 * ((f64::from(half) + 4.0) * FINE) as usize + 1);
         let at = |cell: usize, cells: usize| (cell as f64 - (cells / 2) as f64) / FINE;
         let covered = |index: usize| {
-            let px = Vec2::new(at(index % cells[0], cells[0]), at(index / cells[0], cells[1]));
+            let px = Vec2::new(
+                at(index % cells[0], cells[0]),
+                at(index / cells[0], cells[1]),
+            );
             let metres = metres_a_px * px;
             let world = landmark.nominal_m + Vec3::new(metres.x, metres.y, 0.0);
             let on_line = |line: &usize| {
                 let line = &field.lines[*line];
                 line.paint_centre.distance_m(world) <= 0.5 * line.width_m
             };
-            f32::from(u8::from(metres.norm() <= radius_m || lines.iter().any(on_line)))
+            f32::from(u8::from(
+                metres.norm() <= radius_m || lines.iter().any(on_line),
+            ))
         };
         let sharp: Vec<f32> = (0..cells[0] * cells[1]).map(covered).collect();
-        Some(Self { half, metres_a_px, columns: cells[0], covers: blurred(&sharp, cells[0]) })
+        Some(Self {
+            half,
+            metres_a_px,
+            columns: cells[0],
+            covers: blurred(&sharp, cells[0]),
+        })
     }
 
     /// How much of a place is covered, `off` from the spot's middle.
@@ -82,7 +96,8 @@ impl Shape {
         let (column, row) = (x as usize, y as usize);
         let (share_x, share_y) = (x - column as f64, y - row as f64);
         let value = |row: usize, column: usize| f64::from(self.covers[row * self.columns + column]);
-        let along = |row: usize| value(row, column) * (1.0 - share_x) + value(row, column + 1) * share_x;
+        let along =
+            |row: usize| value(row, column) * (1.0 - share_x) + value(row, column + 1) * share_x;
         along(row) * (1.0 - share_y) + along(row + 1) * share_y
     }
 }
@@ -91,7 +106,9 @@ impl Shape {
 fn blurred(sharp: &[f32], columns: usize) -> Vec<f32> {
     let sigma = BLUR_PX * FINE;
     let reach = (3.0 * sigma).ceil() as isize;
-    let weights: Vec<f32> = (-reach..=reach).map(|at| (-0.5 * (at as f64 / sigma).powi(2)).exp() as f32).collect();
+    let weights: Vec<f32> = (-reach..=reach)
+        .map(|at| (-0.5 * (at as f64 / sigma).powi(2)).exp() as f32)
+        .collect();
     let sum: f32 = weights.iter().sum();
     let rows = sharp.len() / columns;
     let pass = |of: &[f32], along_rows: bool| -> Vec<f32> {
@@ -105,7 +122,10 @@ fn blurred(sharp: &[f32], columns: usize) -> Vec<f32> {
         };
         let blurred = |index: usize| {
             let (row, column) = (index / columns, index % columns);
-            let weighed = weights.iter().zip(-reach..=reach).map(|(weight, by)| weight * value(row, column, by));
+            let weighed = weights
+                .iter()
+                .zip(-reach..=reach)
+                .map(|(weight, by)| weight * value(row, column, by));
             weighed.sum::<f32>() / sum
         };
         (0..of.len()).map(blurred).collect()
@@ -140,14 +160,28 @@ impl Problem for SpotProblem<'_> {
     fn equations(&self, spot: &DrawnSpot) -> BlockEquations<0, 4> {
         let mut equations = BlockEquations::zero();
         for &(off, grey) in self.pixels {
-            equations.add(&SpotPixel { shape: self.shape, off, grey }, spot, Loss::Squared);
+            equations.add(
+                &SpotPixel {
+                    shape: self.shape,
+                    off,
+                    grey,
+                },
+                spot,
+                Loss::Squared,
+            );
         }
         equations
     }
 
     fn stepped(&self, from: &DrawnSpot, step: &Vector4<f64>) -> DrawnSpot {
-        let by = step.fixed_rows::<2>(0).map(|by| by.clamp(-MAX_STEP_PX, MAX_STEP_PX));
-        DrawnSpot { by: from.by + by, contrast: from.contrast + step[2], level: from.level + step[3] }
+        let by = step
+            .fixed_rows::<2>(0)
+            .map(|by| by.clamp(-MAX_STEP_PX, MAX_STEP_PX));
+        DrawnSpot {
+            by: from.by + by,
+            contrast: from.contrast + step[2],
+            level: from.level + step[3],
+        }
     }
 }
 
@@ -170,7 +204,9 @@ impl Residual<1, 0, 4> for SpotPixel<'_> {
     }
 
     fn value(&self, spot: &DrawnSpot) -> Option<Vector1<f64>> {
-        Some(Vector1::new(spot.level + spot.contrast * self.shape.covers(self.off - spot.by) - self.grey))
+        Some(Vector1::new(
+            spot.level + spot.contrast * self.shape.covers(self.off - spot.by) - self.grey,
+        ))
     }
 
     fn linearised(&self, spot: &DrawnSpot) -> Option<Linearised<1, 0, 4>> {
@@ -182,8 +218,17 @@ impl Residual<1, 0, 4> for SpotPixel<'_> {
             covers(NEIGHBOUR_PX, 0.0) - covers(-NEIGHBOUR_PX, 0.0),
             covers(0.0, NEIGHBOUR_PX) - covers(0.0, -NEIGHBOUR_PX),
         ) / (2.0 * NEIGHBOUR_PX);
-        let by_own = RowVector4::new(-spot.contrast * slope.x, -spot.contrast * slope.y, covers(0.0, 0.0), 1.0);
-        Some(Linearised { value: self.value(spot)?, by_shared: SMatrix::zeros(), by_own })
+        let by_own = RowVector4::new(
+            -spot.contrast * slope.x,
+            -spot.contrast * slope.y,
+            covers(0.0, 0.0),
+            1.0,
+        );
+        Some(Linearised {
+            value: self.value(spot)?,
+            by_shared: SMatrix::zeros(),
+            by_own,
+        })
     }
 }
 
@@ -195,19 +240,45 @@ mod tests {
     #[test]
     fn a_pixel_changes_with_place_contrast_and_level_as_its_derivatives_say() {
         let field = soccer();
-        let shape = Shape::of(&field, &truth(), field.landmark("centre_mark").unwrap(), 1.0, 1.0).unwrap();
-        let spot = DrawnSpot { by: Vec2::new(0.3, -0.2), contrast: 70.0, level: 90.0 };
-        let problem = SpotProblem { shape: &shape, pixels: &[] };
-        for off in [Vec2::new(0.4, 1.3), Vec2::new(-2.1, 0.6), Vec2::new(3.0, -1.7)] {
-            let pixel = SpotPixel { shape: &shape, off, grey: 120.0 };
+        let shape = Shape::of(
+            &field,
+            &truth(),
+            field.landmark("centre_mark").unwrap(),
+            1.0,
+            1.0,
+        )
+        .unwrap();
+        let spot = DrawnSpot {
+            by: Vec2::new(0.3, -0.2),
+            contrast: 70.0,
+            level: 90.0,
+        };
+        let problem = SpotProblem {
+            shape: &shape,
+            pixels: &[],
+        };
+        for off in [
+            Vec2::new(0.4, 1.3),
+            Vec2::new(-2.1, 0.6),
+            Vec2::new(3.0, -1.7),
+        ] {
+            let pixel = SpotPixel {
+                shape: &shape,
+                off,
+                grey: 120.0,
+            };
             let by_own = pixel.linearised(&spot).unwrap().by_own;
             // The place over the distance of the table's values, contrast and level over any.
             for (parameter, step) in [1.0 / FINE, 1.0 / FINE, 0.5, 0.5].into_iter().enumerate() {
                 let by = Vector4::ith(parameter, step);
-                let value = |by: Vector4<f64>| pixel.value(&problem.stepped(&spot, &by)).unwrap()[0];
+                let value =
+                    |by: Vector4<f64>| pixel.value(&problem.stepped(&spot, &by)).unwrap()[0];
                 let numeric = (value(by) - value(-by)) / (2.0 * step);
                 let error = (by_own[parameter] - numeric).abs();
-                assert!(error < 1e-9 * (1.0 + numeric.abs()), "parameter {parameter} at {off:?}: {error}");
+                assert!(
+                    error < 1e-9 * (1.0 + numeric.abs()),
+                    "parameter {parameter} at {off:?}: {error}"
+                );
             }
         }
     }

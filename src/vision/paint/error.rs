@@ -14,7 +14,9 @@ pub enum SnapError {
         needed: usize,
     },
     /// The lines that are seen leave the camera open.
-    #[error("the lines that are seen leave the camera open (±{sigma_px:.0} px at the worst corner)")]
+    #[error(
+        "the lines that are seen leave the camera open (±{sigma_px:.0} px at the worst corner)"
+    )]
     Undetermined {
         /// 1-σ of the overlay at the worst corner, px.
         sigma_px: f64,
@@ -26,7 +28,9 @@ pub enum SnapError {
         sigma: f64,
     },
     /// Two halves of the samples give two cameras.
-    #[error("two halves of the paint give cameras {apart_px:.1} px apart, {allowed_px:.1} px are allowed")]
+    #[error(
+        "two halves of the paint give cameras {apart_px:.1} px apart, {allowed_px:.1} px are allowed"
+    )]
     HalvesDisagree {
         /// How far apart the overlays are, px.
         apart_px: f64,

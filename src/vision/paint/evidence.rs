@@ -1,4 +1,5 @@
-//! How well the lines that a camera predicts lie on the strokes of a picture, computed fast: for very many cameras.
+//! How well the lines that a camera predicts lie on the strokes of a picture, computed fast: for
+//! very many cameras.
 
 use super::directions::{DIRECTIONS, direction_of, with_neighbours};
 use super::strokes::{Shown, Strokes};
@@ -9,10 +10,12 @@ use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
 /// Cells of the maps, px at 1920 px width.
 const CELL_PX: f64 = 4.0;
 
-/// A line that is hidden (by players, or because there is no ground at all) counts this much of one that is bare.
+/// A line that is hidden (by players, or because there is no ground at all) counts this much of one
+/// that is bare.
 const HIDDEN_SHARE: f64 = 0.4;
 
-/// The painted lines of a field as seen from one base: chains of points, as directions from the camera in `base`, m.
+/// The painted lines of a field as seen from one base: chains of points, as directions from the
+/// camera in `base`, m.
 #[derive(Clone, Debug)]
 pub(super) struct Chains(Vec<Vec<Vec3>>);
 
@@ -23,7 +26,9 @@ impl Chains {
         let chain = painted.map(|line| {
             let count = (line.paint_centre.length_m() / piece_m).ceil().max(1.0) as u32;
             let at = |step: u32| {
-                let nominal = line.paint_centre.point_at(f64::from(step) / f64::from(count));
+                let nominal = line
+                    .paint_centre
+                    .point_at(f64::from(step) / f64::from(count));
                 base.base_from_world_point(field.world_from_nominal(nominal))
             };
             (0..=count).map(at).collect()
@@ -43,7 +48,8 @@ pub(super) struct EvidenceMaps {
     cell_px: f64,
     columns: usize,
     rows: usize,
-    /// For each direction of a normal, how near the nearest stroke of that direction is: 1 on it, 0 out of reach.
+    /// For each direction of a normal, how near the nearest stroke of that direction is: 1 on it, 0
+    /// out of reach.
     near: Vec<f32>,
     /// Whether a cell shows ground or paint.
     open: Vec<bool>,
@@ -77,12 +83,24 @@ impl EvidenceMaps {
             }
         }
         let middle = |index: usize| (index as f64 + 0.5) * cell_px;
-        let open = (0..columns * rows)
-            .map(|cell| strokes.shown(ImagePoint::new(middle(cell % columns), middle(cell / columns))) != Shown::Other);
-        Self { cell_px, columns, rows, near, open: open.collect(), length_px: strokes.points.len() as f64 }
+        let open = (0..columns * rows).map(|cell| {
+            strokes.shown(ImagePoint::new(
+                middle(cell % columns),
+                middle(cell / columns),
+            )) != Shown::Other
+        });
+        Self {
+            cell_px,
+            columns,
+            rows,
+            near,
+            open: open.collect(),
+            length_px: strokes.points.len() as f64,
+        }
     }
 
-    /// The share of the predicted lines that lie on strokes, 0 to 1, times the share of the strokes that they explain.
+    /// The share of the predicted lines that lie on strokes, 0 to 1, times the share of the strokes
+    /// that they explain.
     pub fn score(&self, chains: &Chains, camera: &PtzCamera) -> f64 {
         let mut sums = Sums::default();
         for chain in &chains.0 {
@@ -105,13 +123,21 @@ impl EvidenceMaps {
     /// The image of a direction in `base`, unless it lies far outside.
     fn image(&self, camera: &PtzCamera, direction: Vec3) -> Option<ImagePoint> {
         let (width, height) = self.extent_px();
-        let image = camera.image_from_cam(camera.cam_from_base() * direction).ok()?;
-        let near = image.x > -width && image.x < 2.0 * width && image.y > -height && image.y < 2.0 * height;
+        let image = camera
+            .image_from_cam(camera.cam_from_base() * direction)
+            .ok()?;
+        let near = image.x > -width
+            && image.x < 2.0 * width
+            && image.y > -height
+            && image.y < 2.0 * height;
         near.then_some(image)
     }
 
     fn extent_px(&self) -> (f64, f64) {
-        (self.columns as f64 * self.cell_px, self.rows as f64 * self.cell_px)
+        (
+            self.columns as f64 * self.cell_px,
+            self.rows as f64 * self.cell_px,
+        )
     }
 
     /// Adds a piece of a line, by what the maps show at its middle.
@@ -122,13 +148,18 @@ impl EvidenceMaps {
         if !(middle.x >= 0.0 && middle.x < width && middle.y >= 0.0 && middle.y < height) {
             return;
         }
-        let cell = (middle.y / self.cell_px) as usize * self.columns + (middle.x / self.cell_px) as usize;
+        let cell =
+            (middle.y / self.cell_px) as usize * self.columns + (middle.x / self.cell_px) as usize;
         let direction = direction_of(Vec2::new(-along.y, along.x));
         let near = f64::from(self.near[direction * self.columns * self.rows + cell]);
         // A piece that leaves the picture counts as far as it lies within.
         let length_px = along.norm().min(height);
         sums.hit += near * length_px;
-        *(if self.open[cell] { &mut sums.bare } else { &mut sums.hidden }) += (1.0 - near) * length_px;
+        *(if self.open[cell] {
+            &mut sums.bare
+        } else {
+            &mut sums.hidden
+        }) += (1.0 - near) * length_px;
     }
 }
 
@@ -156,7 +187,11 @@ mod tests {
         let chains = Chains::of(&field, truth().base(), 2.0);
         let right = maps.score(&chains, &truth());
         assert!(right > 0.6, "{right}");
-        for (pan_deg, tilt_deg, focal_px) in [(8.0, -14.0, 1500.0), (4.0, -17.0, 1500.0), (4.0, -14.0, 2200.0)] {
+        for (pan_deg, tilt_deg, focal_px) in [
+            (8.0, -14.0, 1500.0),
+            (4.0, -17.0, 1500.0),
+            (4.0, -14.0, 2200.0),
+        ] {
             let wrong = maps.score(&chains, &camera(pan_deg, tilt_deg, focal_px));
             assert!(wrong < 0.4 * right, "{wrong}");
         }

@@ -1,8 +1,8 @@
 //! Start from nothing: a camera found in one picture by its painted lines alone, its base known.
 //!
-//! All directions and focal lengths are tried against the strokes of the picture, on a coarse grid. The best nodes are moved to
-//! where the strokes agree most, the best of those are snapped, and what the paint bears out is compared. Nothing is drawn by
-//! chance.
+//! All directions and focal lengths are tried against the strokes of the picture, on a coarse grid.
+//! The best nodes are moved to where the strokes agree most, the best of those are snapped, and
+//! what the paint bears out is compared. Nothing is drawn by chance.
 
 use super::agreement::{Agreement, PaintedCells};
 use super::check::overlays_apart_px;
@@ -20,8 +20,9 @@ use touchline_core::solve::Observation;
 /// How a camera is searched for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FindOptions {
-    /// Focal lengths, px at 1920 px width. 800 to 3200 by default: narrower views show too few lines. For a field that looks smaller
-    /// than a soccer pitch does from its stands, a basketball court say, they are longer by as much.
+    /// Focal lengths, px at 1920 px width. 800 to 3200 by default: narrower views show too few
+    /// lines. For a field that looks smaller than a soccer pitch does from its stands, a basketball
+    /// court say, they are longer by as much.
     pub focal_px: (f64, f64),
     /// How the likely cameras are snapped.
     pub snap: SnapOptions,
@@ -29,10 +30,11 @@ pub struct FindOptions {
     pub tried: usize,
     /// The line check's score of the result is at least this. 0.93 by default.
     pub min_score: f64,
-    /// The result explains at least this share of the strokes, and as large a share of what it predicts is there: the product
-    /// of both. 0.2 by default.
+    /// The result explains at least this share of the strokes, and as large a share of what it
+    /// predicts is there: the product of both. 0.2 by default.
     pub min_agreement: f64,
-    /// No other camera agrees with the strokes by more than this share of the result's agreement. 0.75 by default.
+    /// No other camera agrees with the strokes by more than this share of the result's agreement.
+    /// 0.75 by default.
     pub max_rival: f64,
 }
 
@@ -71,7 +73,8 @@ pub enum FindError {
     NotBorneOut {
         /// The line check's score, 0 to 1.
         score: f64,
-        /// The share of the strokes that is explained times the share of the predicted lines that are there.
+        /// The share of the strokes that is explained times the share of the predicted lines that
+        /// are there.
         agreement: f64,
     },
     /// Two cameras fit.
@@ -105,26 +108,35 @@ const COARSE_REACH_PX: f64 = 40.0;
 /// So many nodes of the grid are looked at closer.
 const CLOSER: usize = 200;
 
-/// Looked at closer, lines may lie this far from a stroke, and a camera is moved by these steps; px at 1920 px width.
+/// Looked at closer, lines may lie this far from a stroke, and a camera is moved by these steps; px
+/// at 1920 px width.
 const FINE_REACH_PX: f64 = 20.0;
 const STEPS_PX: [f64; 3] = [18.0, 9.0, 4.5];
 
 /// Where a camera is moved by a step: across, down, nearer.
-const DIRECTIONS: [[f64; 3]; 6] =
-    [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+const DIRECTIONS: [[f64; 3]; 6] = [
+    [1.0, 0.0, 0.0],
+    [-1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, -1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [0.0, 0.0, -1.0],
+];
 
 /// The lines are cut into pieces of these lengths, m: for the grid, and looked at closer.
 const COARSE_PIECE_M: f64 = 4.0;
 const FINE_PIECE_M: f64 = 2.0;
 
-/// Nodes of the grid this near to a better one are one with it, px at 1920 px width; and so are cameras looked at closer.
+/// Nodes of the grid this near to a better one are one with it, px at 1920 px width; and so are
+/// cameras looked at closer.
 const SAME_NODE_PX: f64 = 45.0;
 const SAME_CLOSER_PX: f64 = 16.0;
 
 /// Cameras nearer to each other are one, px at 1920 px width.
 const SAME_PX: f64 = 10.0;
 
-/// A pitch's length is seen from this many of its lengths away; a field that is farther away for its length looks smaller.
+/// A pitch's length is seen from this many of its lengths away; a field that is farther away for
+/// its length looks smaller.
 const USUAL_LENGTHS: f64 = 0.75;
 
 /// With less paint nothing is searched for, px at 1920 px width.
@@ -133,8 +145,8 @@ const LEAST_PAINT_PX: f64 = 500.0;
 /// The search over the grid is this share of the work.
 const GRID_WORK: f64 = 0.7;
 
-/// Finds the camera of a picture by its painted lines, tied to `clicks` where there are any; `progress` receives
-/// the share that is done, from 0 to 1.
+/// Finds the camera of a picture by its painted lines, tied to `clicks` where there are any;
+/// `progress` receives the share that is done, from 0 to 1.
 ///
 /// # Errors
 /// [`FindError`] names what is missing: paint, a camera that fits it, or the certainty that no other one does.
@@ -150,9 +162,20 @@ pub fn find_camera(
     let strokes = Strokes::of(ground);
     let (found_px, needed_px) = (strokes.points.len() as f64, LEAST_PAINT_PX * scale);
     if !(found_px >= needed_px) {
-        return Err(FindError::TooLittlePaint { found_px, needed_px });
+        return Err(FindError::TooLittlePaint {
+            found_px,
+            needed_px,
+        });
     }
-    let search = Search { ground, field, base, clicks, options, strokes, scale };
+    let search = Search {
+        ground,
+        field,
+        base,
+        clicks,
+        options,
+        strokes,
+        scale,
+    };
     let likely = search.likely(progress)?;
     search.decided(&likely, progress)
 }
@@ -211,30 +234,47 @@ impl Search<'_> {
 
     fn look(&self, reach_px: f64, piece_m: f64) -> Look {
         let maps = EvidenceMaps::of(&self.strokes, reach_px * self.scale);
-        Look { maps, chains: Chains::of(self.field, self.base, piece_m) }
+        Look {
+            maps,
+            chains: Chains::of(self.field, self.base, piece_m),
+        }
     }
 
     fn node(&self, look: &Look, ptz: Ptz) -> Node {
-        Node { ptz, score: look.maps.score(&look.chains, &self.camera(ptz)) }
+        Node {
+            ptz,
+            score: look.maps.score(&look.chains, &self.camera(ptz)),
+        }
     }
 
     /// The likeliest cameras, far from each other, the best first.
     fn likely(&self, progress: &Progress<'_, f64>) -> Result<Vec<Node>, FindError> {
         let look = self.look(COARSE_REACH_PX, COARSE_PIECE_M);
-        let Some(region) = Region::of(&look.chains) else { return Ok(Vec::new()) };
+        let Some(region) = Region::of(&look.chains) else {
+            return Ok(Vec::new());
+        };
         let focals_px = self.focals_px();
         let mut nodes: Vec<Node> = Vec::new();
         for (level, focal_px) in focals_px.iter().enumerate() {
-            if progress.report(GRID_WORK * level as f64 / focals_px.len() as f64).is_break() {
+            if progress
+                .report(GRID_WORK * level as f64 / focals_px.len() as f64)
+                .is_break()
+            {
                 return Err(FindError::Stopped);
             }
             let grid = region.grid(*focal_px, GRID_PX * self.scale);
-            let scored: Vec<Node> = grid.into_par_iter().map(|ptz| self.node(&look, ptz)).collect();
+            let scored: Vec<Node> = grid
+                .into_par_iter()
+                .map(|ptz| self.node(&look, ptz))
+                .collect();
             nodes.extend(self.distinct(scored, CLOSER, SAME_NODE_PX));
         }
         let nodes = self.distinct(nodes, CLOSER, SAME_NODE_PX);
         let look = self.look(FINE_REACH_PX, FINE_PIECE_M);
-        let closer: Vec<Node> = nodes.into_par_iter().map(|node| self.moved(&look, node.ptz)).collect();
+        let closer: Vec<Node> = nodes
+            .into_par_iter()
+            .map(|node| self.moved(&look, node.ptz))
+            .collect();
         Ok(self.distinct(closer, self.options.tried, SAME_CLOSER_PX))
     }
 
@@ -245,9 +285,16 @@ impl Search<'_> {
         for step_px in STEPS_PX {
             let step_px = step_px * self.scale;
             loop {
-                let around =
-                    DIRECTIONS.map(|by| self.node(look, Node::stepped(best.ptz, by.map(|by| by * step_px), width_px)));
-                match around.into_iter().max_by(|a, b| a.score.total_cmp(&b.score)) {
+                let around = DIRECTIONS.map(|by| {
+                    self.node(
+                        look,
+                        Node::stepped(best.ptz, by.map(|by| by * step_px), width_px),
+                    )
+                });
+                match around
+                    .into_iter()
+                    .max_by(|a, b| a.score.total_cmp(&b.score))
+                {
                     Some(next) if next.score > best.score => best = next,
                     _ => break,
                 }
@@ -260,7 +307,10 @@ impl Search<'_> {
     fn focals_px(&self) -> Vec<f64> {
         let lengths_away = self.base.position_m.norm() / self.field.length_m;
         let longer = (lengths_away / USUAL_LENGTHS).max(1.0) * self.scale;
-        let (least_px, most_px) = (self.options.focal_px.0 * longer, self.options.focal_px.1 * longer);
+        let (least_px, most_px) = (
+            self.options.focal_px.0 * longer,
+            self.options.focal_px.1 * longer,
+        );
         let ratio = 1.0 + 2.0 * GRID_PX * self.scale / f64::from(self.size().width);
         let mut focals_px = Vec::new();
         let mut focal_px = least_px;
@@ -271,7 +321,8 @@ impl Search<'_> {
         focals_px
     }
 
-    /// The best of some nodes, the best first, none nearer than `same_px` (at 1920 px width) to a better one.
+    /// The best of some nodes, the best first, none nearer than `same_px` (at 1920 px width) to a
+    /// better one.
     fn distinct(&self, mut nodes: Vec<Node>, most: usize, same_px: f64) -> Vec<Node> {
         nodes.sort_by(|a, b| b.score.total_cmp(&a.score));
         let mut kept: Vec<Node> = Vec::new();
@@ -279,7 +330,10 @@ impl Search<'_> {
             if kept.len() >= most {
                 break;
             }
-            if kept.iter().all(|other| node.apart_px(other, self.size().width) > same_px * self.scale) {
+            if kept
+                .iter()
+                .all(|other| node.apart_px(other, self.size().width) > same_px * self.scale)
+            {
                 kept.push(node);
             }
         }
@@ -292,12 +346,25 @@ impl Search<'_> {
         let mut refused = None;
         let mut fits: Vec<(Agreement, Snapped)> = Vec::new();
         for (index, node) in likely.iter().enumerate() {
-            if progress.report(GRID_WORK + (1.0 - GRID_WORK) * index as f64 / likely.len() as f64).is_break() {
+            if progress
+                .report(GRID_WORK + (1.0 - GRID_WORK) * index as f64 / likely.len() as f64)
+                .is_break()
+            {
                 return Err(FindError::Stopped);
             }
-            match snap(self.ground, self.field, self.base, node.ptz, self.clicks, &self.options.snap) {
+            match snap(
+                self.ground,
+                self.field,
+                self.base,
+                node.ptz,
+                self.clicks,
+                &self.options.snap,
+            ) {
                 Ok(snapped) => {
-                    fits.push((painted.agreement(self.field, &self.camera(snapped.ptz)), snapped));
+                    fits.push((
+                        painted.agreement(self.field, &self.camera(snapped.ptz)),
+                        snapped,
+                    ));
                 }
                 Err(reason) => {
                     refused.get_or_insert(reason);
@@ -306,8 +373,13 @@ impl Search<'_> {
         }
         fits.sort_by(|a, b| b.0.both().total_cmp(&a.0.both()));
         let Some((agreement, snapped)) = fits.first() else {
-            let none = SnapError::TooFewSamples { found: 0, needed: self.options.snap.min_samples };
-            return Err(FindError::NotSnapped { reason: refused.unwrap_or(none) });
+            let none = SnapError::TooFewSamples {
+                found: 0,
+                needed: self.options.snap.min_samples,
+            };
+            return Err(FindError::NotSnapped {
+                reason: refused.unwrap_or(none),
+            });
         };
         let apart_px = |ptz: Ptz| overlays_apart_px(&self.camera(snapped.ptz), ptz, self.size());
         // A likely camera that cannot be snapped is a rival as well.
@@ -316,21 +388,34 @@ impl Search<'_> {
             (agreement.both(), node.ptz)
         });
         let nodes = nodes.filter(|(_, ptz)| apart_px(*ptz) > GRID_PX * self.scale);
-        let others = fits[1..].iter().map(|(agreement, other)| (agreement.both(), other.ptz));
-        let others = others.filter(|(_, ptz)| apart_px(*ptz) > SAME_PX * self.scale).chain(nodes);
+        let others = fits[1..]
+            .iter()
+            .map(|(agreement, other)| (agreement.both(), other.ptz));
+        let others = others
+            .filter(|(_, ptz)| apart_px(*ptz) > SAME_PX * self.scale)
+            .chain(nodes);
         let rival = others.max_by(|a, b| a.0.total_cmp(&b.0));
         let score = snapped.check.score;
         let both = agreement.both();
         if !(score >= self.options.min_score && both >= self.options.min_agreement) {
-            return Err(FindError::NotBorneOut { score, agreement: both });
+            return Err(FindError::NotBorneOut {
+                score,
+                agreement: both,
+            });
         }
         if let Some((rival, ptz)) = rival
             && rival > self.options.max_rival * both
         {
-            return Err(FindError::Ambiguous { apart_px: apart_px(ptz) });
+            return Err(FindError::Ambiguous {
+                apart_px: apart_px(ptz),
+            });
         }
         let rival = rival.map_or(0.0, |(rival, _)| rival);
-        Ok(Found { snapped: snapped.clone(), agreement: *agreement, rival })
+        Ok(Found {
+            snapped: snapped.clone(),
+            agreement: *agreement,
+            rival,
+        })
     }
 }
 
@@ -352,15 +437,22 @@ impl Region {
 
     /// Cameras that look into the region, a step apart in the picture.
     fn grid(&self, focal_px: f64, step_px: f64) -> Vec<Ptz> {
-        let steps = |range: &AngleRange| (range.width().radians() * focal_px / step_px).ceil().max(1.0) as u32;
+        let steps = |range: &AngleRange| {
+            (range.width().radians() * focal_px / step_px)
+                .ceil()
+                .max(1.0) as u32
+        };
         let (pans, tilts) = (steps(&self.pan), steps(&self.tilt));
-        let at = |range: &AngleRange, index: u32, of: u32| range.at(f64::from(index) / f64::from(of));
+        let at =
+            |range: &AngleRange, index: u32, of: u32| range.at(f64::from(index) / f64::from(of));
         let node = |pan, tilt| Ptz {
             pan: at(&self.pan, pan, pans).wrapped(),
             tilt: at(&self.tilt, tilt, tilts).wrapped(),
             focal_px,
         };
-        (0..=tilts).flat_map(|tilt| (0..=pans).map(move |pan| node(pan, tilt))).collect()
+        (0..=tilts)
+            .flat_map(|tilt| (0..=pans).map(move |pan| node(pan, tilt)))
+            .collect()
     }
 }
 
@@ -373,11 +465,21 @@ mod tests {
     use touchline_core::geometry::Vec3;
 
     /// Few focal lengths, for speed; the truth's is 2250 px at 1920 px width.
-    const OPTIONS: fn() -> FindOptions =
-        || FindOptions { focal_px: (2150.0, 2350.0), tried: 6, ..FindOptions::default() };
+    const OPTIONS: fn() -> FindOptions = || FindOptions {
+        focal_px: (2150.0, 2350.0),
+        tried: 6,
+        ..FindOptions::default()
+    };
 
     fn found(picture: &Picture, base: &CameraBase) -> Result<Found, FindError> {
-        find_camera(&GroundPicture::new(picture, &[]), &soccer(), base, &[], &OPTIONS(), &Progress::default())
+        find_camera(
+            &GroundPicture::new(picture, &[]),
+            &soccer(),
+            base,
+            &[],
+            &OPTIONS(),
+            &Progress::default(),
+        )
     }
 
     #[test]
@@ -385,12 +487,18 @@ mod tests {
         let found = found(&PICTURE, truth().base()).unwrap();
         let apart_px = overlays_apart_px(&truth(), found.snapped.ptz, SIZE);
         assert!(apart_px < 0.2, "{apart_px} px: {found:?}");
-        assert!(found.agreement.both() > 0.5 && found.rival < 0.5 * found.agreement.both(), "{found:?}");
+        assert!(
+            found.agreement.both() > 0.5 && found.rival < 0.5 * found.agreement.both(),
+            "{found:?}"
+        );
     }
 
     #[test]
     fn a_base_that_stands_elsewhere_finds_nothing() {
-        let elsewhere = CameraBase { position_m: Vec3::new(30.0, -45.0, 9.0), ..*truth().base() };
+        let elsewhere = CameraBase {
+            position_m: Vec3::new(30.0, -45.0, 9.0),
+            ..*truth().base()
+        };
         let refused = found(&PICTURE, &elsewhere);
         assert!(refused.is_err(), "{refused:?}");
     }
@@ -399,10 +507,20 @@ mod tests {
     fn a_picture_without_paint_is_refused_by_name_and_a_search_can_be_stopped() {
         let turf = Picture::filled(SIZE, [62, 110, 42, 255]);
         let refused = found(&turf, truth().base()).unwrap_err();
-        assert!(matches!(refused, FindError::TooLittlePaint { found_px, .. } if found_px == 0.0), "{refused:?}");
+        assert!(
+            matches!(refused, FindError::TooLittlePaint { found_px, .. } if found_px == 0.0),
+            "{refused:?}"
+        );
         let ground = GroundPicture::new(&PICTURE, &[]);
         let cancelled = Progress::new(|_| ControlFlow::Break(()));
-        let stopped = find_camera(&ground, &soccer(), truth().base(), &[], &OPTIONS(), &cancelled);
+        let stopped = find_camera(
+            &ground,
+            &soccer(),
+            truth().base(),
+            &[],
+            &OPTIONS(),
+            &cancelled,
+        );
         assert_eq!(stopped, Err(FindError::Stopped));
     }
 }

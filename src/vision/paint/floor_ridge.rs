@@ -1,7 +1,8 @@
-//! Lines on floors of wood, plastic or ice, which may be brighter or darker than the floor or of another colour, and may lie where
-//! a painted area ends, so that the two sides differ.
+//! Lines on floors of wood, plastic or ice, which may be brighter or darker than the floor or of
+//! another colour, and may lie where a painted area ends, so that the two sides differ.
 //!
-//! A line is there where the colour is none that the two sides mix: a plain border between two areas has, blurred, just those.
+//! A line is there where the colour is none that the two sides mix: a plain border between two
+//! areas has, blurred, just those.
 
 use super::GroundPicture;
 use super::across::{Across, Ridge, is_on_ground};
@@ -10,8 +11,8 @@ use super::colours::{Colour, ColourProfile};
 /// A line's colour is at least this far from all that its sides mix, grey levels,
 const MIN_CONTRAST: f64 = 9.0;
 
-/// and this share of how far its sides are apart: hues are blurred more than brightness, so that a plain border has colours that
-/// are no mixture.
+/// and this share of how far its sides are apart: hues are blurred more than brightness, so that a
+/// plain border has colours that are no mixture.
 const MIN_SHARE_OF_STEP: f64 = 0.22;
 
 /// Sides that differ by more than this share of the contrast move the places of half contrast.
@@ -20,7 +21,8 @@ const UNEVEN: f64 = 0.12;
 /// The standard deviation of the blur of optics and compression, px.
 const BLUR_PX: f64 = 0.8;
 
-/// The middle of a line between different sides is looked for this far around the places of half contrast, px, in such steps.
+/// The middle of a line between different sides is looked for this far around the places of half
+/// contrast, px, in such steps.
 const MOVED_PX: f64 = 1.75;
 const MOVED_STEP_PX: f64 = 0.25;
 
@@ -40,8 +42,8 @@ struct Sides {
 }
 
 impl FloorRidgeFinder {
-    /// Adds the ridges within `reach_px` of a predicted line to `found`, in order of their offset. The colours are read every
-    /// `step_px`.
+    /// Adds the ridges within `reach_px` of a predicted line to `found`, in order of their offset.
+    /// The colours are read every `step_px`.
     pub fn find(
         &mut self,
         ground: &GroundPicture,
@@ -51,13 +53,23 @@ impl FloorRidgeFinder {
         found: &mut Vec<Ridge>,
     ) {
         let margin_px = across.margin_px();
-        self.profile.read(ground.picture(), across.at, across.normal, reach_px + margin_px, step_px);
+        self.profile.read(
+            ground.picture(),
+            across.at,
+            across.normal,
+            reach_px + margin_px,
+            step_px,
+        );
         let profile = &self.profile;
         let skipped = profile.places(margin_px - 1.0).max(0) as usize;
         let searched = skipped..profile.len().saturating_sub(skipped);
         self.contrast.clear();
         self.contrast.extend((0..profile.len()).map(|index| {
-            if searched.contains(&index) { sides(profile, across, index).contrast() } else { f64::NEG_INFINITY }
+            if searched.contains(&index) {
+                sides(profile, across, index).contrast()
+            } else {
+                f64::NEG_INFINITY
+            }
         }));
         let expected_px = across.expected_px();
         let reach = profile.places(0.5 * expected_px).max(1) as usize;
@@ -68,12 +80,19 @@ impl FloorRidgeFinder {
             }
             let around = index.saturating_sub(reach)..=(index + reach).min(self.contrast.len() - 1);
             let mut others = around.map(|other| (other, self.contrast[other]));
-            if others.any(|(other, value)| value > contrast || (value == contrast && other < index)) {
+            if others.any(|(other, value)| value > contrast || (value == contrast && other < index))
+            {
                 continue;
             }
-            let Some(ridge) = ridge(profile, across, index) else { continue };
-            let as_wide_as_paint = (0.4 * expected_px..=1.6 * expected_px + 0.5).contains(&ridge.width_px);
-            if as_wide_as_paint && ridge.offset_px.abs() <= reach_px && is_on_ground(ground, across, &ridge) {
+            let Some(ridge) = ridge(profile, across, index) else {
+                continue;
+            };
+            let as_wide_as_paint =
+                (0.4 * expected_px..=1.6 * expected_px + 0.5).contains(&ridge.width_px);
+            if as_wide_as_paint
+                && ridge.offset_px.abs() <= reach_px
+                && is_on_ground(ground, across, &ridge)
+            {
                 found.push(ridge);
             }
         }
@@ -81,10 +100,15 @@ impl FloorRidgeFinder {
 }
 
 impl Sides {
-    /// How far the colour is from all that the sides mix; nothing where that may be the blur of a border.
+    /// How far the colour is from all that the sides mix; nothing where that may be the blur of a
+    /// border.
     fn contrast(&self) -> f64 {
         let contrast = self.excess.norm();
-        if contrast >= MIN_SHARE_OF_STEP * (self.left - self.right).norm() { contrast } else { f64::NEG_INFINITY }
+        if contrast >= MIN_SHARE_OF_STEP * (self.left - self.right).norm() {
+            contrast
+        } else {
+            f64::NEG_INFINITY
+        }
     }
 }
 
@@ -92,16 +116,31 @@ fn sides(profile: &ColourProfile, across: &Across, index: usize) -> Sides {
     let (near_px, far_px) = across.beside_px();
     let (near, far) = (profile.places(near_px), profile.places(far_px));
     let core = profile.places(0.3 * across.width_px);
-    let (left, right) = (profile.mean(index, -far, -near), profile.mean(index, near, far));
+    let (left, right) = (
+        profile.mean(index, -far, -near),
+        profile.mean(index, near, far),
+    );
     let here = profile.mean(index, -core, core);
     let step = right - left;
-    let share = if step.norm_squared() > 0.0 { (here - left).dot(&step) / step.norm_squared() } else { 0.0 };
-    Sides { left, right, excess: here - (left + step * share.clamp(0.0, 1.0)) }
+    let share = if step.norm_squared() > 0.0 {
+        (here - left).dot(&step) / step.norm_squared()
+    } else {
+        0.0
+    };
+    Sides {
+        left,
+        right,
+        excess: here - (left + step * share.clamp(0.0, 1.0)),
+    }
 }
 
 /// The line at a place, seen along the direction in which its colour leaves those of its sides.
 fn ridge(profile: &ColourProfile, across: &Across, index: usize) -> Option<Ridge> {
-    let Sides { left, right, excess } = sides(profile, across, index);
+    let Sides {
+        left,
+        right,
+        excess,
+    } = sides(profile, across, index);
     let contrast = excess.norm();
     let direction = excess / contrast;
     let level = |place: usize| direction.dot(&profile.colour(place));
@@ -113,10 +152,16 @@ fn ridge(profile: &ColourProfile, across: &Across, index: usize) -> Option<Ridge
         let half = f64::midpoint(top, side);
         let (mut last, mut place) = (level(index), index);
         for _ in 0..=within {
-            place = place.checked_add_signed(towards).filter(|place| *place < profile.len())?;
+            place = place
+                .checked_add_signed(towards)
+                .filter(|place| *place < profile.len())?;
             let here = level(place);
             if here < half {
-                let beyond = if last > here { ((half - here) / (last - here)).min(1.0) } else { 0.0 };
+                let beyond = if last > here {
+                    ((half - here) / (last - here)).min(1.0)
+                } else {
+                    0.0
+                };
                 return Some(profile.offset_px(place as f64 - towards as f64 * beyond));
             }
             last = here;
@@ -126,13 +171,20 @@ fn ridge(profile: &ColourProfile, across: &Across, index: usize) -> Option<Ridge
     let (from_px, to_px) = (edge(-1, left)?, edge(1, right)?);
     let middle_px = f64::midpoint(from_px, to_px);
     let is_uneven = (left - right).abs() > UNEVEN * contrast;
-    let offset_px =
-        if is_uneven { middle_between_uneven_sides_px(profile, across, middle_px, level)? } else { middle_px };
-    Some(Ridge { offset_px, width_px: to_px - from_px, contrast })
+    let offset_px = if is_uneven {
+        middle_between_uneven_sides_px(profile, across, middle_px, level)?
+    } else {
+        middle_px
+    };
+    Some(Ridge {
+        offset_px,
+        width_px: to_px - from_px,
+        contrast,
+    })
 }
 
-/// The middle of a stroke of known width and blur between sides of any levels that leaves the least squares, near a place; none
-/// where it is at the end of the search.
+/// The middle of a stroke of known width and blur between sides of any levels that leaves the least
+/// squares, near a place; none where it is at the end of the search.
 fn middle_between_uneven_sides_px(
     profile: &ColourProfile,
     across: &Across,
@@ -149,10 +201,14 @@ fn middle_between_uneven_sides_px(
     let squares = |middle_px: f64| {
         let row = |offset_px: f64| {
             let beyond = |edge_px: f64| normal_cdf((offset_px - edge_px) / BLUR_PX);
-            let (entered, left) = (beyond(middle_px - width_px / 2.0), beyond(middle_px + width_px / 2.0));
+            let (entered, left) = (
+                beyond(middle_px - width_px / 2.0),
+                beyond(middle_px + width_px / 2.0),
+            );
             Colour::new(1.0 - entered, entered - left, left)
         };
-        let (mut matrix, mut gradient, mut sum) = (nalgebra::Matrix3::zeros(), Colour::zeros(), 0.0);
+        let (mut matrix, mut gradient, mut sum) =
+            (nalgebra::Matrix3::zeros(), Colour::zeros(), 0.0);
         for (offset_px, level) in &seen {
             let row = row(*offset_px);
             matrix += row * row.transpose();
@@ -163,16 +219,26 @@ fn middle_between_uneven_sides_px(
         Some(sum - levels.dot(&gradient))
     };
     let steps = (MOVED_PX / MOVED_STEP_PX) as i32;
-    let tried: Vec<f64> =
-        (-steps..=steps).map(|step| squares(near_px + f64::from(step) * MOVED_STEP_PX)).collect::<Option<_>>()?;
+    let tried: Vec<f64> = (-steps..=steps)
+        .map(|step| squares(near_px + f64::from(step) * MOVED_STEP_PX))
+        .collect::<Option<_>>()?;
     let best = (0..tried.len()).min_by(|a, b| tried[*a].total_cmp(&tried[*b]))?;
-    let (less, here, more) = (*tried.get(best.checked_sub(1)?)?, tried[best], *tried.get(best + 1)?);
+    let (less, here, more) = (
+        *tried.get(best.checked_sub(1)?)?,
+        tried[best],
+        *tried.get(best + 1)?,
+    );
     let curvature = less - 2.0 * here + more;
-    let between = if curvature > 0.0 { 0.5 * (less - more) / curvature } else { 0.0 };
+    let between = if curvature > 0.0 {
+        0.5 * (less - more) / curvature
+    } else {
+        0.0
+    };
     Some(near_px + (best as f64 - f64::from(steps) + between) * MOVED_STEP_PX)
 }
 
-/// The distribution function of the normal distribution, to 2e-4 (a logistic curve with a cubic term; Bowling et al. 2009).
+/// The distribution function of the normal distribution, to 2e-4 (a logistic curve with a cubic
+/// term; Bowling et al. 2009).
 fn normal_cdf(at: f64) -> f64 {
     1.0 / (1.0 + (-0.07056 * at.powi(3) - 1.5976 * at).exp())
 }
@@ -189,15 +255,19 @@ mod tests {
     const WOOD: [f64; 3] = [214.0, 178.0, 132.0];
     const BLUE: [f64; 3] = [18.0, 52.0, 140.0];
 
-    /// A floor whose colour is given at columns (px): above and below it is wood, so that an area of another colour is one.
+    /// A floor whose colour is given at columns (px): above and below it is wood, so that an area
+    /// of another colour is one.
     fn floor(colour: impl Fn(f64) -> [f64; 3]) -> GroundPicture {
         let size = ImageSize::new(160, 480);
         let row = |band: bool| -> Vec<u8> {
             let column = |column: u32| {
                 let at = |sub: u32| f64::from(column) + (f64::from(sub) + 0.5) / 8.0;
                 let colours = (0..8).map(|sub| if band { colour(at(sub)) } else { WOOD });
-                let sum = colours.fold([0.0; 3], |sum, colour| [0, 1, 2].map(|channel| sum[channel] + colour[channel]));
-                [sum[0] / 8.0, sum[1] / 8.0, sum[2] / 8.0, 255.0].map(|value: f64| value.round() as u8)
+                let sum = colours.fold([0.0; 3], |sum, colour| {
+                    [0, 1, 2].map(|channel| sum[channel] + colour[channel])
+                });
+                [sum[0] / 8.0, sum[1] / 8.0, sum[2] / 8.0, 255.0]
+                    .map(|value: f64| value.round() as u8)
             };
             (0..size.width).flat_map(column).collect()
         };
@@ -206,17 +276,31 @@ mod tests {
     }
 
     fn mixed(shares: &[(f64, [f64; 3])]) -> [f64; 3] {
-        [0, 1, 2].map(|channel| shares.iter().map(|(share, colour)| share * colour[channel]).sum())
+        [0, 1, 2].map(|channel| {
+            shares
+                .iter()
+                .map(|(share, colour)| share * colour[channel])
+                .sum()
+        })
     }
 
     /// A line between two columns, with the blur of a lens, between two grounds.
     fn line(x: f64, from: f64, to: f64, colours: [[f64; 3]; 3]) -> [f64; 3] {
         let beyond = |edge: f64| 1.0 / (1.0 + (-(x - edge) / 0.4).exp());
-        mixed(&[(1.0 - beyond(from), colours[0]), (beyond(from) - beyond(to), colours[1]), (beyond(to), colours[2])])
+        mixed(&[
+            (1.0 - beyond(from), colours[0]),
+            (beyond(from) - beyond(to), colours[1]),
+            (beyond(to), colours[2]),
+        ])
     }
 
     fn ridges(ground: &GroundPicture, width_px: f64) -> Vec<Ridge> {
-        let across = Across { at: ImagePoint::new(80.0, 240.0), normal: Vec2::new(1.0, 0.0), width_px, outward: 0.0 };
+        let across = Across {
+            at: ImagePoint::new(80.0, 240.0),
+            normal: Vec2::new(1.0, 0.0),
+            width_px,
+            outward: 0.0,
+        };
         let mut found = Vec::new();
         FloorRidgeFinder::default().find(ground, &across, 30.0, 0.5, &mut found);
         found
@@ -239,9 +323,16 @@ mod tests {
                 for shift in [-7.3, 0.0, 0.5, 6.25] {
                     let (from, to) = (80.0 + shift - width_px / 2.0, 80.0 + shift + width_px / 2.0);
                     let found = ridges(&floor(|x| line(x, from, to, colours)), width_px);
-                    assert_eq!(found.len(), 1, "{colours:?} {width_px} px wide at {shift}: {found:?}");
+                    assert_eq!(
+                        found.len(),
+                        1,
+                        "{colours:?} {width_px} px wide at {shift}: {found:?}"
+                    );
                     let off_px = found[0].offset_px - shift;
-                    assert!(off_px.abs() < allowed_px, "{colours:?} {width_px} px wide at {shift}: {off_px} px");
+                    assert!(
+                        off_px.abs() < allowed_px,
+                        "{colours:?} {width_px} px wide at {shift}: {off_px} px"
+                    );
                 }
             }
         }
@@ -251,12 +342,25 @@ mod tests {
     fn borders_wide_areas_planks_and_shirts_are_no_lines() {
         let border = ridges(&floor(|x| line(x, 80.0, 400.0, [WOOD, BLUE, WOOD])), 3.0);
         let area = ridges(&floor(|x| line(x, 72.0, 90.0, [WOOD, BLUE, WOOD])), 3.0);
-        let plank = ridges(&floor(|x| line(x, 79.0, 82.0, [WOOD, WOOD.map(|value| value - 6.0), WOOD])), 3.0);
+        let plank = ridges(
+            &floor(|x| line(x, 79.0, 82.0, [WOOD, WOOD.map(|value| value - 6.0), WOOD])),
+            3.0,
+        );
         let shirt = [190.0, 30.0, 40.0];
-        let on_shirt =
-            |x: f64| if (x - 80.0).abs() < 9.0 { line(x, 78.5, 81.5, [shirt, [238.0; 3], shirt]) } else { WOOD };
+        let on_shirt = |x: f64| {
+            if (x - 80.0).abs() < 9.0 {
+                line(x, 78.5, 81.5, [shirt, [238.0; 3], shirt])
+            } else {
+                WOOD
+            }
+        };
         let seam = ridges(&floor(on_shirt), 3.0);
-        for (what, found) in [("border", border), ("area", area), ("plank", plank), ("shirt", seam)] {
+        for (what, found) in [
+            ("border", border),
+            ("area", area),
+            ("plank", plank),
+            ("shirt", seam),
+        ] {
             assert!(found.is_empty(), "{what}: {found:?}");
         }
     }
@@ -267,15 +371,32 @@ mod tests {
         assert!(!ground.surface().is_turf());
         let right = check_lines(&ground, &field, &court_truth());
         assert_eq!(right.verdict(), LineVerdict::Supports, "{right:?}");
-        assert!(right.offset_px < 0.3 && right.found > 4 * right.bare, "{right:?}");
-        for (pan_deg, tilt_deg, focal_px) in
-            [(-16.5, -21.0, 1300.0), (-18.0, -22.0, 1300.0), (-18.0, -21.0, 1450.0), (-18.6, -21.0, 1300.0)]
-        {
+        assert!(
+            right.offset_px < 0.3 && right.found > 4 * right.bare,
+            "{right:?}"
+        );
+        for (pan_deg, tilt_deg, focal_px) in [
+            (-16.5, -21.0, 1300.0),
+            (-18.0, -22.0, 1300.0),
+            (-18.0, -21.0, 1450.0),
+            (-18.6, -21.0, 1300.0),
+        ] {
             let wrong = check_lines(&ground, &field, &court_camera(pan_deg, tilt_deg, focal_px));
             assert_ne!(wrong.verdict(), LineVerdict::Supports, "{wrong:?}");
         }
-        for start in [court_camera(-17.8, -20.8, 1310.0), court_camera(-18.5, -21.2, 1290.0)] {
-            let found = snap(&ground, &field, start.base(), start.ptz(), &[], &SnapOptions::default()).unwrap();
+        for start in [
+            court_camera(-17.8, -20.8, 1310.0),
+            court_camera(-18.5, -21.2, 1290.0),
+        ] {
+            let found = snap(
+                &ground,
+                &field,
+                start.base(),
+                start.ptz(),
+                &[],
+                &SnapOptions::default(),
+            )
+            .unwrap();
             let off = crate::paint::check::overlays_apart_px(&court_truth(), found.ptz, SIZE);
             assert!(off < 0.3, "{off} px: {found:?}");
         }
@@ -285,9 +406,18 @@ mod tests {
     fn dark_lines_of_a_floor_are_strokes() {
         let (field, camera) = (court(), court_truth());
         let strokes = Strokes::of(&GroundPicture::new(&COURT, &[]));
-        let arc = field.lines.iter().find(|line| line.id.as_str() == "three_point_arc_left").unwrap();
-        let near = strokes.points.iter().filter_map(|point| camera.plane_from_image(point.at, 0.0));
-        let on_arc = near.filter(|at| arc.paint_centre.distance_m(*at) < 0.1).count();
+        let arc = field
+            .lines
+            .iter()
+            .find(|line| line.id.as_str() == "three_point_arc_left")
+            .unwrap();
+        let near = strokes
+            .points
+            .iter()
+            .filter_map(|point| camera.plane_from_image(point.at, 0.0));
+        let on_arc = near
+            .filter(|at| arc.paint_centre.distance_m(*at) < 0.1)
+            .count();
         assert!(on_arc > 200, "{on_arc}");
     }
 }

@@ -1,4 +1,5 @@
-//! The part of a picture that is the field and its surroundings: smooth, connected, of the ground's colours.
+//! The part of a picture that is the field and its surroundings: smooth, connected, of the ground's
+//! colours.
 
 use super::GroundPicture;
 use touchline_core::geometry::ImagePoint;
@@ -9,8 +10,8 @@ const BLOCK_PX: usize = 8;
 /// A block is ground if at least this share of its pixels has the ground's most common colours.
 const SHARE: f64 = 0.5;
 
-/// The brightness within a block of ground scatters by no more than this share of it, or this many grey levels: a crowd on
-/// a grey day has the colour of turf, but not its smoothness.
+/// The brightness within a block of ground scatters by no more than this share of it, or this many
+/// grey levels: a crowd on a grey day has the colour of turf, but not its smoothness.
 const SCATTER_SHARE: f64 = 0.09;
 const SCATTER: f64 = 4.0;
 
@@ -34,7 +35,9 @@ impl GroundArea {
         let (columns, rows) = (width.div_ceil(BLOCK_PX), height.div_ceil(BLOCK_PX));
         let pixels = ground.picture().rgba().as_chunks::<4>().0;
         let colour = |index: usize| [pixels[index][0], pixels[index][1], pixels[index][2]];
-        let mut of_ground: Vec<bool> = (0..width * height).map(|index| ground.surface().holds(colour(index))).collect();
+        let mut of_ground: Vec<bool> = (0..width * height)
+            .map(|index| ground.surface().holds(colour(index)))
+            .collect();
         for mask in ground.masks() {
             let range = |from: f64, extent: f64, limit: usize| {
                 let clamp = |at: f64| (at.max(0.0) as usize).min(limit);
@@ -53,7 +56,9 @@ impl GroundArea {
             for index in rows.flatten() {
                 let grey = f64::from(ground.grey().values[index]);
                 (sum, squares) = (sum + grey, squares + grey * grey);
-                common += f64::from(u8::from(of_ground[index] && ground.surface().is_common(colour(index))));
+                common += f64::from(u8::from(
+                    of_ground[index] && ground.surface().is_common(colour(index)),
+                ));
             }
             let count = ((bottom - top) * (right - left)) as f64;
             let mean = sum / count;
@@ -66,14 +71,25 @@ impl GroundArea {
         let closed = grid.shrunk(&grid.grown(&grid.grown(&grid.shrunk(&open, 1), 1), 3), 3);
         let open = grid.grown(&grid.shrunk(&closed, 2), 2);
         let mut inside = vec![false; columns * rows];
-        for block in parts(&open, columns).into_iter().max_by_key(Vec::len).unwrap_or_default() {
+        for block in parts(&open, columns)
+            .into_iter()
+            .max_by_key(Vec::len)
+            .unwrap_or_default()
+        {
             inside[block] = true;
         }
         grid.fill_holes(&mut inside);
         let outside: Vec<bool> = inside.iter().map(|inside| !inside).collect();
         let near_border = grid.grown(&outside, BORDER_BLOCKS);
         let near = grid.grown(&inside, 1);
-        Self { width, columns, inside, near, near_border, of_ground }
+        Self {
+            width,
+            columns,
+            inside,
+            near,
+            near_border,
+            of_ground,
+        }
     }
 
     fn block(&self, x: usize, y: usize) -> usize {
@@ -94,13 +110,22 @@ impl GroundArea {
     pub fn is_near_border(&self, at: ImagePoint) -> bool {
         at.x >= 0.0
             && at.y >= 0.0
-            && self.near_border.get(self.block(at.x as usize, at.y as usize)).copied().unwrap_or(false)
+            && self
+                .near_border
+                .get(self.block(at.x as usize, at.y as usize))
+                .copied()
+                .unwrap_or(false)
     }
 
     /// Whether a pixel has one of the ground's colours and is not masked.
     pub fn is_of_ground(&self, at: ImagePoint) -> bool {
         let inside = at.x >= 0.0 && at.y >= 0.0 && (at.x as usize) < self.width;
-        inside && self.of_ground.get(at.y as usize * self.width + at.x as usize).copied().unwrap_or(false)
+        inside
+            && self
+                .of_ground
+                .get(at.y as usize * self.width + at.x as usize)
+                .copied()
+                .unwrap_or(false)
     }
 }
 
@@ -118,7 +143,8 @@ impl Grid {
         for row in 0..self.rows {
             for column in 0..self.columns {
                 let columns = column.saturating_sub(reach)..(column + reach + 1).min(self.columns);
-                along[row * self.columns + column] = columns.into_iter().any(|c| set[row * self.columns + c]);
+                along[row * self.columns + column] =
+                    columns.into_iter().any(|c| set[row * self.columns + c]);
             }
         }
         for row in 0..self.rows {
@@ -133,7 +159,10 @@ impl Grid {
     /// Every block that has set ones alone within reach; the grid's border takes none away.
     fn shrunk(&self, set: &[bool], reach: usize) -> Vec<bool> {
         let unset: Vec<bool> = set.iter().map(|set| !set).collect();
-        self.grown(&unset, reach).iter().map(|grown| !grown).collect()
+        self.grown(&unset, reach)
+            .iter()
+            .map(|grown| !grown)
+            .collect()
     }
 
     /// Sets what set blocks enclose.
@@ -153,7 +182,8 @@ impl Grid {
     }
 }
 
-/// The connected parts of the cells that are set, by their numbers; cells that touch at a corner are connected.
+/// The connected parts of the cells that are set, by their numbers; cells that touch at a corner
+/// are connected.
 pub(super) fn parts(set: &[bool], columns: usize) -> Vec<Vec<usize>> {
     let rows = set.len() / columns.max(1);
     let mut reached = vec![false; set.len()];

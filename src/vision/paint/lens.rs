@@ -1,8 +1,9 @@
 //! The lens of one frame: k₁ from its paint and clicks, for a camera of which no lens is known.
 //!
-//! The least cost over pan, tilt and focal length is a function of k₁ alone. The parabola through the best of some values and its
-//! neighbours gives k₁ and its σ; the paint is looked at again with that. Far off the cost is no parabola, since far paint hardly
-//! pulls, so the values reach over all that k₁ may change by.
+//! The least cost over pan, tilt and focal length is a function of k₁ alone. The parabola through
+//! the best of some values and its neighbours gives k₁ and its σ; the paint is looked at again with
+//! that. Far off the cost is no parabola, since far paint hardly pulls, so the values reach over
+//! all that k₁ may change by.
 
 use super::{GroundPicture, SnapError, paint_places};
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
@@ -51,27 +52,51 @@ pub(super) fn own_lens(
         let paint = places.iter().enumerate().filter_map(|(number, place)| {
             Observation::of_paint(field, place.line, place.image, place.sigma_px, number)
         });
-        let seen: Vec<Observation> = clicks.iter().filter(|click| !click.check).copied().chain(paint).collect();
-        let fitted = |k1: f64| -> Refined { refine(&with_k1(near.base(), k1), found.ptz(), &seen, LOSS, None) };
-        let values: Vec<f64> = (-STEPS..=STEPS).map(|step| k1 + f64::from(step) * STEP).collect();
+        let seen: Vec<Observation> = clicks
+            .iter()
+            .filter(|click| !click.check)
+            .copied()
+            .chain(paint)
+            .collect();
+        let fitted = |k1: f64| -> Refined {
+            refine(&with_k1(near.base(), k1), found.ptz(), &seen, LOSS, None)
+        };
+        let values: Vec<f64> = (-STEPS..=STEPS)
+            .map(|step| k1 + f64::from(step) * STEP)
+            .collect();
         let costs: Vec<f64> = values.iter().map(|k1| fitted(*k1).cost).collect();
         let inner = 1..values.len() - 1;
-        let best = inner.min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or(STEPS as usize);
+        let best = inner
+            .min_by(|a, b| costs[*a].total_cmp(&costs[*b]))
+            .unwrap_or(STEPS as usize);
         let [less, here, more] = [costs[best - 1], costs[best], costs[best + 1]];
-        let (slope, curvature) = ((more - less) / (2.0 * STEP), (more - 2.0 * here + less) / (STEP * STEP));
+        let (slope, curvature) = (
+            (more - less) / (2.0 * STEP),
+            (more - 2.0 * here + less) / (STEP * STEP),
+        );
         // A sum of squares in sigmas has twice the inverse variance as its second derivative.
-        let sigma = if curvature > 0.0 { (2.0 / curvature).sqrt() } else { f64::INFINITY };
+        let sigma = if curvature > 0.0 {
+            (2.0 / curvature).sqrt()
+        } else {
+            f64::INFINITY
+        };
         if !(sigma <= MAX_SIGMA) {
             return Err(SnapError::LensOpen { sigma });
         }
         k1 = (values[best] + (-slope / curvature).clamp(-STEP, STEP)).clamp(-MOST, MOST);
         found = PtzCamera::new(with_k1(near.base(), k1), fitted(k1).ptz);
     }
-    Ok(OwnLens { base: *found.base(), ptz: found.ptz() })
+    Ok(OwnLens {
+        base: *found.base(),
+        ptz: found.ptz(),
+    })
 }
 
 fn with_k1(base: &CameraBase, k1: f64) -> CameraBase {
-    CameraBase { distortion: FocalCurve::constant(k1), ..*base }
+    CameraBase {
+        distortion: FocalCurve::constant(k1),
+        ..*base
+    }
 }
 
 #[cfg(test)]
@@ -86,14 +111,28 @@ mod tests {
         let near = PtzCamera::new(with_k1(truth().base(), 0.0), truth().ptz());
         let own = own_lens(&ground, &field, &near, &[]).unwrap();
         let k1 = truth().base().distortion.at(truth().ptz().focal_px);
-        assert!((own.base.distortion.at(own.ptz.focal_px) - k1).abs() < 0.01, "{:?}", own.base.distortion);
+        assert!(
+            (own.base.distortion.at(own.ptz.focal_px) - k1).abs() < 0.01,
+            "{:?}",
+            own.base.distortion
+        );
     }
 
     #[test]
     fn without_paint_the_lens_is_left_open() {
         let (width, height) = (f64::from(SIZE.width), f64::from(SIZE.height));
-        let all = PixelBox { x: 0.0, y: 0.0, width, height };
-        let hidden = own_lens(&GroundPicture::new(&PICTURE, &[all]), &soccer(), &truth(), &[]);
+        let all = PixelBox {
+            x: 0.0,
+            y: 0.0,
+            width,
+            height,
+        };
+        let hidden = own_lens(
+            &GroundPicture::new(&PICTURE, &[all]),
+            &soccer(),
+            &truth(),
+            &[],
+        );
         assert!(matches!(hidden, Err(SnapError::LensOpen { .. })));
     }
 }

@@ -1,5 +1,5 @@
-//! Paint that stays where it is while a camera turns: what many frames show in one direction is drawn on the ground; players,
-//! boards that change and shadows are not there twice.
+//! Paint that stays where it is while a camera turns: what many frames show in one direction is
+//! drawn on the ground; players, boards that change and shadows are not there twice.
 
 use super::strokes::{Shown, StrokePoint, Strokes};
 use rayon::prelude::*;
@@ -30,8 +30,8 @@ pub struct PersistentPoint {
     pub stroke: StrokePoint,
 }
 
-/// Places on strokes that enough of the frames show in one direction. `frames` are pictures of one camera in one place, with
-/// what was found in them.
+/// Places on strokes that enough of the frames show in one direction. `frames` are pictures of one
+/// camera in one place, with what was found in them.
 #[must_use]
 pub fn persistent_paint(frames: &[(PtzCamera, Strokes)]) -> Vec<PersistentPoint> {
     let needed = needed(frames.len());
@@ -39,7 +39,10 @@ pub fn persistent_paint(frames: &[(PtzCamera, Strokes)]) -> Vec<PersistentPoint>
         let (camera, strokes) = &frames[frame];
         let others = others_of(frames, frame);
         let keep = |stroke: &StrokePoint| {
-            let direction = camera.world_direction_from_image(stroke.at).ok()?.try_normalize(0.0)?;
+            let direction = camera
+                .world_direction_from_image(stroke.at)
+                .ok()?
+                .try_normalize(0.0)?;
             let (mut seen, mut painted) = (1_usize, 1_usize);
             for &other in &others {
                 match shown(&frames[other], camera.base().position_m + direction) {
@@ -49,14 +52,22 @@ pub fn persistent_paint(frames: &[(PtzCamera, Strokes)]) -> Vec<PersistentPoint>
                 }
             }
             let stays = painted >= needed && painted as f64 >= MIN_SHARE * seen as f64;
-            stays.then_some(PersistentPoint { direction, frame, stroke: *stroke })
+            stays.then_some(PersistentPoint {
+                direction,
+                frame,
+                stroke: *stroke,
+            })
         };
         subsample(&strokes.points, ASKED).filter_map(keep).collect()
     };
-    (0..frames.len()).into_par_iter().flat_map_iter(of_frame).collect()
+    (0..frames.len())
+        .into_par_iter()
+        .flat_map_iter(of_frame)
+        .collect()
 }
 
-/// How many of so many frames have to show paint in a direction, and ground, for what they show there to count.
+/// How many of so many frames have to show paint in a direction, and ground, for what they show
+/// there to count.
 const fn needed(frames: usize) -> usize {
     match frames {
         0..=2 => 1,
@@ -67,7 +78,9 @@ const fn needed(frames: usize) -> usize {
 
 /// What a frame shows where the camera sees a point of `world`.
 fn shown((camera, strokes): &(PtzCamera, Strokes), point_in_world: Vec3) -> Shown {
-    camera.image_from_world(point_in_world).map_or(Shown::Other, |image| strokes.shown(image))
+    camera
+        .image_from_world(point_in_world)
+        .map_or(Shown::Other, |image| strokes.shown(image))
 }
 
 /// The frames that look where a frame looks, the nearest first.
@@ -83,8 +96,8 @@ fn others_of(frames: &[(PtzCamera, Strokes)], frame: usize) -> Vec<usize> {
     others.into_iter().map(|(other, _)| other).collect()
 }
 
-/// The directions in which so many of the frames show ground that [`persistent_paint`] would find paint there: a grid over pan and
-/// tilt.
+/// The directions in which so many of the frames show ground that [`persistent_paint`] would find
+/// paint there: a grid over pan and tilt.
 #[derive(Clone, Debug)]
 pub struct SeenGround {
     columns: usize,
@@ -98,12 +111,16 @@ impl SeenGround {
     pub fn of(frames: &[(PtzCamera, Strokes)]) -> Self {
         /// Places of a frame that are looked at in each row: the widest views leave no cell out.
         const ACROSS: usize = 320;
-        let (columns, rows) = ((360.0 / SEEN_CELL_DEG) as usize, (90.0 / SEEN_CELL_DEG) as usize);
+        let (columns, rows) = (
+            (360.0 / SEEN_CELL_DEG) as usize,
+            (90.0 / SEEN_CELL_DEG) as usize,
+        );
         let cells_of = |(camera, strokes): &(PtzCamera, Strokes)| -> BTreeSet<usize> {
             let size = strokes.size();
             let step = f64::from(size.width) / ACROSS as f64;
             let places = (0..ACROSS * (f64::from(size.height) / step) as usize).map(|place| {
-                let [column, row] = [place % ACROSS, place / ACROSS].map(|at| (at as f64 + 0.5) * step);
+                let [column, row] =
+                    [place % ACROSS, place / ACROSS].map(|at| (at as f64 + 0.5) * step);
                 ImagePoint::new(column, row)
             });
             let is_ground = |at: &ImagePoint| strokes.shown(*at) != Shown::Other;
@@ -116,12 +133,18 @@ impl SeenGround {
             counts[cell] += 1;
         }
         let needed = needed(frames.len());
-        Self { columns, rows, seen: counts.into_iter().map(|count| count >= needed).collect() }
+        Self {
+            columns,
+            rows,
+            seen: counts.into_iter().map(|count| count >= needed).collect(),
+        }
     }
 
     /// The cell of a direction below the horizon.
     fn cell(columns: usize, rows: usize, direction: Vec3) -> Option<usize> {
-        let down = (-direction.z).atan2(direction.x.hypot(direction.y)).to_degrees();
+        let down = (-direction.z)
+            .atan2(direction.x.hypot(direction.y))
+            .to_degrees();
         let pan = direction.x.atan2(direction.y).to_degrees() + 180.0;
         if !(down > 0.0) {
             return None;

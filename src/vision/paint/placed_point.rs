@@ -14,7 +14,10 @@ pub struct PointSnapOptions {
 
 impl Default for PointSnapOptions {
     fn default() -> Self {
-        Self { reach_px: 8.0, max_sigma_px: 1.5 }
+        Self {
+            reach_px: 8.0,
+            max_sigma_px: 1.5,
+        }
     }
 }
 
@@ -36,6 +39,7 @@ const THROUGH_M: f64 = 0.02;
 /// The painted lines that pass through a landmark or end there.
 pub(super) fn lines_through(field: &FieldModel, landmark: &Landmark) -> Vec<usize> {
     let lines = field.lines.iter().enumerate();
-    let through = lines.filter(|(_, line)| line.painted && line.curve.distance_m(landmark.nominal_m) <= THROUGH_M);
+    let through = lines
+        .filter(|(_, line)| line.painted && line.curve.distance_m(landmark.nominal_m) <= THROUGH_M);
     through.map(|(index, _)| index).collect()
 }

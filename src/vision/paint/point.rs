@@ -1,11 +1,15 @@
-//! Click snapping: a placed point moved to the painted corner, crossing or spot that it names, where that is certain.
+//! Click snapping: a placed point moved to the painted corner, crossing or spot that it names,
+//! where that is certain.
 //!
-//! The lines that meet at the landmark are looked for around the placed point, in the directions in which a camera sees
-//! them. The camera may be a rough one: only the directions and the widths of the lines are taken from it.
+//! The lines that meet at the landmark are looked for around the placed point, in the directions in
+//! which a camera sees them. The camera may be a rough one: only the directions and the widths of
+//! the lines are taken from it.
 
 use super::GroundPicture;
 use super::across::Across;
-use super::crossing::{Course, CrossingAtScale, CrossingState, MOST_LINES, Place, meeting_point, residual_px};
+use super::crossing::{
+    Course, CrossingAtScale, CrossingState, MOST_LINES, Place, meeting_point, residual_px,
+};
 use super::placed_point::{PointSnapOptions, SnappedPoint, lines_through};
 use super::ridge::RidgeFinder;
 use super::spot::snap_spot;
@@ -25,7 +29,8 @@ const SPACING_PX: f64 = 4.0;
 /// The distance between the places across a line at which the brightness is read, px.
 const STEP_PX: f64 = 0.5;
 
-/// So near to the landmark the lines run into each other, px at 1920 px width beyond half the width of the widest.
+/// So near to the landmark the lines run into each other, px at 1920 px width beyond half the width
+/// of the widest.
 const CLEAR_PX: f64 = 6.0;
 
 /// Fewer places with paint do not make a line.
@@ -34,25 +39,28 @@ const FEWEST: usize = 6;
 /// A line is there if this share of its open places has paint where the others have it.
 const SEEN_SHARE: f64 = 0.75;
 
-/// Another course of the line that explains as large a share of the places as this, of those that the best one explains, leaves
-/// open which is meant.
+/// Another course of the line that explains as large a share of the places as this, of those that
+/// the best one explains, leaves open which is meant.
 const AS_GOOD: f64 = 0.6;
 
 /// Courses nearer to each other are one, px at 1920 px width.
 const SAME_PX: f64 = 4.0;
 
-/// A ridge belongs to a course within this, px at 1920 px width, and this much more a px along the line.
+/// A ridge belongs to a course within this, px at 1920 px width, and this much more a px along the
+/// line.
 const WITHIN_PX: f64 = 1.5;
 const WITHIN_SLOPE: f64 = 0.04;
 
-/// Scales of the robust loss, one for each step, px at 1920 px width: far ridges are another line's.
+/// Scales of the robust loss, one for each step, px at 1920 px width: far ridges are another
+/// line's.
 const SCALES_PX: [f64; 4] = [3.0, 2.0, 1.2, 1.2];
 
-/// Moves a placed point to the corner or crossing of painted lines, or to the painted spot, that a landmark names; none where
-/// no two of the landmark's lines are seen near by and no spot, where it is open which ones are meant, or where the landmark is
-/// neither.
+/// Moves a placed point to the corner or crossing of painted lines, or to the painted spot, that a
+/// landmark names; none where no two of the landmark's lines are seen near by and no spot, where it
+/// is open which ones are meant, or where the landmark is neither.
 ///
-/// `camera` need not be exact: its directions of the lines may be a few degrees off and its places any distance.
+/// `camera` need not be exact: its directions of the lines may be a few degrees off and its places
+/// any distance.
 #[must_use]
 pub fn snap_point(
     ground: &GroundPicture,
@@ -66,15 +74,29 @@ pub fn snap_point(
         return snap_spot(ground, field, camera, landmark, placed, options);
     }
     let scale = ground.size().scale_from_1920();
-    let predicted = camera.image_from_world(field.landmark_in_world(landmark)).ok()?;
+    let predicted = camera
+        .image_from_world(field.landmark_in_world(landmark))
+        .ok()?;
     let lines = lines_through(field, landmark);
     if lines.len() < 2 || lines.len() > MOST_LINES || ground.is_masked(placed) {
         return None;
     }
-    let crossing =
-        Crossing { ground, predicted, by: placed.offset_from(predicted), scale, reach_px: options.reach_px * scale };
-    let samples =
-        sample_lines(field, camera, ground.size(), &SampleOptions { spacing_px: SPACING_PX * scale, border_px: 0.0 });
+    let crossing = Crossing {
+        ground,
+        predicted,
+        by: placed.offset_from(predicted),
+        scale,
+        reach_px: options.reach_px * scale,
+    };
+    let samples = sample_lines(
+        field,
+        camera,
+        ground.size(),
+        &SampleOptions {
+            spacing_px: SPACING_PX * scale,
+            border_px: 0.0,
+        },
+    );
     let mut finder = RidgeFinder::default();
     let mut courses = Vec::with_capacity(lines.len());
     for line in lines {
@@ -84,7 +106,10 @@ pub fn snap_point(
     let (shift, covariance) = crossing.solved(&courses)?;
     let sigma_px = (covariance.trace() / 2.0).sqrt();
     let certain = shift.norm() <= crossing.reach_px && sigma_px <= options.max_sigma_px * scale;
-    certain.then(|| SnappedPoint { image: placed.moved(shift), sigma_px })
+    certain.then(|| SnappedPoint {
+        image: placed.moved(shift),
+        sigma_px,
+    })
 }
 
 /// The neighbourhood of a placed point.
@@ -101,17 +126,30 @@ struct Crossing<'a> {
 
 impl Crossing<'_> {
     /// Looks for one line; none where it is not seen or its course is open.
-    fn course<'s>(&self, samples: impl Iterator<Item = &'s LineSample>, finder: &mut RidgeFinder) -> Option<Course> {
+    fn course<'s>(
+        &self,
+        samples: impl Iterator<Item = &'s LineSample>,
+        finder: &mut RidgeFinder,
+    ) -> Option<Course> {
         let distance_px = |sample: &LineSample| sample.image.distance_px(self.predicted);
-        let mut near: Vec<&LineSample> =
-            samples.filter(|sample| distance_px(sample) <= FOLLOWED_PX * self.scale).collect();
+        let mut near: Vec<&LineSample> = samples
+            .filter(|sample| distance_px(sample) <= FOLLOWED_PX * self.scale)
+            .collect();
         near.sort_by(|a, b| distance_px(a).total_cmp(&distance_px(b)));
         let normal = near.first()?.normal;
         let direction = Vec2::new(-normal.y, normal.x);
-        let mut course = Course { places: Vec::new(), open: 0, offset_px: 0.0, normal };
+        let mut course = Course {
+            places: Vec::new(),
+            open: 0,
+            offset_px: 0.0,
+            normal,
+        };
         for sample in near {
             let clear_px = CLEAR_PX * self.scale + 0.5 * sample.width_px;
-            let across = Across { at: sample.image.moved(self.by), ..Across::from(sample) };
+            let across = Across {
+                at: sample.image.moved(self.by),
+                ..Across::from(sample)
+            };
             if distance_px(sample) < clear_px || self.ground.is_masked(across.at) {
                 continue;
             }
@@ -120,53 +158,83 @@ impl Crossing<'_> {
             course.open += usize::from(!ridges.is_empty() || self.ground.is_ground(across.at));
             if !ridges.is_empty() {
                 let along_px = direction.dot(&sample.image.offset_from(self.predicted));
-                course.places.push(Place { normal: sample.normal, along_px, ridges });
+                course.places.push(Place {
+                    normal: sample.normal,
+                    along_px,
+                    ridges,
+                });
             }
         }
         course.offset_px = self.likely_offset_px(&course)?;
         Some(course)
     }
 
-    /// The offset that most places of a line agree on; none where too few do, or where another one is as good.
+    /// The offset that most places of a line agree on; none where too few do, or where another one
+    /// is as good.
     fn likely_offset_px(&self, course: &Course) -> Option<f64> {
         let agreeing = |offset_px: f64| {
             let agrees = |place: &&Place| {
                 let within_px = WITHIN_PX * self.scale + WITHIN_SLOPE * place.along_px.abs();
-                Course::nearest(place, offset_px).is_some_and(|nearest| (nearest - offset_px).abs() <= within_px)
+                Course::nearest(place, offset_px)
+                    .is_some_and(|nearest| (nearest - offset_px).abs() <= within_px)
             };
             course.places.iter().filter(agrees).count()
         };
-        let all = course.places.iter().flat_map(|place| &place.ridges).map(|ridge| ridge.offset_px);
-        let counted: Vec<(f64, usize)> = all.map(|offset_px| (offset_px, agreeing(offset_px))).collect();
+        let all = course
+            .places
+            .iter()
+            .flat_map(|place| &place.ridges)
+            .map(|ridge| ridge.offset_px);
+        let counted: Vec<(f64, usize)> = all
+            .map(|offset_px| (offset_px, agreeing(offset_px)))
+            .collect();
         let (_, most) = *counted.iter().max_by_key(|(_, count)| *count)?;
         // The middle of the best ones.
-        let best: Vec<f64> =
-            counted.iter().filter(|(_, count)| *count == most).map(|(offset_px, _)| *offset_px).collect();
+        let best: Vec<f64> = counted
+            .iter()
+            .filter(|(_, count)| *count == most)
+            .map(|(offset_px, _)| *offset_px)
+            .collect();
         let offset_px = best.iter().sum::<f64>() / best.len() as f64;
-        let elsewhere = counted.iter().filter(|(other_px, _)| (other_px - offset_px).abs() > SAME_PX * self.scale);
+        let elsewhere = counted
+            .iter()
+            .filter(|(other_px, _)| (other_px - offset_px).abs() > SAME_PX * self.scale);
         let second = elsewhere.map(|(_, count)| *count).max().unwrap_or(0);
         let seen = most >= FEWEST && most as f64 >= SEEN_SHARE * course.open as f64;
         (seen && (second as f64) < AS_GOOD * most as f64).then_some(offset_px)
     }
 
-    /// The shift of the landmark on which the ridges of all lines agree, px, and its covariance; none where the lines do not
-    /// cross or do not agree.
+    /// The shift of the landmark on which the ridges of all lines agree, px, and its covariance;
+    /// none where the lines do not cross or do not agree.
     fn solved(&self, courses: &[Course]) -> Option<(Vec2, Matrix2<f64>)> {
         let mut state = CrossingState::zeros();
-        state.fixed_rows_mut::<2>(0).copy_from(&meeting_point(courses)?);
+        state
+            .fixed_rows_mut::<2>(0)
+            .copy_from(&meeting_point(courses)?);
         for scale_px in SCALES_PX {
-            state = gauss_newton_step(&CrossingAtScale::new(courses, scale_px, self.scale), &state)?;
+            state =
+                gauss_newton_step(&CrossingAtScale::new(courses, scale_px, self.scale), &state)?;
         }
         let shift = state.fixed_rows::<2>(0).into_owned();
         for (line, course) in courses.iter().enumerate() {
-            let agreeing = course.places.iter().filter_map(|place| residual_px(place, line, &state));
-            let agreeing = agreeing.filter(|residual| residual.abs() <= WITHIN_PX * self.scale).count();
+            let agreeing = course
+                .places
+                .iter()
+                .filter_map(|place| residual_px(place, line, &state));
+            let agreeing = agreeing
+                .filter(|residual| residual.abs() <= WITHIN_PX * self.scale)
+                .count();
             if agreeing < FEWEST || (agreeing as f64) < SEEN_SHARE * course.open as f64 {
                 return None;
             }
         }
-        let equations = CrossingAtScale::new(courses, SCALES_PX[SCALES_PX.len() - 1], self.scale).equations(&state);
-        let covariance = equations.own.try_inverse()?.fixed_view::<2, 2>(0, 0).into_owned();
+        let equations = CrossingAtScale::new(courses, SCALES_PX[SCALES_PX.len() - 1], self.scale)
+            .equations(&state);
+        let covariance = equations
+            .own
+            .try_inverse()?
+            .fixed_view::<2, 2>(0, 0)
+            .into_owned();
         Some((shift, covariance))
     }
 }
@@ -181,20 +249,41 @@ mod tests {
     fn snapped(camera: &PtzCamera, landmark: &str, off_px: Vec2) -> Option<(SnappedPoint, f64)> {
         let field = soccer();
         let landmark = field.landmark(landmark).unwrap();
-        let exact = truth().image_from_world(field.landmark_in_world(landmark)).unwrap();
+        let exact = truth()
+            .image_from_world(field.landmark_in_world(landmark))
+            .unwrap();
         let ground = GroundPicture::new(&PICTURE, &[]);
-        let found = snap_point(&ground, &field, camera, landmark, exact.moved(off_px), &PointSnapOptions::default())?;
+        let found = snap_point(
+            &ground,
+            &field,
+            camera,
+            landmark,
+            exact.moved(off_px),
+            &PointSnapOptions::default(),
+        )?;
         Some((found, found.image.distance_px(exact)))
     }
 
-    const CROSSINGS: [&str; 3] = ["centre_circle_halfway_near", "centre_circle_halfway_far", "halfway_far"];
+    const CROSSINGS: [&str; 3] = [
+        "centre_circle_halfway_near",
+        "centre_circle_halfway_far",
+        "halfway_far",
+    ];
 
     #[test]
     fn a_point_beside_a_crossing_goes_to_it() {
         for landmark in CROSSINGS {
-            for off_px in [Vec2::zeros(), Vec2::new(3.0, -2.0), Vec2::new(-5.0, 1.5), Vec2::new(1.0, 4.0)] {
+            for off_px in [
+                Vec2::zeros(),
+                Vec2::new(3.0, -2.0),
+                Vec2::new(-5.0, 1.5),
+                Vec2::new(1.0, 4.0),
+            ] {
                 let (found, error_px) = snapped(&truth(), landmark, off_px).unwrap();
-                assert!(error_px < 0.4, "{landmark} from {off_px:?}: {error_px} px, {found:?}");
+                assert!(
+                    error_px < 0.4,
+                    "{landmark} from {off_px:?}: {error_px} px, {found:?}"
+                );
                 assert!((0.05..1.0).contains(&found.sigma_px), "{found:?}");
             }
         }
@@ -203,15 +292,34 @@ mod tests {
     #[test]
     fn corners_in_a_small_picture_are_where_the_lines_meet_and_on_average_right_there() {
         let (field, size) = (soccer(), ImageSize::new(640, 360));
-        let base = CameraBase { principal_point: size.centre(), distortion: FocalCurve::NONE, ..*truth().base() };
+        let base = CameraBase {
+            principal_point: size.centre(),
+            distortion: FocalCurve::NONE,
+            ..*truth().base()
+        };
         let camera = PtzCamera::new(base, Ptz::from_degrees(38.0, -14.0, 900.0));
         let picture = drawn(&field, &camera, size);
         let ground = GroundPicture::new(&picture, &[]);
         let mut off_px = Vec::new();
-        for landmark in field.landmarks.iter().filter(|landmark| landmark.id.as_str().contains("_area_")) {
-            let exact = camera.image_from_world(field.landmark_in_world(landmark)).unwrap();
-            for placed in [Vec2::zeros(), Vec2::new(1.5, -1.0), Vec2::new(-1.0, 1.5)].map(|by| exact.moved(by)) {
-                let found = snap_point(&ground, &field, &camera, landmark, placed, &PointSnapOptions::default());
+        for landmark in field
+            .landmarks
+            .iter()
+            .filter(|landmark| landmark.id.as_str().contains("_area_"))
+        {
+            let exact = camera
+                .image_from_world(field.landmark_in_world(landmark))
+                .unwrap();
+            for placed in [Vec2::zeros(), Vec2::new(1.5, -1.0), Vec2::new(-1.0, 1.5)]
+                .map(|by| exact.moved(by))
+            {
+                let found = snap_point(
+                    &ground,
+                    &field,
+                    &camera,
+                    landmark,
+                    placed,
+                    &PointSnapOptions::default(),
+                );
                 off_px.extend(found.map(|found| found.image.offset_from(exact)));
             }
         }
@@ -225,22 +333,38 @@ mod tests {
     #[test]
     fn a_rough_camera_is_enough() {
         // 150 px off, turned and zoomed.
-        for rough in [camera(9.0, -12.5, 1500.0), camera(2.0, -15.0, 1620.0), camera(4.0, -14.0, 1380.0)] {
+        for rough in [
+            camera(9.0, -12.5, 1500.0),
+            camera(2.0, -15.0, 1620.0),
+            camera(4.0, -14.0, 1380.0),
+        ] {
             for landmark in CROSSINGS {
                 if let Some((found, error_px)) = snapped(&rough, landmark, Vec2::new(2.0, -3.0)) {
                     assert!(error_px < 1.0, "{landmark}: {error_px} px, {found:?}");
                 }
             }
-            assert!(snapped(&rough, "centre_circle_halfway_near", Vec2::new(2.0, -3.0)).is_some(), "{:?}", rough.ptz());
+            assert!(
+                snapped(&rough, "centre_circle_halfway_near", Vec2::new(2.0, -3.0)).is_some(),
+                "{:?}",
+                rough.ptz()
+            );
         }
     }
 
     #[test]
     fn what_is_no_crossing_or_is_too_far_off_stays() {
         for landmark in ["centre_circle_left", "post_near_right_top"] {
-            assert_eq!(snapped(&truth(), landmark, Vec2::new(2.0, 1.0)), None, "{landmark}");
+            assert_eq!(
+                snapped(&truth(), landmark, Vec2::new(2.0, 1.0)),
+                None,
+                "{landmark}"
+            );
         }
-        for off_px in [Vec2::new(60.0, 0.0), Vec2::new(0.0, 45.0), Vec2::new(-30.0, 30.0)] {
+        for off_px in [
+            Vec2::new(60.0, 0.0),
+            Vec2::new(0.0, 45.0),
+            Vec2::new(-30.0, 30.0),
+        ] {
             assert_eq!(snapped(&truth(), "halfway_far", off_px), None, "{off_px:?}");
         }
     }

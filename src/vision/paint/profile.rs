@@ -17,8 +17,16 @@ pub(super) struct Profile {
 }
 
 impl Profile {
-    /// Reads the brightness every `step_px` up to `reach_px` or a little farther on both sides of a point.
-    pub fn read(&mut self, grey: &GreyPicture, middle: ImagePoint, normal: Vec2, reach_px: f64, step_px: f64) {
+    /// Reads the brightness every `step_px` up to `reach_px` or a little farther on both sides of a
+    /// point.
+    pub fn read(
+        &mut self,
+        grey: &GreyPicture,
+        middle: ImagePoint,
+        normal: Vec2,
+        reach_px: f64,
+        step_px: f64,
+    ) {
         let half = (reach_px / step_px).ceil() as usize;
         self.step_px = step_px;
         let along = Vec2::new(-normal.y, normal.x);
@@ -28,7 +36,11 @@ impl Profile {
         let mut sum = 0.0;
         for index in 0..=2 * half {
             let at = middle.moved(normal * ((index as f64 - half as f64) * step_px));
-            let here = ALONG_PX.iter().map(|by| grey.at(at.moved(along * *by))).sum::<f64>() / ALONG_PX.len() as f64;
+            let here = ALONG_PX
+                .iter()
+                .map(|by| grey.at(at.moved(along * *by)))
+                .sum::<f64>()
+                / ALONG_PX.len() as f64;
             sum += here;
             self.grey.push(here);
             self.sums.push(sum);
@@ -55,7 +67,8 @@ impl Profile {
         self.grey[index]
     }
 
-    /// The mean brightness of the places from the first offset after a place to the last, both included, as far as there are any.
+    /// The mean brightness of the places from the first offset after a place to the last, both
+    /// included, as far as there are any.
     pub fn mean(&self, index: usize, from: isize, to: isize) -> f64 {
         let last = self.grey.len() - 1;
         let from = index.saturating_add_signed(from).min(last);
@@ -63,16 +76,26 @@ impl Profile {
         (self.sums[to + 1] - self.sums[from]) / (to + 1 - from) as f64
     }
 
-    /// The place, between two of them, where the brightness falls below a level, going from a place in one direction; none
-    /// where it does not within a distance.
-    pub fn falls_below(&self, from: usize, direction: isize, level: f64, within_px: f64) -> Option<f64> {
+    /// The place, between two of them, where the brightness falls below a level, going from a place
+    /// in one direction; none where it does not within a distance.
+    pub fn falls_below(
+        &self,
+        from: usize,
+        direction: isize,
+        level: f64,
+        within_px: f64,
+    ) -> Option<f64> {
         let mut last = self.grey[from];
         let mut index = from;
         for _ in 0..(within_px / self.step_px).ceil() as usize {
             index = index.checked_add_signed(direction)?;
             let here = *self.grey.get(index)?;
             if here < level {
-                let beyond = if last > here { ((level - here) / (last - here)).min(1.0) } else { 0.0 };
+                let beyond = if last > here {
+                    ((level - here) / (last - here)).min(1.0)
+                } else {
+                    0.0
+                };
                 return Some(index as f64 - direction as f64 * beyond);
             }
             last = here;

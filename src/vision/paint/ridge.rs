@@ -1,5 +1,5 @@
-//! Ridges of paint across a predicted line: on turf brighter than the ground on both sides, both edges found, as wide as the paint
-//! should be, ground beside it.
+//! Ridges of paint across a predicted line: on turf brighter than the ground on both sides, both
+//! edges found, as wide as the paint should be, ground beside it.
 
 use super::GroundPicture;
 use super::across::{Across, Ridge, is_on_ground};
@@ -9,7 +9,8 @@ use super::profile::Profile;
 /// Paint is at least this much brighter than the ground on both sides, grey levels.
 const MIN_CONTRAST: f64 = 4.5;
 
-/// Paint is brighter than the ground on both sides by at least this share of the ground's brightness.
+/// Paint is brighter than the ground on both sides by at least this share of the ground's
+/// brightness.
 const MIN_CONTRAST_SHARE: f64 = 0.05;
 
 /// Finds ridges; its buffers are used again by the next line.
@@ -21,8 +22,8 @@ pub(super) struct RidgeFinder {
 }
 
 impl RidgeFinder {
-    /// Adds the ridges within `reach_px` of a predicted line to `found`, in order of their offset. The brightness is read
-    /// every `step_px`.
+    /// Adds the ridges within `reach_px` of a predicted line to `found`, in order of their offset.
+    /// The brightness is read every `step_px`.
     pub fn find(
         &mut self,
         ground: &GroundPicture,
@@ -32,17 +33,29 @@ impl RidgeFinder {
         found: &mut Vec<Ridge>,
     ) {
         if !ground.surface().is_turf() {
-            self.on_floors.find(ground, across, reach_px, step_px, found);
+            self.on_floors
+                .find(ground, across, reach_px, step_px, found);
             return;
         }
         let (near_px, far_px) = across.beside_px();
         let margin_px = across.margin_px();
-        self.profile.read(ground.grey(), across.at, across.normal, reach_px + margin_px, step_px);
+        self.profile.read(
+            ground.grey(),
+            across.at,
+            across.normal,
+            reach_px + margin_px,
+            step_px,
+        );
         let profile = &self.profile;
         let expected_px = across.expected_px();
         let core = profile.places(0.3 * across.width_px);
         let (near, far) = (profile.places(near_px), profile.places(far_px));
-        let sides = |index: usize| (profile.mean(index, -far, -near), profile.mean(index, near, far));
+        let sides = |index: usize| {
+            (
+                profile.mean(index, -far, -near),
+                profile.mean(index, near, far),
+            )
+        };
         let skipped = profile.places(margin_px - 1.0).max(0) as usize;
         let searched = skipped..profile.len().saturating_sub(skipped);
         self.contrast.clear();
@@ -62,7 +75,8 @@ impl RidgeFinder {
             }
             let around = index.saturating_sub(reach)..=(index + reach).min(self.contrast.len() - 1);
             let mut others = around.map(|other| (other, self.contrast[other]));
-            if others.any(|(other, value)| value > contrast || (value == contrast && other < index)) {
+            if others.any(|(other, value)| value > contrast || (value == contrast && other < index))
+            {
                 continue;
             }
             let top = profile.grey(index).max(profile.mean(index, -core, core));
@@ -74,9 +88,17 @@ impl RidgeFinder {
                 continue;
             };
             let (from_px, to_px) = (profile.offset_px(from), profile.offset_px(to));
-            let ridge = Ridge { offset_px: f64::midpoint(from_px, to_px), width_px: to_px - from_px, contrast };
-            let as_wide_as_paint = (0.4 * expected_px..=1.6 * expected_px + 0.5).contains(&ridge.width_px);
-            if as_wide_as_paint && ridge.offset_px.abs() <= reach_px && is_on_ground(ground, across, &ridge) {
+            let ridge = Ridge {
+                offset_px: f64::midpoint(from_px, to_px),
+                width_px: to_px - from_px,
+                contrast,
+            };
+            let as_wide_as_paint =
+                (0.4 * expected_px..=1.6 * expected_px + 0.5).contains(&ridge.width_px);
+            if as_wide_as_paint
+                && ridge.offset_px.abs() <= reach_px
+                && is_on_ground(ground, across, &ridge)
+            {
                 found.push(ridge);
             }
         }
@@ -91,7 +113,8 @@ mod tests {
 
     const TURF: f64 = 90.0;
 
-    /// Turf whose brightness across the picture is given in grey levels at columns (px), sampled four times a pixel.
+    /// Turf whose brightness across the picture is given in grey levels at columns (px), sampled
+    /// four times a pixel.
     fn turf(brightness: impl Fn(f64) -> f64) -> GroundPicture {
         let size = ImageSize::new(160, 48);
         let row = (0..size.width).flat_map(|column| {
@@ -99,15 +122,24 @@ mod tests {
             let grey = (0..4).map(at).sum::<f64>() / 4.0;
             let white = ((grey - TURF) / 100.0).clamp(0.0, 1.0);
             // Green where it is dark, white where it is bright.
-            let tone = |green: f64| (grey * (green * (1.0 - white) + white)).clamp(0.0, 255.0) as u8;
+            let tone =
+                |green: f64| (grey * (green * (1.0 - white) + white)).clamp(0.0, 255.0) as u8;
             [tone(0.7), tone(1.2), tone(0.5), 255]
         });
         let row: Vec<u8> = row.collect();
-        GroundPicture::new(&Picture::new(size, row.repeat(size.height as usize)).unwrap(), &[])
+        GroundPicture::new(
+            &Picture::new(size, row.repeat(size.height as usize)).unwrap(),
+            &[],
+        )
     }
 
     fn ridges(ground: &GroundPicture, width_px: f64, outward: f64) -> Vec<Ridge> {
-        let across = Across { at: ImagePoint::new(80.0, 24.0), normal: Vec2::new(1.0, 0.0), width_px, outward };
+        let across = Across {
+            at: ImagePoint::new(80.0, 24.0),
+            normal: Vec2::new(1.0, 0.0),
+            width_px,
+            outward,
+        };
         let mut found = Vec::new();
         RidgeFinder::default().find(ground, &across, 30.0, 0.5, &mut found);
         found
@@ -126,29 +158,71 @@ mod tests {
                 let (from, to) = (80.0 + shift - width_px / 2.0, 80.0 + shift + width_px / 2.0);
                 let found = ridges(&turf(|x| stroke(x, from, to)), width_px, 0.0);
                 assert_eq!(found.len(), 1, "{width_px} px wide at {shift}: {found:?}");
-                assert!((found[0].offset_px - shift).abs() < 0.1, "{width_px} px wide at {shift}: {found:?}");
-                assert!((-0.2..1.6).contains(&(found[0].width_px - width_px)), "{width_px} px wide: {found:?}");
+                assert!(
+                    (found[0].offset_px - shift).abs() < 0.1,
+                    "{width_px} px wide at {shift}: {found:?}"
+                );
+                assert!(
+                    (-0.2..1.6).contains(&(found[0].width_px - width_px)),
+                    "{width_px} px wide: {found:?}"
+                );
             }
         }
     }
 
     #[test]
     fn stripes_shadows_boards_and_players_are_no_paint() {
-        let stripe = ridges(&turf(|x| if x < 83.0 { TURF } else { TURF * 1.4 }), 3.0, 0.0);
-        let shadow = ridges(&turf(|x| if (78.0..82.0).contains(&x) { TURF * 0.5 } else { TURF }), 3.0, 0.0);
-        let board = ridges(&turf(|x| if x > 84.0 { TURF + 120.0 } else { TURF }), 3.0, 0.0);
+        let stripe = ridges(
+            &turf(|x| if x < 83.0 { TURF } else { TURF * 1.4 }),
+            3.0,
+            0.0,
+        );
+        let shadow = ridges(
+            &turf(|x| {
+                if (78.0..82.0).contains(&x) {
+                    TURF * 0.5
+                } else {
+                    TURF
+                }
+            }),
+            3.0,
+            0.0,
+        );
+        let board = ridges(
+            &turf(|x| if x > 84.0 { TURF + 120.0 } else { TURF }),
+            3.0,
+            0.0,
+        );
         let player = ridges(&turf(|x| stroke(x, 70.0, 88.0)), 3.0, 0.0);
-        let faint = ridges(&turf(|x| if (79.0..81.0).contains(&x) { TURF + 3.0 } else { TURF }), 2.0, 0.0);
-        for (what, found) in
-            [("stripe", stripe), ("shadow", shadow), ("board", board), ("player", player), ("faint", faint)]
-        {
+        let faint = ridges(
+            &turf(|x| {
+                if (79.0..81.0).contains(&x) {
+                    TURF + 3.0
+                } else {
+                    TURF
+                }
+            }),
+            2.0,
+            0.0,
+        );
+        for (what, found) in [
+            ("stripe", stripe),
+            ("shadow", shadow),
+            ("board", board),
+            ("player", player),
+            ("faint", faint),
+        ] {
             assert!(found.is_empty(), "{what}: {found:?}");
         }
     }
 
     #[test]
     fn two_lines_are_two_ridges_in_order() {
-        let found = ridges(&turf(|x| stroke(x, 69.0, 71.0) + stroke(x, 91.0, 93.0) - TURF), 2.0, 0.0);
+        let found = ridges(
+            &turf(|x| stroke(x, 69.0, 71.0) + stroke(x, 91.0, 93.0) - TURF),
+            2.0,
+            0.0,
+        );
         let offsets: Vec<f64> = found.iter().map(|ridge| ridge.offset_px.round()).collect();
         assert_eq!(offsets, [-10.0, 12.0]);
     }

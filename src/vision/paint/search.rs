@@ -1,4 +1,5 @@
-//! Where the lines could lie: every step of a camera within reach, judged by how many samples find a ridge.
+//! Where the lines could lie: every step of a camera within reach, judged by how many samples find
+//! a ridge.
 
 use super::alignment::{ClickAlignment, RidgeAlignment, StepPx};
 
@@ -27,14 +28,22 @@ const CLICK_SIGMAS: f64 = 5.0;
 const MOST: usize = 3;
 
 /// The steps, far from each other, after which most samples find a ridge, best first.
-pub(super) fn likely_steps(ridges: &RidgeAlignment, clicks: &ClickAlignment, reach_px: f64) -> Vec<StepPx> {
+pub(super) fn likely_steps(
+    ridges: &RidgeAlignment,
+    clicks: &ClickAlignment,
+    reach_px: f64,
+) -> Vec<StepPx> {
     let grid_px = reach_px / f64::from(TURNS);
     let zoom_px = reach_px * ZOOM_SHARE / f64::from(ZOOMS);
     let mut votes = Vec::new();
     for pan in -TURNS..=TURNS {
         for tilt in -TURNS..=TURNS {
             for zoom in -ZOOMS..=ZOOMS {
-                let step = StepPx::new(f64::from(pan) * grid_px, f64::from(tilt) * grid_px, f64::from(zoom) * zoom_px);
+                let step = StepPx::new(
+                    f64::from(pan) * grid_px,
+                    f64::from(tilt) * grid_px,
+                    f64::from(zoom) * zoom_px,
+                );
                 if clicks.allows(&step, CLICK_SIGMAS) {
                     votes.push((ridges.votes(&step, WITHIN * grid_px), step));
                 }
@@ -44,8 +53,14 @@ pub(super) fn likely_steps(ridges: &RidgeAlignment, clicks: &ClickAlignment, rea
     votes.sort_by(|a, b| b.0.total_cmp(&a.0));
     let worth = WORTH * votes.first().map_or(0.0, |best| best.0);
     let mut likely: Vec<StepPx> = Vec::new();
-    for (_, step) in votes.iter().take_while(|(votes, _)| *votes >= worth && *votes > 0.0) {
-        if likely.iter().all(|other| (other - step).norm() > SAME * grid_px) {
+    for (_, step) in votes
+        .iter()
+        .take_while(|(votes, _)| *votes >= worth && *votes > 0.0)
+    {
+        if likely
+            .iter()
+            .all(|other| (other - step).norm() > SAME * grid_px)
+        {
             likely.push(*step);
         }
         if likely.len() == MOST {

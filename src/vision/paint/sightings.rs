@@ -9,7 +9,8 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::markings::{LineSample, SampleOptions, sample_lines};
 
-/// A place shows bare ground if at least this share of the pixels across it have the ground's colours.
+/// A place shows bare ground if at least this share of the pixels across it have the ground's
+/// colours.
 const BARE: f64 = 0.75;
 
 /// What is seen at one sample of a line.
@@ -49,8 +50,16 @@ pub(super) struct Look {
 impl Sightings {
     /// Looks for the paint that a camera predicts.
     #[must_use]
-    pub(super) fn of(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamera, look: Look) -> Self {
-        let options = SampleOptions { spacing_px: look.spacing_px, ..SampleOptions::default() };
+    pub(super) fn of(
+        ground: &GroundPicture,
+        field: &FieldModel,
+        camera: &PtzCamera,
+        look: Look,
+    ) -> Self {
+        let options = SampleOptions {
+            spacing_px: look.spacing_px,
+            ..SampleOptions::default()
+        };
         let samples = sample_lines(field, camera, ground.size(), &options);
         let mut finder = RidgeFinder::default();
         let mut ridges = Vec::new();
@@ -72,7 +81,11 @@ impl Sightings {
                 }
             })
             .collect();
-        Self { samples, seen, ridges }
+        Self {
+            samples,
+            seen,
+            ridges,
+        }
     }
 
     /// The ridges at a sample.
@@ -88,7 +101,9 @@ impl Sightings {
     #[must_use]
     pub fn nearest(&self, sample: usize, offset_px: f64) -> Option<&Ridge> {
         let distance = |ridge: &Ridge| (ridge.offset_px - offset_px).abs();
-        self.ridges_at(sample).iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        self.ridges_at(sample)
+            .iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 
     /// How many samples show bare ground.
@@ -114,6 +129,10 @@ fn is_bare(ground: &GroundPicture, across: &Across, reach_px: f64) -> bool {
             None => {}
         }
     }
-    let open = if across.width_px >= SEEN_AT_BORDERS_PX { bare + areas } else { bare.max(areas) };
+    let open = if across.width_px >= SEEN_AT_BORDERS_PX {
+        bare + areas
+    } else {
+        bare.max(areas)
+    };
     f64::from(open) >= BARE * f64::from(all)
 }

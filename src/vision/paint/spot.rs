@@ -1,8 +1,9 @@
-//! A placed point moved to the painted spot that its landmark names: a penalty mark, a face-off spot, the mark in the middle of a
-//! halfway line.
+//! A placed point moved to the painted spot that its landmark names: a penalty mark, a face-off
+//! spot, the mark in the middle of a halfway line.
 //!
-//! The spot, and the lines through it, are drawn as the camera sees them, blurred, and laid over the picture where they explain
-//! most of it. Another place that explains nearly as much, or paint of another shape, gives no result.
+//! The spot, and the lines through it, are drawn as the camera sees them, blurred, and laid over
+//! the picture where they explain most of it. Another place that explains nearly as much, or paint
+//! of another shape, gives no result.
 
 use super::GroundPicture;
 use super::drawn_spot::{DrawnSpot, Shape, SpotProblem};
@@ -21,7 +22,8 @@ const MIN_CONTRAST: f64 = 8.0;
 /// At least this share of the squares about the mean is the drawn spot's.
 const MIN_EXPLAINED: f64 = 0.7;
 
-/// A little beside the best place, px at 1920 px width, the drawn spot leaves so many times the squares.
+/// A little beside the best place, px at 1920 px width, the drawn spot leaves so many times the
+/// squares.
 const BESIDE_PX: f64 = 3.0;
 const MUCH_WORSE: f64 = 1.6;
 
@@ -40,14 +42,16 @@ const LEAST_NOISE: f64 = 1.5;
 /// Neighbouring pixels err together: as if only this share of them were seen.
 const INDEPENDENT: f64 = 0.25;
 
-/// How often the place is refined. The first time gives contrast and level alone: without contrast the place says nothing.
+/// How often the place is refined. The first time gives contrast and level alone: without contrast
+/// the place says nothing.
 const STEPS: usize = 6;
 
 /// Nor do these steps lead farther than this, px.
 const MAX_REFINEMENT_PX: f64 = 2.0;
 
-/// Moves a placed point to the spot that is painted around a landmark; none where it has none, or where the picture does not
-/// show it for certain. `camera` need not be exact: its scale and the direction it looks in are taken from it.
+/// Moves a placed point to the spot that is painted around a landmark; none where it has none, or
+/// where the picture does not show it for certain. `camera` need not be exact: its scale and the
+/// direction it looks in are taken from it.
 pub(super) fn snap_spot(
     ground: &GroundPicture,
     field: &FieldModel,
@@ -58,12 +62,22 @@ pub(super) fn snap_spot(
 ) -> Option<SnappedPoint> {
     let scale = ground.size().scale_from_1920();
     let diameter_m = landmark.spot_diameter_m?;
-    let shapes = SIZES.into_iter().filter_map(|size| Shape::of(field, camera, landmark, size * diameter_m, scale));
+    let shapes = SIZES
+        .into_iter()
+        .filter_map(|size| Shape::of(field, camera, landmark, size * diameter_m, scale));
     let reach = (options.reach_px * scale).ceil() as i32;
-    let looked: Vec<Look> = shapes.map(|shape| Look::of(ground, placed, shape, reach)).collect();
-    let all = || looked.iter().flat_map(|look| look.fits.iter().map(move |fit| (look, fit)));
+    let looked: Vec<Look> = shapes
+        .map(|shape| Look::of(ground, placed, shape, reach))
+        .collect();
+    let all = || {
+        looked
+            .iter()
+            .flat_map(|look| look.fits.iter().map(move |fit| (look, fit)))
+    };
     let (look, best) = all().max_by(|a, b| a.1.explained.total_cmp(&b.1.explained))?;
-    let another = |fit: &Fit| (look.shape.metres_a_px * (fit.shift - best.shift)).norm() > ANOTHER * diameter_m;
+    let another = |fit: &Fit| {
+        (look.shape.metres_a_px * (fit.shift - best.shift)).norm() > ANOTHER * diameter_m
+    };
     let is_alone = lines_through(field, landmark).is_empty();
     if is_alone && all().any(|(_, fit)| another(fit) && fit.explained > RIVAL * best.explained) {
         return None;
@@ -74,8 +88,12 @@ pub(super) fn snap_spot(
         && (refined.contrast > 0.0 || !ground.surface().is_turf())
         && refined.explained >= MIN_EXPLAINED
         && look.lies_on_ground(ground, shift);
-    let is_certain = shift.norm() <= options.reach_px * scale && sigma_px <= options.max_sigma_px * scale;
-    (is_paint && is_certain).then(|| SnappedPoint { image: placed.moved(shift), sigma_px })
+    let is_certain =
+        shift.norm() <= options.reach_px * scale && sigma_px <= options.max_sigma_px * scale;
+    (is_paint && is_certain).then(|| SnappedPoint {
+        image: placed.moved(shift),
+        sigma_px,
+    })
 }
 
 /// A shape laid over a picture at every place within reach.
@@ -113,14 +131,25 @@ struct Refined {
 
 impl Look {
     fn of(ground: &GroundPicture, placed: ImagePoint, shape: Shape, reach: i32) -> Self {
-        let mut look = Self { placed, shape, fits: Vec::new() };
+        let mut look = Self {
+            placed,
+            shape,
+            fits: Vec::new(),
+        };
         for row in -reach..=reach {
             for column in -reach..=reach {
                 let shift = Vec2::new(f64::from(column), f64::from(row));
                 let whole = look.pixels(ground, shift);
-                if let Some(seen) = look.is_whole(&whole).then(|| look.explained(&whole, Vec2::zeros())) {
+                if let Some(seen) = look
+                    .is_whole(&whole)
+                    .then(|| look.explained(&whole, Vec2::zeros()))
+                {
                     // On turf paint is bright.
-                    let explained = if seen.contrast > 0.0 || !ground.surface().is_turf() { seen.squares } else { 0.0 };
+                    let explained = if seen.contrast > 0.0 || !ground.surface().is_turf() {
+                        seen.squares
+                    } else {
+                        0.0
+                    };
                     look.fits.push(Fit { shift, explained });
                 }
             }
@@ -128,13 +157,15 @@ impl Look {
         look
     }
 
-    /// The pixels around a place: their middles, and what is seen there; those that a graphic hides are left out.
+    /// The pixels around a place: their middles, and what is seen there; those that a graphic hides
+    /// are left out.
     fn pixels(&self, ground: &GroundPicture, shift: Vec2) -> Vec<(Vec2, f64)> {
         let middle = self.placed.moved(shift);
         let [half_x, half_y] = self.shape.half;
         let (left, top) = (middle.x.floor(), middle.y.floor());
         let size = ground.size();
-        let offsets = (-half_y..=half_y).flat_map(|row| (-half_x..=half_x).map(move |column| (column, row)));
+        let offsets =
+            (-half_y..=half_y).flat_map(|row| (-half_x..=half_x).map(move |column| (column, row)));
         let pixel = |(column, row): (i32, i32)| {
             let at = ImagePoint::new(left + f64::from(column) + 0.5, top + f64::from(row) + 0.5);
             let seen = size.contains(at) && !ground.is_masked(at);
@@ -156,11 +187,19 @@ impl Look {
         for (off, grey) in pixels {
             let here = self.shape.covers(off - by);
             (covers, greys) = (covers + here, greys + grey);
-            (covers_2, both, greys_2) = (covers_2 + here * here, both + here * grey, greys_2 + grey * grey);
+            (covers_2, both, greys_2) = (
+                covers_2 + here * here,
+                both + here * grey,
+                greys_2 + grey * grey,
+            );
         }
         let of_covers = covers_2 - covers * covers / count;
         let together = both - covers * greys / count;
-        let contrast = if of_covers > 0.0 { together / of_covers } else { 0.0 };
+        let contrast = if of_covers > 0.0 {
+            together / of_covers
+        } else {
+            0.0
+        };
         Explained {
             contrast,
             level: (greys - contrast * covers) / count,
@@ -169,13 +208,26 @@ impl Look {
         }
     }
 
-    /// The place between pixels, its σ, and what speaks for it; none where places `beside_px` away are nearly as good.
+    /// The place between pixels, its σ, and what speaks for it; none where places `beside_px` away
+    /// are nearly as good.
     fn refined(&self, ground: &GroundPicture, from: &Fit, beside_px: f64) -> Option<Refined> {
         let seen = self.pixels(ground, from.shift);
         let count = seen.len() as f64;
-        let Explained { contrast, level, about_mean, .. } = self.explained(&seen, Vec2::zeros());
-        let problem = SpotProblem { shape: &self.shape, pixels: &seen };
-        let mut spot = DrawnSpot { by: Vec2::zeros(), contrast, level };
+        let Explained {
+            contrast,
+            level,
+            about_mean,
+            ..
+        } = self.explained(&seen, Vec2::zeros());
+        let problem = SpotProblem {
+            shape: &self.shape,
+            pixels: &seen,
+        };
+        let mut spot = DrawnSpot {
+            by: Vec2::zeros(),
+            contrast,
+            level,
+        };
         let mut result = None;
         for _ in 1..STEPS {
             let equations = problem.equations(&spot);
@@ -183,8 +235,17 @@ impl Look {
             let left = equations.cost();
             let noise_2 = (left / count).max(LEAST_NOISE.powi(2)) / INDEPENDENT;
             let sigma_px = (noise_2 * 0.5 * (inverse[(0, 0)] + inverse[(1, 1)])).sqrt();
-            let explained = if about_mean > 0.0 { 1.0 - left / about_mean } else { 0.0 };
-            result = Some(Refined { shift: from.shift + spot.by, sigma_px, contrast: spot.contrast, explained });
+            let explained = if about_mean > 0.0 {
+                1.0 - left / about_mean
+            } else {
+                0.0
+            };
+            result = Some(Refined {
+                shift: from.shift + spot.by,
+                sigma_px,
+                contrast: spot.contrast,
+                explained,
+            });
             spot = problem.stepped(&spot, &equations.step(0.0)?);
             if !(spot.by.norm() <= MAX_REFINEMENT_PX) {
                 return None;
@@ -193,7 +254,8 @@ impl Look {
         result.filter(|_| self.is_much_worse_beside(&seen, spot.by, beside_px))
     }
 
-    /// Whether the shape leaves much more of the squares wherever it is moved `beside_px` from a place.
+    /// Whether the shape leaves much more of the squares wherever it is moved `beside_px` from a
+    /// place.
     fn is_much_worse_beside(&self, pixels: &[(Vec2, f64)], by: Vec2, beside_px: f64) -> bool {
         const DIRECTIONS: u32 = 16;
         let noise = pixels.len() as f64 * LEAST_NOISE.powi(2);
@@ -203,7 +265,8 @@ impl Look {
         };
         let least = MUCH_WORSE * left(by);
         (0..DIRECTIONS).all(|index| {
-            let (y, x) = (std::f64::consts::TAU * f64::from(index) / f64::from(DIRECTIONS)).sin_cos();
+            let (y, x) =
+                (std::f64::consts::TAU * f64::from(index) / f64::from(DIRECTIONS)).sin_cos();
             left(by + Vec2::new(x, y) * beside_px) >= least
         })
     }
@@ -235,41 +298,76 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     /// Looks at the middle of the field and at a penalty mark, close enough to see them.
-    const VIEWS: [(&str, f64, f64); 3] =
-        [("centre_mark", -1.0, 2600.0), ("penalty_mark_right", 34.0, 2600.0), ("penalty_mark_left", -34.5, 2600.0)];
+    const VIEWS: [(&str, f64, f64); 3] = [
+        ("centre_mark", -1.0, 2600.0),
+        ("penalty_mark_right", 34.0, 2600.0),
+        ("penalty_mark_left", -34.5, 2600.0),
+    ];
 
     fn view(pan_deg: f64, focal_px: f64) -> PtzCamera {
         let seen = camera(pan_deg, -14.0, focal_px);
-        PtzCamera::new(*seen.base(), Ptz { focal_px, ..seen.ptz() })
+        PtzCamera::new(
+            *seen.base(),
+            Ptz {
+                focal_px,
+                ..seen.ptz()
+            },
+        )
     }
 
-    static PICTURES: LazyLock<Vec<Picture>> =
-        LazyLock::new(|| VIEWS.iter().map(|(_, pan, focal)| drawn(&soccer(), &view(*pan, *focal), SIZE)).collect());
+    static PICTURES: LazyLock<Vec<Picture>> = LazyLock::new(|| {
+        VIEWS
+            .iter()
+            .map(|(_, pan, focal)| drawn(&soccer(), &view(*pan, *focal), SIZE))
+            .collect()
+    });
 
     fn view_of(index: usize) -> (PtzCamera, ImagePoint) {
         let field = soccer();
         let (landmark, pan_deg, focal_px) = VIEWS[index];
         let camera = view(pan_deg, focal_px);
-        let at = camera.image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap())).unwrap();
+        let at = camera
+            .image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap()))
+            .unwrap();
         (camera, at)
     }
 
-    fn snapped(index: usize, camera: &PtzCamera, placed: ImagePoint, masks: &[PixelBox]) -> Option<SnappedPoint> {
+    fn snapped(
+        index: usize,
+        camera: &PtzCamera,
+        placed: ImagePoint,
+        masks: &[PixelBox],
+    ) -> Option<SnappedPoint> {
         let field = soccer();
         let landmark = field.landmark(VIEWS[index].0).unwrap();
         let ground = GroundPicture::new(&PICTURES[index], masks);
-        snap_point(&ground, &field, camera, landmark, placed, &PointSnapOptions::default())
+        snap_point(
+            &ground,
+            &field,
+            camera,
+            landmark,
+            placed,
+            &PointSnapOptions::default(),
+        )
     }
 
     #[test]
     fn a_point_beside_a_mark_goes_to_its_middle() {
         for (index, (landmark, ..)) in VIEWS.iter().enumerate() {
             let (camera, exact) = view_of(index);
-            for off_px in [Vec2::zeros(), Vec2::new(2.5, -1.5), Vec2::new(-3.0, 2.0), Vec2::new(0.5, 3.0)] {
+            for off_px in [
+                Vec2::zeros(),
+                Vec2::new(2.5, -1.5),
+                Vec2::new(-3.0, 2.0),
+                Vec2::new(0.5, 3.0),
+            ] {
                 let found = snapped(index, &camera, exact.moved(off_px), &[]);
                 let found = found.unwrap_or_else(|| panic!("{landmark} from {off_px:?}"));
                 let error_px = found.image.distance_px(exact);
-                assert!(error_px < 0.25, "{landmark} from {off_px:?}: {error_px} px, {found:?}");
+                assert!(
+                    error_px < 0.25,
+                    "{landmark} from {off_px:?}: {error_px} px, {found:?}"
+                );
                 assert!((0.1..1.0).contains(&found.sigma_px), "{found:?}");
             }
         }
@@ -278,7 +376,11 @@ mod tests {
     #[test]
     fn a_rough_camera_is_enough() {
         let (_, exact) = view_of(1);
-        for rough in [view(31.0, 2600.0), view(34.0, 2350.0), camera(36.0, -15.5, 2700.0)] {
+        for rough in [
+            view(31.0, 2600.0),
+            view(34.0, 2350.0),
+            camera(36.0, -15.5, 2700.0),
+        ] {
             let found = snapped(1, &rough, exact.moved(Vec2::new(2.0, -1.0)), &[]).unwrap();
             assert!(found.image.distance_px(exact) < 0.5, "{found:?}");
         }
@@ -287,11 +389,24 @@ mod tests {
     #[test]
     fn without_a_mark_or_with_something_else_in_its_place_a_point_stays() {
         let (camera, exact) = view_of(1);
-        assert_eq!(snapped(1, &camera, exact.moved(Vec2::new(40.0, 0.0)), &[]), None, "bare turf");
-        let hidden = PixelBox { x: exact.x - 30.0, y: exact.y - 10.0, width: 60.0, height: 20.0 };
+        assert_eq!(
+            snapped(1, &camera, exact.moved(Vec2::new(40.0, 0.0)), &[]),
+            None,
+            "bare turf"
+        );
+        let hidden = PixelBox {
+            x: exact.x - 30.0,
+            y: exact.y - 10.0,
+            width: 60.0,
+            height: 20.0,
+        };
         assert_eq!(snapped(1, &camera, exact, &[hidden]), None, "a graphic");
         // The halfway line without its mark, and the mark of another place beside a line.
         let (middle, centre) = view_of(0);
-        assert_eq!(snapped(0, &middle, centre.moved(Vec2::new(0.0, 60.0)), &[]), None, "a line alone");
+        assert_eq!(
+            snapped(0, &middle, centre.moved(Vec2::new(0.0, 60.0)), &[]),
+            None,
+            "a line alone"
+        );
     }
 }

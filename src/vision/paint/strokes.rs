@@ -1,8 +1,9 @@
-//! Painted strokes of a picture, found without any camera: thin and long, brighter than the ground on both sides, or darker where
-//! that is a floor.
+//! Painted strokes of a picture, found without any camera: thin and long, brighter than the ground
+//! on both sides, or darker where that is a floor.
 //!
-//! A stroke is where the blurred brightness, cut across the direction in which it bends most, has its maximum (Steger, "An unbiased
-//! detector of curvilinear structures", PAMI 1998), and its middle lies between the two edges of the paint.
+//! A stroke is where the blurred brightness, cut across the direction in which it bends most, has
+//! its maximum (Steger, "An unbiased detector of curvilinear structures", PAMI 1998), and its
+//! middle lies between the two edges of the paint.
 
 use super::GroundPicture;
 use super::ground_area::{GroundArea, parts};
@@ -10,11 +11,12 @@ use super::profile::Profile;
 use crate::media::{GreyPicture, Picture};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 
-/// How far beside a stroke the ground is compared with it, px: the nearest suits thin lines, the farthest those near the
-/// camera.
+/// How far beside a stroke the ground is compared with it, px: the nearest suits thin lines, the
+/// farthest those near the camera.
 const SIDES_PX: [f64; 3] = [4.0, 8.0, 14.0];
 
-/// Paint is brighter than the ground on both sides by at least this many grey levels, and by this share.
+/// Paint is brighter than the ground on both sides by at least this many grey levels, and by this
+/// share.
 const MIN_CONTRAST: f64 = 4.5;
 const MIN_CONTRAST_SHARE: f64 = 0.045;
 
@@ -33,7 +35,8 @@ const MAX_BEND_ALONG: f32 = 0.6;
 /// A stroke is at least this long, px at 1920 px width, but for the pixels that its ends add.
 const MIN_LENGTH_PX: f64 = 28.0;
 
-/// In smaller pictures it is at least this long, px: the blur draws out the grain of the ground to shorter strokes.
+/// In smaller pictures it is at least this long, px: the blur draws out the grain of the ground to
+/// shorter strokes.
 const GRAIN_PX: f64 = 20.0;
 
 /// A place on a stroke.
@@ -124,11 +127,19 @@ impl Colours {
     /// At the middle of a stroke, the ground taken `side_px` beside it.
     fn at(picture: &Picture, at: ImagePoint, normal: Vec2, side_px: f64) -> Self {
         let colour = |at: ImagePoint| {
-            let pixel = picture.pixel(at.x.max(0.0) as u32, at.y.max(0.0) as u32).unwrap_or_default();
+            let pixel = picture
+                .pixel(at.x.max(0.0) as u32, at.y.max(0.0) as u32)
+                .unwrap_or_default();
             [0, 1, 2].map(|channel| f64::from(pixel[channel]))
         };
-        let (one, other) = (colour(at.moved(normal * side_px)), colour(at.moved(normal * -side_px)));
-        Self { stroke: colour(at), ground: [0, 1, 2].map(|channel| f64::midpoint(one[channel], other[channel])) }
+        let (one, other) = (
+            colour(at.moved(normal * side_px)),
+            colour(at.moved(normal * -side_px)),
+        );
+        Self {
+            stroke: colour(at),
+            ground: [0, 1, 2].map(|channel| f64::midpoint(one[channel], other[channel])),
+        }
     }
 
     fn add(&mut self, other: &Self) {
@@ -138,15 +149,19 @@ impl Colours {
         }
     }
 
-    /// Whether the stroke is turf that is brighter than that beside it, as a stripe of mowing seen from far away is: what it adds
-    /// has the green of the ground. White paint adds less green than red and blue, yellow paint hardly any blue.
+    /// Whether the stroke is turf that is brighter than that beside it, as a stripe of mowing seen
+    /// from far away is: what it adds has the green of the ground. White paint adds less green than
+    /// red and blue, yellow paint hardly any blue.
     fn are_of_brighter_turf(&self) -> bool {
-        /// Painted lines on a drawn match had at most .1 of the ground's green in what they add, stripes .44 and more.
+        /// Painted lines on a drawn match had at most .1 of the ground's green in what they add,
+        /// stripes .44 and more.
         const GREEN: f64 = 0.35;
         /// By so much of what it adds yellow paint has more red than blue.
         const YELLOW: f64 = 0.35;
         let added = [0, 1, 2].map(|channel| self.stroke[channel] - self.ground[channel]);
-        let green = |[red, green, blue]: [f64; 3]| (green - f64::midpoint(red, blue)) / (red + green + blue);
+        let green = |[red, green, blue]: [f64; 3]| {
+            (green - f64::midpoint(red, blue)) / (red + green + blue)
+        };
         let [red, _, blue] = added;
         let all: f64 = added.iter().sum();
         all > 0.0
@@ -177,7 +192,11 @@ impl Tone {
 fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
     let (width, height) = (ground.size().width as usize, ground.size().height as usize);
     let smooth = blurred(ground.grey());
-    let tones: &[Tone] = if ground.surface().is_turf() { &[Tone::Bright] } else { &[Tone::Bright, Tone::Dark] };
+    let tones: &[Tone] = if ground.surface().is_turf() {
+        &[Tone::Bright]
+    } else {
+        &[Tone::Bright, Tone::Dark]
+    };
     let mut found = Vec::new();
     let mut profile = Profile::default();
     for y in 1..height.saturating_sub(1) {
@@ -187,13 +206,17 @@ fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
             }
             let index = y * width + x;
             for tone in tones {
-                let Some((normal, beside_px)) = bend(&smooth, index, width, *tone) else { continue };
+                let Some((normal, beside_px)) = bend(&smooth, index, width, *tone) else {
+                    continue;
+                };
                 let at = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).moved(normal * beside_px);
                 let at = match tone {
                     Tone::Bright => brightest(ground.grey(), at, normal),
                     Tone::Dark => at,
                 };
-                let Some(side_px) = contrasts(ground.grey(), at, normal, *tone) else { continue };
+                let Some(side_px) = contrasts(ground.grey(), at, normal, *tone) else {
+                    continue;
+                };
                 if !has_ground_beside(area, at, normal) {
                     continue;
                 }
@@ -202,18 +225,24 @@ fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
                     Tone::Dark => at,
                 };
                 let colours = Colours::at(ground.picture(), at, normal, side_px);
-                found.push(RidgePixel { index, at, normal, colours });
+                found.push(RidgePixel {
+                    index,
+                    at,
+                    normal,
+                    colours,
+                });
             }
         }
     }
     found
 }
 
-/// The direction across a stroke at a pixel, and how far along it the middle lies, px; none where that is in another pixel
-/// or the picture does not bend like a stroke.
+/// The direction across a stroke at a pixel, and how far along it the middle lies, px; none where
+/// that is in another pixel or the picture does not bend like a stroke.
 fn bend(smooth: &[f32], index: usize, width: usize, tone: Tone) -> Option<(Vec2, f64)> {
     let sign = tone.sign();
-    let at = |dx: isize, dy: isize| sign * smooth[index.wrapping_add_signed(dy * width as isize + dx)];
+    let at =
+        |dx: isize, dy: isize| sign * smooth[index.wrapping_add_signed(dy * width as isize + dx)];
     let (centre, left, right, above, below) = (at(0, 0), at(-1, 0), at(1, 0), at(0, -1), at(0, 1));
     let (xx, yy) = (left - 2.0 * centre + right, above - 2.0 * centre + below);
     if xx + yy > -MIN_BEND * (1.0 - MAX_BEND_ALONG) {
@@ -231,36 +260,66 @@ fn bend(smooth: &[f32], index: usize, width: usize, tone: Tone) -> Option<(Vec2,
     let (normal_y, normal_x) = turn.sin_cos();
     let beside = -(x * normal_x + y * normal_y) / across;
     let within = (beside * normal_x).abs() <= 0.6 && (beside * normal_y).abs() <= 0.6;
-    within.then(|| (Vec2::new(f64::from(normal_x), f64::from(normal_y)), f64::from(beside)))
+    within.then(|| {
+        (
+            Vec2::new(f64::from(normal_x), f64::from(normal_y)),
+            f64::from(beside),
+        )
+    })
 }
 
-/// The brightest place beside the maximum of the blurred brightness: paint 1 px wide lies beside that where a stripe of mowing ends.
+/// The brightest place beside the maximum of the blurred brightness: paint 1 px wide lies beside
+/// that where a stripe of mowing ends.
 fn brightest(grey: &GreyPicture, at: ImagePoint, normal: Vec2) -> ImagePoint {
     const STEP_PX: f64 = 0.5;
     const STEPS: i32 = 3;
     // The nearest of equally bright ones.
-    let beside = (0..=STEPS).flat_map(|step| [step, -step]).map(|step| at.moved(normal * (STEP_PX * f64::from(step))));
+    let beside = (0..=STEPS)
+        .flat_map(|step| [step, -step])
+        .map(|step| at.moved(normal * (STEP_PX * f64::from(step))));
     let with_grey = beside.map(|at| (grey.at(at), at));
-    with_grey.reduce(|best, next| if next.0 > best.0 { next } else { best }).map_or(at, |(_, at)| at)
+    with_grey
+        .reduce(|best, next| if next.0 > best.0 { next } else { best })
+        .map_or(at, |(_, at)| at)
 }
 
-/// The middle between the edges of bright paint, with ground `side_px` beside it. Stripes of mowing end where lines are painted, and
-/// the blurred brightness has its maximum on the brighter side, by 1.5 px where the paint is 1 px wide; the edges, each halfway
-/// between the paint and its own ground, stay where they are.
-fn between_edges(profile: &mut Profile, grey: &GreyPicture, at: ImagePoint, normal: Vec2, side_px: f64) -> ImagePoint {
+/// The middle between the edges of bright paint, with ground `side_px` beside it. Stripes of mowing
+/// end where lines are painted, and the blurred brightness has its maximum on the brighter side, by
+/// 1.5 px where the paint is 1 px wide; the edges, each halfway between the paint and its own
+/// ground, stay where they are.
+fn between_edges(
+    profile: &mut Profile,
+    grey: &GreyPicture,
+    at: ImagePoint,
+    normal: Vec2,
+    side_px: f64,
+) -> ImagePoint {
     const STEP_PX: f64 = 0.5;
     /// The paint is at its brightest this near to the maximum of the blurred brightness, px.
     const BESIDE_PX: f64 = 3.0;
     profile.read(grey, at, normal, 2.0 * side_px, STEP_PX);
     let middle = profile.len() / 2;
-    let (side, beside) = (profile.places(side_px), profile.places(BESIDE_PX).unsigned_abs());
+    let (side, beside) = (
+        profile.places(side_px),
+        profile.places(BESIDE_PX).unsigned_abs(),
+    );
     let near = middle.saturating_sub(beside)..=(middle + beside).min(profile.len() - 1);
-    let Some(brightest) = near.max_by(|one, other| profile.grey(*one).total_cmp(&profile.grey(*other))) else {
+    let Some(brightest) =
+        near.max_by(|one, other| profile.grey(*one).total_cmp(&profile.grey(*other)))
+    else {
         return at;
     };
-    let (before, behind) = (profile.mean(middle, -2 * side, -side), profile.mean(middle, side, 2 * side));
+    let (before, behind) = (
+        profile.mean(middle, -2 * side, -side),
+        profile.mean(middle, side, 2 * side),
+    );
     let edge = |direction: isize, ground: f64| {
-        profile.falls_below(brightest, direction, f64::midpoint(profile.grey(brightest), ground), 2.0 * side_px)
+        profile.falls_below(
+            brightest,
+            direction,
+            f64::midpoint(profile.grey(brightest), ground),
+            2.0 * side_px,
+        )
     };
     match (edge(-1, before), edge(1, behind)) {
         (Some(from), Some(to)) => at.moved(normal * profile.offset_px(f64::midpoint(from, to))),
@@ -272,7 +331,10 @@ fn between_edges(profile: &mut Profile, grey: &GreyPicture, at: ImagePoint, norm
 fn contrasts(grey: &GreyPicture, at: ImagePoint, normal: Vec2, tone: Tone) -> Option<f64> {
     let here = grey.at(at);
     SIDES_PX.into_iter().find(|side_px| {
-        let (one, other) = (grey.at(at.moved(normal * *side_px)), grey.at(at.moved(normal * -side_px)));
+        let (one, other) = (
+            grey.at(at.moved(normal * *side_px)),
+            grey.at(at.moved(normal * -side_px)),
+        );
         let (stands_out, brighter) = match tone {
             Tone::Bright => (here - one.max(other), one.max(other)),
             Tone::Dark => (one.min(other) - here, one.max(other)),
@@ -281,10 +343,14 @@ fn contrasts(grey: &GreyPicture, at: ImagePoint, normal: Vec2, tone: Tone) -> Op
     })
 }
 
-/// Whether the ground's colours lie on both sides of a place; on one side near the border of the ground.
+/// Whether the ground's colours lie on both sides of a place; on one side near the border of the
+/// ground.
 fn has_ground_beside(area: &GroundArea, at: ImagePoint, normal: Vec2) -> bool {
-    let side =
-        |sign: f64| COLOURS_PX.into_iter().any(|beside_px| area.is_of_ground(at.moved(normal * (sign * beside_px))));
+    let side = |sign: f64| {
+        COLOURS_PX
+            .into_iter()
+            .any(|beside_px| area.is_of_ground(at.moved(normal * (sign * beside_px))))
+    };
     match (side(1.0), side(-1.0)) {
         (true, true) => true,
         (false, false) => false,
@@ -310,7 +376,9 @@ fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<Strok
             let (least, most) = part
                 .iter()
                 .map(|&index| of(index))
-                .fold((usize::MAX, 0), |(least, most), at| (least.min(at), most.max(at)));
+                .fold((usize::MAX, 0), |(least, most), at| {
+                    (least.min(at), most.max(at))
+                });
             (most - least) as f32
         };
         let length = extent(&|index| index % width).hypot(extent(&|index| index / width));
@@ -325,11 +393,17 @@ fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<Strok
     let least_px = (MIN_LENGTH_PX * size.scale_from_1920()).max(GRAIN_PX) + 2.0;
     let is_paint: Vec<bool> = strokes
         .iter()
-        .map(|(length_px, colours)| *length_px > least_px && !(is_turf && colours.are_of_brighter_turf()))
+        .map(|(length_px, colours)| {
+            *length_px > least_px && !(is_turf && colours.are_of_brighter_turf())
+        })
         .collect();
     let painted = ridges.iter().filter(|ridge| is_paint[of_part[ridge.index]]);
     painted
-        .map(|ridge| StrokePoint { at: ridge.at, normal: ridge.normal, length_px: strokes[of_part[ridge.index]].0 })
+        .map(|ridge| StrokePoint {
+            at: ridge.at,
+            normal: ridge.normal,
+            length_px: strokes[of_part[ridge.index]].0,
+        })
         .collect()
 }
 
@@ -339,13 +413,21 @@ fn blurred(grey: &GreyPicture) -> Vec<f32> {
     let reach = (3.0 * BLUR_PX).ceil() as isize;
     let weight = |offset: isize| (-0.5 * (offset as f32 / BLUR_PX).powi(2)).exp();
     let sum: f32 = (-reach..=reach).map(weight).sum();
-    let kernel: Vec<f32> = (-reach..=reach).map(|offset| weight(offset) / sum).collect();
-    let clamped =
-        |at: usize, step: usize, last: usize| (at as isize + step as isize - reach).clamp(0, last as isize) as usize;
+    let kernel: Vec<f32> = (-reach..=reach)
+        .map(|offset| weight(offset) / sum)
+        .collect();
+    let clamped = |at: usize, step: usize, last: usize| {
+        (at as isize + step as isize - reach).clamp(0, last as isize) as usize
+    };
     let mut across = vec![0.0_f32; width * height];
-    for (row, out) in grey.values.chunks_exact(width.max(1)).zip(across.chunks_exact_mut(width.max(1))) {
-        let padded: Vec<f32> =
-            (0..width + 2 * reach as usize).map(|at| f32::from(row[clamped(at, 0, width - 1)])).collect();
+    for (row, out) in grey
+        .values
+        .chunks_exact(width.max(1))
+        .zip(across.chunks_exact_mut(width.max(1)))
+    {
+        let padded: Vec<f32> = (0..width + 2 * reach as usize)
+            .map(|at| f32::from(row[clamped(at, 0, width - 1)]))
+            .collect();
         for (step, weight) in kernel.iter().enumerate() {
             for (out, value) in out.iter_mut().zip(&padded[step..]) {
                 *out += weight * value;
@@ -380,8 +462,16 @@ struct Cells {
 
 impl Cells {
     fn new(size: ImageSize) -> Self {
-        let (columns, rows) = ((size.width as usize).div_ceil(CELL_PX), (size.height as usize).div_ceil(CELL_PX));
-        Self { size, columns, rows, flags: vec![0; columns * rows] }
+        let (columns, rows) = (
+            (size.width as usize).div_ceil(CELL_PX),
+            (size.height as usize).div_ceil(CELL_PX),
+        );
+        Self {
+            size,
+            columns,
+            rows,
+            flags: vec![0; columns * rows],
+        }
     }
 
     fn at(&self, at: ImagePoint) -> u8 {
@@ -416,41 +506,85 @@ mod tests {
     fn strokes_are_the_painted_lines_and_nothing_else() {
         let (field, camera) = (soccer(), truth());
         let strokes = Strokes::of(&GroundPicture::new(&PICTURE, &[]));
-        let samples = sample_lines(&field, &camera, SIZE, &SampleOptions { spacing_px: 4.0, border_px: 20.0 });
-        let seen = samples.iter().filter(|sample| strokes.shown(sample.image) == Shown::Stroke).count();
-        assert!(seen as f64 > 0.85 * samples.len() as f64, "{seen} of {}", samples.len());
+        let samples = sample_lines(
+            &field,
+            &camera,
+            SIZE,
+            &SampleOptions {
+                spacing_px: 4.0,
+                border_px: 20.0,
+            },
+        );
+        let seen = samples
+            .iter()
+            .filter(|sample| strokes.shown(sample.image) == Shown::Stroke)
+            .count();
+        assert!(
+            seen as f64 > 0.85 * samples.len() as f64,
+            "{seen} of {}",
+            samples.len()
+        );
         // The mowing stripes go on behind the field, where they are as thin as paint.
-        let on_field = |at: &Vec3| at.x.abs() < 0.5 * field.length_m && at.y.abs() < 0.4 * field.width_m;
+        let on_field =
+            |at: &Vec3| at.x.abs() < 0.5 * field.length_m && at.y.abs() < 0.4 * field.width_m;
         let from_paint_m = |at: Vec3| {
             let lines = field.lines.iter().filter(|line| line.painted);
-            lines.map(|line| line.paint_centre.distance_m(at)).fold(f64::INFINITY, f64::min)
+            lines
+                .map(|line| line.paint_centre.distance_m(at))
+                .fold(f64::INFINITY, f64::min)
         };
-        let places = strokes.points.iter().filter_map(|point| camera.plane_from_image(point.at, 0.0)).filter(on_field);
+        let places = strokes
+            .points
+            .iter()
+            .filter_map(|point| camera.plane_from_image(point.at, 0.0))
+            .filter(on_field);
         let distances_m: Vec<f64> = places.map(from_paint_m).collect();
-        let right = distances_m.iter().filter(|distance_m| **distance_m < 0.4).count();
-        assert!(right as f64 > 0.9 * distances_m.len() as f64, "{right} of {}", distances_m.len());
+        let right = distances_m
+            .iter()
+            .filter(|distance_m| **distance_m < 0.4)
+            .count();
+        assert!(
+            right as f64 > 0.9 * distances_m.len() as f64,
+            "{right} of {}",
+            distances_m.len()
+        );
         assert_eq!(strokes.shown(ImagePoint::new(-3.0, 5.0)), Shown::Other);
     }
 
-    /// Turf in two stripes of mowing with a painted line between them through the middle of the picture, and the normal of the line.
-    fn line_between_stripes(angle_deg: f64, width_px: f64, stripes: [f64; 2]) -> (GroundPicture, ImagePoint, Vec2) {
+    /// Turf in two stripes of mowing with a painted line between them through the middle of the
+    /// picture, and the normal of the line.
+    fn line_between_stripes(
+        angle_deg: f64,
+        width_px: f64,
+        stripes: [f64; 2],
+    ) -> (GroundPicture, ImagePoint, Vec2) {
         let size = ImageSize::new(160, 120);
-        let (middle, normal) =
-            (ImagePoint::new(80.3, 60.1), Vec2::new(angle_deg.to_radians().cos(), angle_deg.to_radians().sin()));
+        let (middle, normal) = (
+            ImagePoint::new(80.3, 60.1),
+            Vec2::new(angle_deg.to_radians().cos(), angle_deg.to_radians().sin()),
+        );
         // An edge with the blur of a lens.
         let beyond = |off_px: f64| 1.0 / (1.0 + (-off_px / 0.4).exp());
         let green = |x: u32, y: u32| {
-            let off_px = ImagePoint::new(f64::from(x) + 0.5, f64::from(y) + 0.5).offset_from(middle).dot(&normal);
+            let off_px = ImagePoint::new(f64::from(x) + 0.5, f64::from(y) + 0.5)
+                .offset_from(middle)
+                .dot(&normal);
             let paint = beyond(off_px + 0.5 * width_px) - beyond(off_px - 0.5 * width_px);
             let ground = stripes[0] + (stripes[1] - stripes[0]) * beyond(off_px);
             (ground, paint)
         };
-        let pixels = (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y))).flat_map(|(x, y)| {
-            let (ground, paint) = green(x, y);
-            let channel = |share: f64| (ground * share * (1.0 - paint) + 220.0 * paint) as u8;
-            [channel(0.6), channel(1.2), channel(0.4), 255]
-        });
-        (GroundPicture::new(&Picture::new(size, pixels.collect()).unwrap(), &[]), middle, normal)
+        let pixels = (0..size.height)
+            .flat_map(|y| (0..size.width).map(move |x| (x, y)))
+            .flat_map(|(x, y)| {
+                let (ground, paint) = green(x, y);
+                let channel = |share: f64| (ground * share * (1.0 - paint) + 220.0 * paint) as u8;
+                [channel(0.6), channel(1.2), channel(0.4), 255]
+            });
+        (
+            GroundPicture::new(&Picture::new(size, pixels.collect()).unwrap(), &[]),
+            middle,
+            normal,
+        )
     }
 
     #[test]
@@ -458,13 +592,23 @@ mod tests {
         for angle_deg in [0.0, 25.0, 90.0, 160.0] {
             for width_px in [1.2, 2.5, 5.0, 9.0] {
                 for stripes in [[85.0, 85.0], [80.0, 105.0], [105.0, 80.0]] {
-                    let (ground, middle, normal) = line_between_stripes(angle_deg, width_px, stripes);
+                    let (ground, middle, normal) =
+                        line_between_stripes(angle_deg, width_px, stripes);
                     let points = Strokes::of(&ground).points;
-                    assert!(points.len() > 40, "{angle_deg}°, {width_px} px, {stripes:?}: {} places", points.len());
-                    let mut off_px: Vec<f64> =
-                        points.iter().map(|point| point.at.offset_from(middle).dot(&normal)).collect();
+                    assert!(
+                        points.len() > 40,
+                        "{angle_deg}°, {width_px} px, {stripes:?}: {} places",
+                        points.len()
+                    );
+                    let mut off_px: Vec<f64> = points
+                        .iter()
+                        .map(|point| point.at.offset_from(middle).dot(&normal))
+                        .collect();
                     let median_px = median(&mut off_px).unwrap();
-                    assert!(median_px.abs() < 0.2, "{angle_deg}°, {width_px} px, {stripes:?}: {median_px:.2} px off");
+                    assert!(
+                        median_px.abs() < 0.2,
+                        "{angle_deg}°, {width_px} px, {stripes:?}: {median_px:.2} px off"
+                    );
                 }
             }
         }
@@ -476,10 +620,16 @@ mod tests {
             for width_px in [0.5, 0.8, 1.2] {
                 for stripes in [[80.0, 100.0], [100.0, 75.0], [125.0, 90.0]] {
                     let (ground, ..) = line_between_stripes(angle_deg, width_px, stripes);
-                    let columns: BTreeSet<u32> =
-                        Strokes::of(&ground).points.iter().map(|point| point.at.x as u32).collect();
+                    let columns: BTreeSet<u32> = Strokes::of(&ground)
+                        .points
+                        .iter()
+                        .map(|point| point.at.x as u32)
+                        .collect();
                     let missing = (15..145).filter(|column| !columns.contains(column)).count();
-                    assert!(missing < 10, "{angle_deg}°, {width_px} px, {stripes:?}: no place in {missing} columns");
+                    assert!(
+                        missing < 10,
+                        "{angle_deg}°, {width_px} px, {stripes:?}: no place in {missing} columns"
+                    );
                 }
             }
         }
@@ -492,22 +642,42 @@ mod tests {
             let pixels = (0..size.height * size.width).flat_map(|pixel| {
                 let off_px = f64::from(pixel / size.width) + 0.5 - 60.3;
                 let share = (2.5 - off_px.abs()).clamp(0.0, 1.0);
-                let channel = |at: usize| ([54.0, 96.0, 40.0][at] * (1.0 - share) + colour[at] * share) as u8;
+                let channel =
+                    |at: usize| ([54.0, 96.0, 40.0][at] * (1.0 - share) + colour[at] * share) as u8;
                 [channel(0), channel(1), channel(2), 255]
             });
-            Strokes::of(&GroundPicture::new(&Picture::new(size, pixels.collect()).unwrap(), &[])).points.len()
+            Strokes::of(&GroundPicture::new(
+                &Picture::new(size, pixels.collect()).unwrap(),
+                &[],
+            ))
+            .points
+            .len()
         };
         assert_eq!(strokes_of([75.0, 130.0, 55.0]), 0, "brighter turf");
-        for paint in [[120.0, 150.0, 110.0], [220.0, 220.0, 210.0], [210.0, 200.0, 50.0], [90.0, 120.0, 90.0]] {
+        for paint in [
+            [120.0, 150.0, 110.0],
+            [220.0, 220.0, 210.0],
+            [210.0, 200.0, 50.0],
+            [90.0, 120.0, 90.0],
+        ] {
             assert!(strokes_of(paint) > 100, "{paint:?}");
         }
     }
 
     #[test]
     fn a_picture_without_pixels_or_paint_has_no_strokes() {
-        for size in [ImageSize::new(0, 0), ImageSize::new(3, 2), ImageSize::new(200, 100)] {
+        for size in [
+            ImageSize::new(0, 0),
+            ImageSize::new(3, 2),
+            ImageSize::new(200, 100),
+        ] {
             let picture = Picture::filled(size, [60, 110, 40, 255]);
-            assert!(Strokes::of(&GroundPicture::new(&picture, &[])).points.is_empty(), "{size:?}");
+            assert!(
+                Strokes::of(&GroundPicture::new(&picture, &[]))
+                    .points
+                    .is_empty(),
+                "{size:?}"
+            );
         }
     }
 }

@@ -11,8 +11,8 @@ const SHARES: (f64, f64) = (0.12, 0.60);
 /// One column and one row in this many is looked at.
 const STRIDE: usize = 8;
 
-/// A colour belongs to the ground if it is at least this common, as a share of the most common one, and its neighbours
-/// connect it to that one.
+/// A colour belongs to the ground if it is at least this common, as a share of the most common one,
+/// and its neighbours connect it to that one.
 const LEAST_COMMON: f64 = 0.03;
 
 /// The same for its most common colours alone, which hardly anything beside the field has.
@@ -36,8 +36,8 @@ const LEAST_COMMON_AREA: f64 = 0.12;
 /// Greys, white paint among them, are no area: their shares are this near to a third.
 const GREY: f64 = 0.025;
 
-/// The floor begins and ends in a column of the picture where all but one of so many pixels looked at are of it: single ones may be
-/// skin.
+/// The floor begins and ends in a column of the picture where all but one of so many pixels looked
+/// at are of it: single ones may be skin.
 const RUN: usize = 4;
 
 /// The colours of the ground.
@@ -83,7 +83,8 @@ fn bin([red, green, blue]: [u8; 3]) -> Option<usize> {
 impl Surface {
     /// The ground of a picture: its most common colour and what is continuous with it.
     ///
-    /// Colours are shares of red, green and blue, so that stripes of light and shade are one colour.
+    /// Colours are shares of red, green and blue, so that stripes of light and shade are one
+    /// colour.
     #[must_use]
     pub fn of(picture: &Picture) -> Self {
         let bins = Bins::of(picture);
@@ -95,12 +96,27 @@ impl Surface {
         let peak = peak_of(&counts);
         let of_ground = connected_to_the_peak(&counts, LEAST_COMMON);
         let of_bare_ground = connected_to_the_peak(&counts, LEAST_COMMON_BARE);
-        let sum: f64 = counts.iter().zip(&of_ground).filter(|(_, of)| **of).map(|(count, _)| count).sum();
+        let sum: f64 = counts
+            .iter()
+            .zip(&of_ground)
+            .filter(|(_, of)| **of)
+            .map(|(count, _)| count)
+            .sum();
         let all = bins.rows.iter().map(Vec::len).sum::<usize>() as f64;
         let (red, green) = (share_of(peak / BINS), share_of(peak % BINS));
         let is_turf = green - red.max(1.0 - red - green) > GREEN;
-        let of_areas = if is_turf { vec![false; BINS * BINS] } else { bins.areas(&of_ground, sum) };
-        Self { of_ground, of_bare_ground, of_areas, is_turf, share: sum / all.max(1.0) }
+        let of_areas = if is_turf {
+            vec![false; BINS * BINS]
+        } else {
+            bins.areas(&of_ground, sum)
+        };
+        Self {
+            of_ground,
+            of_bare_ground,
+            of_areas,
+            is_turf,
+            share: sum / all.max(1.0),
+        }
     }
 
     /// Whether a colour is one of the ground's, or of an area that is painted on it.
@@ -120,13 +136,15 @@ impl Surface {
         }
     }
 
-    /// Whether a colour is one of the ground's most common ones, or of an area that is painted on it.
+    /// Whether a colour is one of the ground's most common ones, or of an area that is painted on
+    /// it.
     #[must_use]
     pub(super) fn is_common(&self, colour: [u8; 3]) -> bool {
         bin(colour).is_some_and(|bin| self.of_bare_ground[bin] || self.of_areas[bin])
     }
 
-    /// Whether the ground is green: its lines are brighter than it. Those of other floors may be darker, or of another colour.
+    /// Whether the ground is green: its lines are brighter than it. Those of other floors may be
+    /// darker, or of another colour.
     #[must_use]
     pub const fn is_turf(&self) -> bool {
         self.is_turf
@@ -147,25 +165,37 @@ struct Bins {
 impl Bins {
     fn of(picture: &Picture) -> Self {
         let width = picture.size().width as usize;
-        let rows = picture.rgba().chunks_exact((4 * width).max(4)).step_by(STRIDE);
+        let rows = picture
+            .rgba()
+            .chunks_exact((4 * width).max(4))
+            .step_by(STRIDE);
         let of_row = |row: &[u8]| {
             let pixels = row.as_chunks::<4>().0.iter().step_by(STRIDE);
-            pixels.map(|pixel| bin([pixel[0], pixel[1], pixel[2]])).collect()
+            pixels
+                .map(|pixel| bin([pixel[0], pixel[1], pixel[2]]))
+                .collect()
         };
-        Self { rows: rows.map(of_row).collect() }
+        Self {
+            rows: rows.map(of_row).collect(),
+        }
     }
 
-    /// The bins of areas painted on a floor of `floor` pixels: common colours that lie, in a column of the picture, between pieces
-    /// of it.
+    /// The bins of areas painted on a floor of `floor` pixels: common colours that lie, in a column
+    /// of the picture, between pieces of it.
     fn areas(&self, of_ground: &[bool], floor: f64) -> Vec<bool> {
         let mut between = vec![0_f64; BINS * BINS];
         for column in 0..self.rows.first().map_or(0, Vec::len) {
             let of_floor = |row: usize| self.rows[row][column].is_some_and(|bin| of_ground[bin]);
-            let runs = |row: &usize| (*row..*row + RUN).filter(|row| of_floor(*row)).count() + 1 >= RUN;
+            let runs =
+                |row: &usize| (*row..*row + RUN).filter(|row| of_floor(*row)).count() + 1 >= RUN;
             let mut starts = (0..(self.rows.len() + 1).saturating_sub(RUN)).filter(runs);
-            let (Some(first), last) = (starts.next(), starts.next_back()) else { continue };
+            let (Some(first), last) = (starts.next(), starts.next_back()) else {
+                continue;
+            };
             for row in first..last.unwrap_or(first) {
-                if let Some(bin) = self.rows[row][column].filter(|bin| !of_ground[*bin] && !is_grey(*bin)) {
+                if let Some(bin) =
+                    self.rows[row][column].filter(|bin| !of_ground[*bin] && !is_grey(*bin))
+                {
                     between[bin] += 1.0;
                 }
             }
@@ -181,7 +211,11 @@ impl Bins {
             if !(sum >= LEAST_AREA * floor && sum > 0.0) {
                 break;
             }
-            for (bin, _) in area.iter().enumerate().filter(|(bin, of)| **of && !of_ground[*bin]) {
+            for (bin, _) in area
+                .iter()
+                .enumerate()
+                .filter(|(bin, of)| **of && !of_ground[*bin])
+            {
                 areas[bin] = true;
             }
         }
@@ -196,7 +230,9 @@ fn is_grey(bin: usize) -> bool {
 
 /// The most common bin.
 fn peak_of(counts: &[f64]) -> usize {
-    (0..counts.len()).max_by(|a, b| counts[*a].total_cmp(&counts[*b])).unwrap_or(0)
+    (0..counts.len())
+        .max_by(|a, b| counts[*a].total_cmp(&counts[*b]))
+        .unwrap_or(0)
 }
 
 /// Every count averaged with its eight neighbours.
@@ -210,7 +246,9 @@ fn blurred(counts: &[f64]) -> Vec<f64> {
         }
         sum / 9.0
     };
-    (0..BINS * BINS).map(|index| at(index / BINS, index % BINS)).collect()
+    (0..BINS * BINS)
+        .map(|index| at(index / BINS, index % BINS))
+        .collect()
 }
 
 /// The bins that are common enough and reached from the most common one over such bins.
@@ -242,25 +280,43 @@ mod tests {
     /// A picture of vertical bands of equal width.
     fn bands(colours: &[[u8; 3]]) -> Picture {
         let size = ImageSize::new(40 * colours.len() as u32, 80);
-        let row = colours.iter().flat_map(|[red, green, blue]| [*red, *green, *blue, 255].repeat(40));
+        let row = colours
+            .iter()
+            .flat_map(|[red, green, blue]| [*red, *green, *blue, 255].repeat(40));
         Picture::new(size, row.collect::<Vec<u8>>().repeat(80)).unwrap()
     }
 
     #[test]
     fn stripes_of_light_and_shade_are_one_ground_and_paint_and_shirts_are_not() {
-        let turf = [[60, 110, 40], [90, 165, 60], [45, 82, 30], [60, 110, 40], [90, 165, 60]];
+        let turf = [
+            [60, 110, 40],
+            [90, 165, 60],
+            [45, 82, 30],
+            [60, 110, 40],
+            [90, 165, 60],
+        ];
         let mut colours = turf.to_vec();
         colours.extend([[230, 235, 225], [190, 30, 40]]);
         let surface = Surface::of(&bands(&colours));
         assert!(turf.iter().all(|colour| surface.holds(*colour)));
-        assert!(!surface.holds([230, 235, 225]) && !surface.holds([190, 30, 40]) && !surface.holds([2, 4, 1]));
-        assert!((surface.share() - 5.0 / 7.0).abs() < 0.15, "{}", surface.share());
+        assert!(
+            !surface.holds([230, 235, 225])
+                && !surface.holds([190, 30, 40])
+                && !surface.holds([2, 4, 1])
+        );
+        assert!(
+            (surface.share() - 5.0 / 7.0).abs() < 0.15,
+            "{}",
+            surface.share()
+        );
     }
 
     #[test]
     fn a_picture_without_pixels_or_light_has_no_ground() {
         let none = Surface::of(&Picture::filled(ImageSize::new(0, 0), [0, 0, 0, 255]));
         assert!(none.share() == 0.0 && !none.holds([60, 110, 40]));
-        assert!(Surface::of(&Picture::filled(ImageSize::new(64, 64), [3, 3, 3, 255])).share() == 0.0);
+        assert!(
+            Surface::of(&Picture::filled(ImageSize::new(64, 64), [3, 3, 3, 255])).share() == 0.0
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! Paint that a camera does not predict: ridges found along rows and columns of the picture, away from every line.
+//! Paint that a camera does not predict: ridges found along rows and columns of the picture, away
+//! from every line.
 
 use super::GroundPicture;
 use super::across::Across;
@@ -11,7 +12,8 @@ use touchline_core::markings::LineSample;
 /// Rows and columns are looked at this far apart, px at 1920 px width.
 const SPACING_PX: f64 = 40.0;
 
-/// A row or column is looked at in pieces this long, px at 1920 px width, each with its own width of paint.
+/// A row or column is looked at in pieces this long, px at 1920 px width, each with its own width
+/// of paint.
 const PIECE_PX: f64 = 240.0;
 
 /// Paint nearer than this to a predicted line is explained by it, px at 1920 px width.
@@ -20,8 +22,9 @@ const NEAR_PX: f64 = 16.0;
 /// Fewer places of paint say nothing.
 const FEWEST: usize = 12;
 
-/// The share, 0 to 1, of the paint on the playing area that none of the samples of the predicted lines explains; none where
-/// there is too little paint. `samples` lie no farther apart than 16 px at 1920 px width.
+/// The share, 0 to 1, of the paint on the playing area that none of the samples of the predicted
+/// lines explains; none where there is too little paint. `samples` lie no farther apart than 16 px
+/// at 1920 px width.
 pub(super) fn unexplained_share(
     ground: &GroundPicture,
     field: &FieldModel,
@@ -30,20 +33,44 @@ pub(super) fn unexplained_share(
 ) -> Option<f64> {
     let scale = ground.size().scale_from_1920();
     let explained = Explained::by(samples, ground, NEAR_PX * scale);
-    let width_m = field.lines.iter().filter(|line| line.painted).map(|line| line.width_m).fold(0.0, f64::max);
-    let (width, height) = (f64::from(ground.size().width), f64::from(ground.size().height));
+    let width_m = field
+        .lines
+        .iter()
+        .filter(|line| line.painted)
+        .map(|line| line.width_m)
+        .fold(0.0, f64::max);
+    let (width, height) = (
+        f64::from(ground.size().width),
+        f64::from(ground.size().height),
+    );
     let mut finder = RidgeFinder::default();
     let mut found = Vec::new();
     let (mut all, mut alone) = (0_usize, 0_usize);
-    for (along, length, breadth) in [(Vec2::new(1.0, 0.0), width, height), (Vec2::new(0.0, 1.0), height, width)] {
+    for (along, length, breadth) in [
+        (Vec2::new(1.0, 0.0), width, height),
+        (Vec2::new(0.0, 1.0), height, width),
+    ] {
         let across = Vec2::new(along.y, along.x);
         for row in middles(breadth, SPACING_PX * scale) {
             for piece in middles(length, PIECE_PX * scale) {
                 let at = ImagePoint::new(0.0, 0.0).moved(along * piece + across * row);
-                let Some(width_px) = paint_px(camera, field, at, along, width_m) else { continue };
+                let Some(width_px) = paint_px(camera, field, at, along, width_m) else {
+                    continue;
+                };
                 found.clear();
-                let place = Across { at, normal: along, width_px, outward: 0.0 };
-                finder.find(ground, &place, 0.5 * length.min(PIECE_PX * scale), 1.0, &mut found);
+                let place = Across {
+                    at,
+                    normal: along,
+                    width_px,
+                    outward: 0.0,
+                };
+                finder.find(
+                    ground,
+                    &place,
+                    0.5 * length.min(PIECE_PX * scale),
+                    1.0,
+                    &mut found,
+                );
                 for ridge in &found {
                     let at = place.point(ridge.offset_px);
                     if !ground.is_masked(at) && on_field(camera, field, at).is_some() {
@@ -69,9 +96,18 @@ fn on_field(camera: &PtzCamera, field: &FieldModel, at: ImagePoint) -> Option<Ve
     (place.x.abs() <= field.length_m / 2.0 && place.y.abs() <= field.width_m / 2.0).then_some(place)
 }
 
-/// How wide paint that is `width_m` wide and crosses a direction at a right angle is at a pixel, px along the direction.
-fn paint_px(camera: &PtzCamera, field: &FieldModel, at: ImagePoint, along: Vec2, width_m: f64) -> Option<f64> {
-    let here = camera.image_from_world_jacobian(on_field(camera, field, at)?).ok()?;
+/// How wide paint that is `width_m` wide and crosses a direction at a right angle is at a pixel, px
+/// along the direction.
+fn paint_px(
+    camera: &PtzCamera,
+    field: &FieldModel,
+    at: ImagePoint,
+    along: Vec2,
+    width_m: f64,
+) -> Option<f64> {
+    let here = camera
+        .image_from_world_jacobian(on_field(camera, field, at)?)
+        .ok()?;
     let by_ground = here.by_world.fixed_columns::<2>(0).into_owned();
     let metres_a_px = (by_ground.try_inverse()? * along).norm();
     let width_px = width_m / metres_a_px;
@@ -92,18 +128,31 @@ impl Explained {
         let (columns, rows) = (count(ground.size().width), count(ground.size().height));
         let mut cells = vec![false; columns * rows];
         for sample in samples {
-            let (column, row) = ((sample.image.x / cell_px) as usize, (sample.image.y / cell_px) as usize);
+            let (column, row) = (
+                (sample.image.x / cell_px) as usize,
+                (sample.image.y / cell_px) as usize,
+            );
             for near_row in row.saturating_sub(1)..=(row + 1).min(rows - 1) {
                 for near_column in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
                     cells[near_row * columns + near_column] = true;
                 }
             }
         }
-        Self { cell_px, columns, cells }
+        Self {
+            cell_px,
+            columns,
+            cells,
+        }
     }
 
     fn at(&self, at: ImagePoint) -> bool {
-        let (column, row) = ((at.x / self.cell_px) as usize, (at.y / self.cell_px) as usize);
-        self.cells.get(row * self.columns + column).copied().unwrap_or(false)
+        let (column, row) = (
+            (at.x / self.cell_px) as usize,
+            (at.y / self.cell_px) as usize,
+        );
+        self.cells
+            .get(row * self.columns + column)
+            .copied()
+            .unwrap_or(false)
     }
 }

@@ -1,18 +1,21 @@
 //! References whose labels are made to fit each other.
 //!
-//! Clicks tell where a reference looks to a few pixels; what two pictures share tells where one looks as seen from the other to a few
-//! tenths of a pixel. All labels of a camera are therefore adjusted together. With the correction `δᵢ` of the label (pan, tilt,
-//! focal length) of reference i, of the covariance `Λᵢ` by its clicks, the least squares problem is
+//! Clicks tell where a reference looks to a few pixels; what two pictures share tells where one
+//! looks as seen from the other to a few tenths of a pixel. All labels of a camera are therefore
+//! adjusted together. With the correction `δᵢ` of the label (pan, tilt, focal length) of reference
+//! i, of the covariance `Λᵢ` by its clicks, the least squares problem is
 //!
 //! `Σ δᵢᵀ Λᵢ⁻¹ δᵢ + Σ (rᵢⱼ − δⱼ + Tᵢⱼ δᵢ)ᵀ Cᵢⱼ⁻¹ (rᵢⱼ − δⱼ + Tᵢⱼ δᵢ)`
 //!
-//! where `rᵢⱼ` is how far j looks from its label by the rays of i, and `Tᵢⱼ` how that moves with the label of i. `Cᵢⱼ` is what features
-//! leave open, and what a lens and a base that are not quite right make of a turn between the two (measured on real matches).
-//! Neighbours that disagree by more than clicks can explain take no part: their labels are for a person to look at.
+//! where `rᵢⱼ` is how far j looks from its label by the rays of i, and `Tᵢⱼ` how that moves with
+//! the label of i. `Cᵢⱼ` is what features leave open, and what a lens and a base that are not quite
+//! right make of a turn between the two (measured on real matches). Neighbours that disagree by
+//! more than clicks can explain take no part: their labels are for a person to look at.
 //!
-//! How far clicks scatter is learnt on the way, as a person's clicks may be better or worse than is taken for granted, and how well
-//! neighbours are seen from each other as well, as lenses and bases are known more or less well: χ² of each after the adjustment, over
-//! what is surplus (Förstner's estimate of variance components), scales `Λᵢ` and `Cᵢⱼ`.
+//! How far clicks scatter is learnt on the way, as a person's clicks may be better or worse than is
+//! taken for granted, and how well neighbours are seen from each other as well, as lenses and bases
+//! are known more or less well: χ² of each after the adjustment, over what is surplus (Förstner's
+//! estimate of variance components), scales `Λᵢ` and `Cᵢⱼ`.
 
 use super::confidence::FromReference;
 use super::labels::moved_by_label;
@@ -28,7 +31,8 @@ use touchline_core::solve::covariance_in_radians;
 pub struct Label {
     /// Covariance of (pan rad, tilt rad, focal px), if the base is exact.
     pub covariance: Mat3,
-    /// How well its clicks fit; none where it rests on no clicks: then its covariance is taken as it is.
+    /// How well its clicks fit; none where it rests on no clicks: then its covariance is taken as
+    /// it is.
     pub misfit: Option<Misfit>,
 }
 
@@ -41,7 +45,8 @@ pub struct Misfit {
     pub expected: f64,
 }
 
-/// At most so many references, next to each other by pan, are adjusted together: the work grows with the cube.
+/// At most so many references, next to each other by pan, are adjusted together: the work grows
+/// with the cube.
 const TOGETHER: usize = 100;
 
 /// Every reference is compared with as many that look nearest to where it looks.
@@ -53,17 +58,20 @@ const FEATURES: usize = 300;
 /// Neighbours that disagree by more, in 1-σ of what they may disagree by, take no part.
 const MOST_SIGMAS: f64 = 4.0;
 
-/// 1-σ by which an overlay is off at least by what features of another picture tell, px at 1920 px width.
+/// 1-σ by which an overlay is off at least by what features of another picture tell, px at 1920 px
+/// width.
 const LEAST_PX: f64 = 0.3;
 
-/// 1-σ by which it is off more where the camera turned by the width of its picture, px at 1920 px width: all over the picture, and by the
-/// focal length at its left and right edge (see [`super::Evidence`]).
+/// 1-σ by which it is off more where the camera turned by the width of its picture, px at 1920 px
+/// width: all over the picture, and by the focal length at its left and right edge (see
+/// [`super::Evidence`]).
 const PER_TURN_PX: [f64; 2] = [11.0, 17.0];
 
 /// What is known of either's scatter before any is seen: as much as so many surplus equations tell.
 const SUPPOSED: f64 = 12.0;
 
-/// The clicks of one reference count by no more than this multiple of what is expected of them: a wrong one is no scatter.
+/// The clicks of one reference count by no more than this multiple of what is expected of them: a
+/// wrong one is no scatter.
 const MOST_OF_ONE: f64 = 9.0;
 
 /// No label is corrected by more: a turn, rad, and a share of the focal length.
@@ -73,16 +81,29 @@ const MOST_FOCAL: f64 = 0.3;
 /// Rounds of adjusting and learning the scatter.
 const ROUNDS: usize = 4;
 
-/// References as they look when their labels fit each other, with what is known of them then: the covariance of (pan rad, tilt rad, focal
-/// px), if the base is exact. Labels that leave the problem without a solution stay as they are.
+/// References as they look when their labels fit each other, with what is known of them then: the
+/// covariance of (pan rad, tilt rad, focal px), if the base is exact. Labels that leave the problem
+/// without a solution stay as they are.
 #[must_use]
 pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
-    let pans: Vec<Angle> = references.iter().map(|reference| reference.camera.ptz().pan).collect();
+    let pans: Vec<Angle> = references
+        .iter()
+        .map(|reference| reference.camera.ptz().pan)
+        .collect();
     let order = AngleRange::along_smallest(&pans);
-    let mut groups: Vec<Group> = order.chunks(TOGETHER).map(|members| Group::of(members, references)).collect();
-    let mut scatter = Scatter { clicks: 1.0, ties: 1.0 };
+    let mut groups: Vec<Group> = order
+        .chunks(TOGETHER)
+        .map(|members| Group::of(members, references))
+        .collect();
+    let mut scatter = Scatter {
+        clicks: 1.0,
+        ties: 1.0,
+    };
     for _ in 0..ROUNDS {
-        let supposed = Misfit { chi_squared: SUPPOSED, expected: SUPPOSED };
+        let supposed = Misfit {
+            chi_squared: SUPPOSED,
+            expected: SUPPOSED,
+        };
         let (mut of_clicks, mut of_ties) = (supposed, supposed);
         for group in &mut groups {
             group.adjust(labels, scatter);
@@ -94,21 +115,32 @@ pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
             ties: of_ties.chi_squared / of_ties.expected,
         };
     }
-    let mut found: Vec<(Ptz, Mat3)> =
-        references.iter().zip(labels).map(|(reference, label)| (reference.camera.ptz(), label.covariance)).collect();
+    let mut found: Vec<(Ptz, Mat3)> = references
+        .iter()
+        .zip(labels)
+        .map(|(reference, label)| (reference.camera.ptz(), label.covariance))
+        .collect();
     for group in groups.iter().filter(|group| group.is_adjusted) {
         for (place, &member) in group.members.iter().enumerate() {
             let by = group.correction(place);
             let ptz = found[member].0;
             let pan = (ptz.pan + Angle::from_radians(by.x)).wrapped();
             let tilt = ptz.tilt + Angle::from_radians(by.y);
-            found[member] = (Ptz { pan, tilt, focal_px: ptz.focal_px + by.z }, group.covariance(place, place));
+            found[member] = (
+                Ptz {
+                    pan,
+                    tilt,
+                    focal_px: ptz.focal_px + by.z,
+                },
+                group.covariance(place, place),
+            );
         }
     }
     found
 }
 
-/// The squares of how much farther clicks, and neighbours as seen from each other, scatter than they are taken to.
+/// The squares of how much farther clicks, and neighbours as seen from each other, scatter than
+/// they are taken to.
 #[derive(Clone, Copy)]
 struct Scatter {
     clicks: f64,
@@ -119,7 +151,10 @@ impl std::ops::Add for Misfit {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self { chi_squared: self.chi_squared + other.chi_squared, expected: self.expected + other.expected }
+        Self {
+            chi_squared: self.chi_squared + other.chi_squared,
+            expected: self.expected + other.expected,
+        }
     }
 }
 
@@ -155,18 +190,31 @@ impl Tie {
         let told = seen_from(first, second, FEATURES)?;
         let (one, other) = (first.camera.ptz(), second.camera.ptz());
         let pan = told.ptz.pan.turn_from(other.pan).radians();
-        let off = Vec3::new(pan, (told.ptz.tilt - other.tilt).radians(), told.ptz.focal_px - other.focal_px);
+        let off = Vec3::new(
+            pan,
+            (told.ptz.tilt - other.tilt).radians(),
+            told.ptz.focal_px - other.focal_px,
+        );
         let image_size = second.features.image_size;
         let width_px = f64::from(image_size.width);
         let turn = FromReference::between(&other, &one, image_size).turn;
-        let [sigma_px, edge_px] =
-            PER_TURN_PX.map(|per_turn| LEAST_PX.hypot(per_turn * turn) * image_size.scale_from_1920());
-        let (axis, focal_px) = (sigma_px / other.focal_px, edge_px * 2.0 * other.focal_px / width_px);
+        let [sigma_px, edge_px] = PER_TURN_PX
+            .map(|per_turn| LEAST_PX.hypot(per_turn * turn) * image_size.scale_from_1920());
+        let (axis, focal_px) = (
+            sigma_px / other.focal_px,
+            edge_px * 2.0 * other.focal_px / width_px,
+        );
         let by_turn = Mat3::from_diagonal(
-            &Vec3::new(axis / other.tilt.radians().cos(), axis, focal_px).map(|sigma| sigma * sigma),
+            &Vec3::new(axis / other.tilt.radians().cos(), axis, focal_px)
+                .map(|sigma| sigma * sigma),
         );
         let covariance = covariance_in_radians(&told.own_covariance) + by_turn;
-        Some(Self { places, off, moved: moved_by_label(&other, &one), covariance })
+        Some(Self {
+            places,
+            off,
+            moved: moved_by_label(&other, &one),
+            covariance,
+        })
     }
 
     /// How far the two are apart beyond what their corrections explain.
@@ -179,11 +227,17 @@ impl Tie {
 impl Group {
     fn of(members: &[usize], references: &[Reference]) -> Self {
         let together: Vec<Reference> = members.iter().map(|&member| references[member]).collect();
-        let ties = pairs(&together, NEIGHBOURS).par_iter().filter_map(|pair| Tie::of(*pair, &together)).collect();
+        let ties = pairs(&together, NEIGHBOURS)
+            .par_iter()
+            .filter_map(|pair| Tie::of(*pair, &together))
+            .collect();
         let size = 3 * members.len();
         Self {
             members: members.to_vec(),
-            focal_px: together.iter().map(|reference| reference.camera.ptz().focal_px).collect(),
+            focal_px: together
+                .iter()
+                .map(|reference| reference.camera.ptz().focal_px)
+                .collect(),
             ties,
             corrections: DVector::zeros(size),
             covariance: DMatrix::zeros(size, size),
@@ -196,8 +250,11 @@ impl Group {
         let known = |place: usize| labels[self.members[place]].scattered(scatter);
         let is_believed = |tie: &&Tie| {
             let [one, other] = tie.places.map(known);
-            let all = tie.covariance * scatter.ties + tie.moved * one * tie.moved.transpose() + other;
-            all.try_inverse().is_some_and(|inverse| tie.off.dot(&(inverse * tie.off)) <= MOST_SIGMAS * MOST_SIGMAS)
+            let all =
+                tie.covariance * scatter.ties + tie.moved * one * tie.moved.transpose() + other;
+            all.try_inverse().is_some_and(|inverse| {
+                tie.off.dot(&(inverse * tie.off)) <= MOST_SIGMAS * MOST_SIGMAS
+            })
         };
         self.ties.iter().filter(is_believed).collect()
     }
@@ -205,17 +262,28 @@ impl Group {
     /// Solves the least squares problem where clicks and ties scatter by so much.
     fn adjust(&mut self, labels: &[Label], scatter: Scatter) {
         let size = 3 * self.members.len();
-        let (mut normal, mut right) = (DMatrix::<f64>::zeros(size, size), DVector::<f64>::zeros(size));
+        let (mut normal, mut right) = (
+            DMatrix::<f64>::zeros(size, size),
+            DVector::<f64>::zeros(size),
+        );
         let mut add = |[row, column]: [usize; 2], block: Mat3| {
             let mut view = normal.fixed_view_mut::<3, 3>(3 * row, 3 * column);
             view += block;
         };
         for (place, &member) in self.members.iter().enumerate() {
-            add([place, place], labels[member].scattered(scatter).try_inverse().unwrap_or_else(Mat3::zeros));
+            add(
+                [place, place],
+                labels[member]
+                    .scattered(scatter)
+                    .try_inverse()
+                    .unwrap_or_else(Mat3::zeros),
+            );
         }
         for tie in self.believed(labels, scatter) {
             let ([one, other], moved) = (tie.places, tie.moved);
-            let Some(weight) = (tie.covariance * scatter.ties).try_inverse() else { continue };
+            let Some(weight) = (tie.covariance * scatter.ties).try_inverse() else {
+                continue;
+            };
             add([other, other], weight);
             add([one, one], moved.transpose() * weight * moved);
             add([other, one], -weight * moved);
@@ -226,10 +294,14 @@ impl Group {
             of_one -= moved.transpose() * weight * tie.off;
         }
         // In units of each number's own σ, so that radians and px do not spoil the factorisation.
-        let sigmas = normal.diagonal().map(|information| information.max(f64::MIN_POSITIVE).sqrt().recip());
+        let sigmas = normal
+            .diagonal()
+            .map(|information| information.max(f64::MIN_POSITIVE).sqrt().recip());
         let scale = DMatrix::from_diagonal(&sigmas);
         self.is_adjusted = false;
-        let Some(factor) = (&scale * normal * &scale).cholesky() else { return };
+        let Some(factor) = (&scale * normal * &scale).cholesky() else {
+            return;
+        };
         self.covariance = &scale * factor.inverse() * &scale;
         self.corrections = &self.covariance * right;
         self.is_adjusted = (0..self.members.len()).all(|place| self.is_small(place));
@@ -238,14 +310,24 @@ impl Group {
     /// χ² of all clicks after the adjustment, in the σ that they are taken to have.
     fn misfit_of_clicks(&self, labels: &[Label], scatter: Scatter) -> Misfit {
         let of_reference = |(place, &member): (usize, &usize)| {
-            let (clicks, information) = (labels[member].misfit?, labels[member].covariance.try_inverse()?);
+            let (clicks, information) = (
+                labels[member].misfit?,
+                labels[member].covariance.try_inverse()?,
+            );
             let by = self.correction(place);
             let explained = (self.covariance(place, place) * information).trace() / scatter.clicks;
             let expected = clicks.expected + (3.0 - explained).max(0.0);
             let chi_squared = clicks.chi_squared + by.dot(&(information * by));
-            Some(Misfit { chi_squared: chi_squared.min(MOST_OF_ONE * scatter.clicks * expected), expected })
+            Some(Misfit {
+                chi_squared: chi_squared.min(MOST_OF_ONE * scatter.clicks * expected),
+                expected,
+            })
         };
-        self.members.iter().enumerate().filter_map(of_reference).fold(Misfit::default(), |sum, one| sum + one)
+        self.members
+            .iter()
+            .enumerate()
+            .filter_map(of_reference)
+            .fold(Misfit::default(), |sum, one| sum + one)
     }
 
     /// The same of the ties.
@@ -259,12 +341,19 @@ impl Group {
                 - crossed.transpose();
             let left = tie.left(self);
             let expected = (3.0 - (explained * information).trace() / scatter.ties).max(0.0);
-            Some(Misfit { chi_squared: left.dot(&(information * left)), expected })
+            Some(Misfit {
+                chi_squared: left.dot(&(information * left)),
+                expected,
+            })
         };
-        self.believed(labels, scatter).into_iter().filter_map(of_tie).fold(Misfit::default(), |sum, one| sum + one)
+        self.believed(labels, scatter)
+            .into_iter()
+            .filter_map(of_tie)
+            .fold(Misfit::default(), |sum, one| sum + one)
     }
 
-    /// Whether a correction is as small as a label's error can be: what is linear here is that nowhere else.
+    /// Whether a correction is as small as a label's error can be: what is linear here is that
+    /// nowhere else.
     fn is_small(&self, place: usize) -> bool {
         let by = self.correction(place);
         by.x.hypot(by.y) < MOST_TURN && by.z.abs() < MOST_FOCAL * self.focal_px[place]
@@ -275,13 +364,19 @@ impl Group {
     }
 
     fn covariance(&self, row: usize, column: usize) -> Mat3 {
-        self.covariance.fixed_view::<3, 3>(3 * row, 3 * column).into()
+        self.covariance
+            .fixed_view::<3, 3>(3 * row, 3 * column)
+            .into()
     }
 }
 
 impl Label {
     /// The covariance where clicks scatter by a multiple of what they are taken to.
     fn scattered(&self, scatter: Scatter) -> Mat3 {
-        if self.misfit.is_some() { self.covariance * scatter.clicks } else { self.covariance }
+        if self.misfit.is_some() {
+            self.covariance * scatter.clicks
+        } else {
+            self.covariance
+        }
     }
 }

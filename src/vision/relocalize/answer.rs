@@ -1,6 +1,8 @@
 //! A picture's features to its camera.
 
-use super::{Forest, NotFound, Pose, PoseOptions, PredictOptions, RayMatches, SeenRange, pose_of_moving};
+use super::{
+    Forest, NotFound, Pose, PoseOptions, PredictOptions, RayMatches, SeenRange, pose_of_moving,
+};
 use crate::features::Features;
 use std::time::{Duration, Instant};
 use touchline_core::camera::CameraBase;
@@ -27,17 +29,22 @@ pub struct Relocalized {
     pub pose_time: Duration,
 }
 
-/// How far beyond the references' axes a camera may look: farther off it shares no feature with them.
+/// How far beyond the references' axes a camera may look: farther off it shares no feature with
+/// them.
 const BEYOND_PAN_DEG: f64 = 30.0;
 const BEYOND_TILT_DEG: f64 = 15.0;
-/// How much longer or shorter than the references' a focal length may be: SIFT bridges about two octaves.
+/// How much longer or shorter than the references' a focal length may be: SIFT bridges about two
+/// octaves.
 const BEYOND_FOCAL: f64 = 2.5;
 
 impl SeenRange {
     /// Where a camera may be that shares features with the references.
     #[must_use]
     pub fn plausible(&self) -> PtzRanges {
-        let (lowest, highest) = (self.tilt_deg.start() - BEYOND_TILT_DEG, self.tilt_deg.end() + BEYOND_TILT_DEG);
+        let (lowest, highest) = (
+            self.tilt_deg.start() - BEYOND_TILT_DEG,
+            self.tilt_deg.end() + BEYOND_TILT_DEG,
+        );
         PtzRanges {
             pan: self.pan().extended(Angle::from_degrees(BEYOND_PAN_DEG)),
             tilt: Angle::from_degrees(lowest)..=Angle::from_degrees(highest),
@@ -56,8 +63,8 @@ pub fn candidates_of(features: &Features, forest: &Forest, options: &PredictOpti
     matches
 }
 
-/// The camera of a picture from its features, or why there is none. Features that stand still on the screen while others move
-/// carry no answer.
+/// The camera of a picture from its features, or why there is none. Features that stand still on
+/// the screen while others move carry no answer.
 #[must_use]
 pub fn relocalize(
     features: &Features,
@@ -70,11 +77,27 @@ pub fn relocalize(
     let matches = candidates_of(features, forest, &options.predict);
     let predict_time = start.elapsed();
     let start = Instant::now();
-    let ranges = options.pose.ranges.clone().unwrap_or_else(|| seen.plausible());
-    let unsure = PoseOptions { ranges: Some(ranges), min_confidence: 0.0, ..options.pose.clone() };
-    let pose = pose_of_moving(&matches, features, base, &seen.cameras, &unsure).and_then(|(pose, stands_still)| {
-        let stated = pose.stated(&matches, base, features.image_size, seen);
-        stated.if_sure(options.pose.min_confidence).map_err(|unsure| stands_still.unwrap_or(unsure))
-    });
-    Relocalized { pose, predict_time, pose_time: start.elapsed() }
+    let ranges = options
+        .pose
+        .ranges
+        .clone()
+        .unwrap_or_else(|| seen.plausible());
+    let unsure = PoseOptions {
+        ranges: Some(ranges),
+        min_confidence: 0.0,
+        ..options.pose.clone()
+    };
+    let pose = pose_of_moving(&matches, features, base, &seen.cameras, &unsure).and_then(
+        |(pose, stands_still)| {
+            let stated = pose.stated(&matches, base, features.image_size, seen);
+            stated
+                .if_sure(options.pose.min_confidence)
+                .map_err(|unsure| stands_still.unwrap_or(unsure))
+        },
+    );
+    Relocalized {
+        pose,
+        predict_time,
+        pose_time: start.elapsed(),
+    }
 }

@@ -1,10 +1,11 @@
 //! Two-point RANSAC on exact rays.
 //!
-//! Pairs are drawn from the features most alike to a reference first (as PROSAC does: Chum and Matas, CVPR 2005), distant
-//! pairs favoured, as the focal length is hardly known from near ones. Two points give four equations for three
-//! unknowns: a pair whose second point does not come back is dropped at once. What remains is scored over all features,
-//! each by its best candidate, and given up early where it falls far behind; a new best is refined over its features
-//! (Chum, Matas, Kittler, DAGM 2003).
+//! Pairs are drawn from the features most alike to a reference first (as PROSAC does: Chum and
+//! Matas, CVPR 2005), distant pairs favoured, as the focal length is hardly known from near ones.
+//! Two points give four equations for three unknowns: a pair whose second point does not come back
+//! is dropped at once. What remains is scored over all features, each by its best candidate, and
+//! given up early where it falls far behind; a new best is refined over its features (Chum, Matas,
+//! Kittler, DAGM 2003).
 
 use super::RayMatches;
 use super::pose_options::{ENOUGH, MIN_INLIERS, PoseOptions};
@@ -35,8 +36,8 @@ const DRAWS: usize = 6;
 const FIRST_CANDIDATE: f64 = 0.7;
 /// Pairs tried at least.
 const MIN_HYPOTHESES: usize = 16;
-/// A hypothesis is looked at in blocks of features, and given up where it has less than this share of what the best
-/// had there.
+/// A hypothesis is looked at in blocks of features, and given up where it has less than this share
+/// of what the best had there.
 const BLOCK: usize = 48;
 const FAR_BEHIND: f64 = 0.3;
 /// Features that hypotheses are scored over, drawn once: more tell cameras apart no better.
@@ -44,7 +45,8 @@ const SCORED_FEATURES: usize = 400;
 /// Features that a new best is refined over.
 const LOCAL_FEATURES: usize = 80;
 
-/// Looks for the camera that most features agree on. `base` stands at the origin: the world is the base's own frame.
+/// Looks for the camera that most features agree on. `base` stands at the origin: the world is the
+/// base's own frame.
 pub(super) fn find_consensus(
     matches: &RayMatches,
     base: &CameraBase,
@@ -57,40 +59,60 @@ pub(super) fn find_consensus(
     shuffled.truncate(SCORED_FEATURES);
     let agreement_px = options.agreement_px * image_size.scale_from_1920();
     let min_separation_px = MIN_SEPARATION * f64::from(image_size.width);
-    let mut best = Best { ptz: None, score: 0.0, agreeing: 0 };
+    let mut best = Best {
+        ptz: None,
+        score: 0.0,
+        agreeing: 0,
+    };
     let (mut hypotheses, mut wanted) = (0, options.max_hypotheses);
     while hypotheses < wanted {
         hypotheses += 1;
         let pool = (FIRST_FEATURES + order.len() * hypotheses / GROWTH).min(order.len());
-        let Some(pair) = draw_pair(matches, &order[..pool], min_separation_px, &mut rng) else { continue };
+        let Some(pair) = draw_pair(matches, &order[..pool], min_separation_px, &mut rng) else {
+            continue;
+        };
         let rays = pair.map(|feature| draw_candidate(matches.rays(feature), &mut rng));
         let pixels = pair.map(|feature| matches.point(feature));
-        let Ok(solutions) = solve_two_points(base, rays, pixels) else { continue };
+        let Ok(solutions) = solve_two_points(base, rays, pixels) else {
+            continue;
+        };
         for ptz in solutions.iter() {
             if !options.allows(&ptz, image_size) {
                 continue;
             }
             let camera = PtzCamera::new(*base, ptz);
             let comes_back = |i: usize| {
-                camera.image_from_world(rays[i]).is_ok_and(|image| image.distance_px(pixels[i]) <= agreement_px)
+                camera
+                    .image_from_world(rays[i])
+                    .is_ok_and(|image| image.distance_px(pixels[i]) <= agreement_px)
             };
             if !(comes_back(0) && comes_back(1)) {
                 continue;
             }
-            let Some((score, agreeing)) = score(matches, &camera, &shuffled, agreement_px, best.score) else {
+            let Some((score, agreeing)) =
+                score(matches, &camera, &shuffled, agreement_px, best.score)
+            else {
                 continue;
             };
             if score <= best.score {
                 continue;
             }
-            best = Best { ptz: Some(ptz), score, agreeing };
+            best = Best {
+                ptz: Some(ptz),
+                score,
+                agreeing,
+            };
             if agreeing >= MIN_INLIERS {
                 best.improve(matches, base, &shuffled, agreement_px);
             }
             wanted = enough(best.agreeing as f64 / shuffled.len() as f64, options);
         }
     }
-    Consensus { ptz: best.ptz, agreeing: best.agreeing, hypotheses }
+    Consensus {
+        ptz: best.ptz,
+        agreeing: best.agreeing,
+        hypotheses,
+    }
 }
 
 struct Best {
@@ -101,23 +123,43 @@ struct Best {
 
 impl Best {
     /// Refines over features that agree, and keeps that if more agree then.
-    fn improve(&mut self, matches: &RayMatches, base: &CameraBase, order: &[usize], agreement_px: f64) {
+    fn improve(
+        &mut self,
+        matches: &RayMatches,
+        base: &CameraBase,
+        order: &[usize],
+        agreement_px: f64,
+    ) {
         let Some(start) = self.ptz else { return };
         let camera = PtzCamera::new(*base, start);
         let near = order
             .iter()
             .copied()
             .filter(|&feature| {
-                matches.nearest(&camera, feature).is_some_and(|(squared, _)| squared <= agreement_px * agreement_px)
+                matches
+                    .nearest(&camera, feature)
+                    .is_some_and(|(squared, _)| squared <= agreement_px * agreement_px)
             })
             .take(LOCAL_FEATURES);
         let observations = matches.observations(&camera, near, agreement_px / 3.0);
-        let ptz = refine_until(base, start, &observations, Loss::Cauchy { c: 1.0 }, None, ENOUGH).ptz;
+        let ptz = refine_until(
+            base,
+            start,
+            &observations,
+            Loss::Cauchy { c: 1.0 },
+            None,
+            ENOUGH,
+        )
+        .ptz;
         let refined = PtzCamera::new(*base, ptz);
         if let Some((score, agreeing)) = score(matches, &refined, order, agreement_px, self.score)
             && score > self.score
         {
-            *self = Self { ptz: Some(ptz), score, agreeing };
+            *self = Self {
+                ptz: Some(ptz),
+                score,
+                agreeing,
+            };
         }
     }
 }
@@ -127,11 +169,19 @@ fn enough(share: f64, options: &PoseOptions) -> usize {
     // Both features must agree, and each must have spoken with the right candidate.
     let good = (share * FIRST_CANDIDATE).powi(2).clamp(1e-9, 1.0 - 1e-9);
     let wanted = options.miss_probability.ln() / (-good).ln_1p();
-    (wanted.ceil() as usize).clamp(MIN_HYPOTHESES.min(options.max_hypotheses), options.max_hypotheses)
+    (wanted.ceil() as usize).clamp(
+        MIN_HYPOTHESES.min(options.max_hypotheses),
+        options.max_hypotheses,
+    )
 }
 
 /// Two features, far apart if some draws find such.
-fn draw_pair(matches: &RayMatches, pool: &[usize], apart_px: f64, rng: &mut Pcg64Mcg) -> Option<[usize; 2]> {
+fn draw_pair(
+    matches: &RayMatches,
+    pool: &[usize],
+    apart_px: f64,
+    rng: &mut Pcg64Mcg,
+) -> Option<[usize; 2]> {
     let first = pool[rng.random_range(0..pool.len())];
     let point = matches.point(first);
     let mut farthest = None::<(f64, usize)>;
@@ -145,15 +195,21 @@ fn draw_pair(matches: &RayMatches, pool: &[usize], apart_px: f64, rng: &mut Pcg6
             break;
         }
     }
-    farthest.filter(|(distance_px, _)| *distance_px >= apart_px).map(|(_, second)| [first, second])
+    farthest
+        .filter(|(distance_px, _)| *distance_px >= apart_px)
+        .map(|(_, second)| [first, second])
 }
 
 fn draw_candidate(rays: &[Vec3], rng: &mut Pcg64Mcg) -> Vec3 {
-    if rays.len() == 1 || rng.random_bool(FIRST_CANDIDATE) { rays[0] } else { rays[rng.random_range(1..rays.len())] }
+    if rays.len() == 1 || rng.random_bool(FIRST_CANDIDATE) {
+        rays[0]
+    } else {
+        rays[rng.random_range(1..rays.len())]
+    }
 }
 
-/// The sum of 1 − (distance / agreement)² over the features that agree (Torr and Zisserman's MSAC), and how many those
-/// are; none once it is far behind `best`.
+/// The sum of 1 − (distance / agreement)² over the features that agree (Torr and Zisserman's MSAC),
+/// and how many those are; none once it is far behind `best`.
 fn score(
     matches: &RayMatches,
     camera: &PtzCamera,

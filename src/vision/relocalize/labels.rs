@@ -1,17 +1,20 @@
 //! What the labels of references leave open in an answer.
 //!
-//! The forest's rays were read off references whose cameras are known by clicks. What a reference's camera errs by, all its rays err
-//! by: an answer repeats the error, however many features agree. An error δ of a reference's (pan, tilt, focal length) moves the
-//! camera that its rays alone would give by T δ, where T adds to pan and tilt what the wrong focal length does far from the
+//! The forest's rays were read off references whose cameras are known by clicks. What a reference's
+//! camera errs by, all its rays err by: an answer repeats the error, however many features agree.
+//! An error δ of a reference's (pan, tilt, focal length) moves the camera that its rays alone would
+//! give by T δ, where T adds to pan and tilt what the wrong focal length does far from the
 //! reference's middle.
 //!
-//! Where several references show a feature, its ray may be any one's: a consensus is where rays crowd, not their mean, and labels that
-//! were made to fit each other (see [`super::aligned`]) err together. So nothing averages out: the covariance is that of one reference,
-//! the mean over those that show the features. An error of the base, which all share, is told by [`Uncertainty::of_known`].
+//! Where several references show a feature, its ray may be any one's: a consensus is where rays
+//! crowd, not their mean, and labels that were made to fit each other (see [`super::aligned`]) err
+//! together. So nothing averages out: the covariance is that of one reference, the mean over those
+//! that show the features. An error of the base, which all share, is told by
+//! [`Uncertainty::of_known`].
 //!
-//! Taken to be independent of each other, with each its share of the information, labels left 17 % and 19 % of answers about two drawn
-//! matches within the stated 68 % (16 references of four clicks; `cargo bench --bench relocalize clicked`), at 2.2 to 2.5 times the
-//! stated error.
+//! Taken to be independent of each other, with each its share of the information, labels left 17 %
+//! and 19 % of answers about two drawn matches within the stated 68 % (16 references of four
+//! clicks; `cargo bench --bench relocalize clicked`), at 2.2 to 2.5 times the stated error.
 
 use super::nearest_references::nearest;
 use super::{RayMatches, SeenRange};
@@ -28,8 +31,8 @@ const FEATURES: usize = 64;
 /// 1-σ of a person's click, px at 1920 px width, where nothing is known of a label.
 const CLICK_PX: f64 = 2.0;
 
-/// Covariance of (pan rad, tilt rad, focal px) that the labels of the references leave in an answer on which these features
-/// agree; zero without references.
+/// Covariance of (pan rad, tilt rad, focal px) that the labels of the references leave in an answer
+/// on which these features agree; zero without references.
 pub(super) fn label_covariance(
     (ptz, inliers): (&Ptz, &[usize]),
     matches: &RayMatches,
@@ -40,39 +43,80 @@ pub(super) fn label_covariance(
     let at_base = base.at_origin();
     let camera = PtzCamera::new(at_base, *ptz);
     let near = nearest(ptz, &seen.cameras, NEAREST);
-    let references: Vec<PtzCamera> = near.iter().map(|&number| PtzCamera::new(at_base, seen.cameras[number])).collect();
+    let references: Vec<PtzCamera> = near
+        .iter()
+        .map(|&number| PtzCamera::new(at_base, seen.cameras[number]))
+        .collect();
     let mut shares = vec![0.0; references.len()];
     for &feature in subsample(inliers, FEATURES) {
-        let Some((_, ray)) = matches.nearest(&camera, feature) else { continue };
-        let shows = |reference: &PtzCamera| {
-            reference.image_from_world(ray).is_ok_and(|image: ImagePoint| image_size.contains(image))
+        let Some((_, ray)) = matches.nearest(&camera, feature) else {
+            continue;
         };
-        let showing: Vec<usize> = (0..references.len()).filter(|&number| shows(&references[number])).collect();
-        let showing = if showing.is_empty() { (0..references.len()).take(1).collect() } else { showing };
+        let shows = |reference: &PtzCamera| {
+            reference
+                .image_from_world(ray)
+                .is_ok_and(|image: ImagePoint| image_size.contains(image))
+        };
+        let showing: Vec<usize> = (0..references.len())
+            .filter(|&number| shows(&references[number]))
+            .collect();
+        let showing = if showing.is_empty() {
+            (0..references.len()).take(1).collect()
+        } else {
+            showing
+        };
         for &number in &showing {
             shares[number] += 1.0 / showing.len() as f64;
         }
     }
     let all: f64 = shares.iter().sum();
     let mut covariance = Mat3::zeros();
-    for ((&number, reference), share) in near.iter().zip(&references).zip(shares).filter(|(_, share)| *share > 0.0) {
-        let label = seen.labels.get(number).copied().unwrap_or_else(|| usual_label(reference, image_size));
+    for ((&number, reference), share) in near
+        .iter()
+        .zip(&references)
+        .zip(shares)
+        .filter(|(_, share)| *share > 0.0)
+    {
+        let label = seen
+            .labels
+            .get(number)
+            .copied()
+            .unwrap_or_else(|| usual_label(reference, image_size));
         let moved = moved_by_label(ptz, &reference.ptz());
         covariance += moved * label * moved.transpose() * (share / all);
     }
     (covariance + covariance.transpose()) * 0.5
 }
 
-/// T: how an answer moves with the (pan, tilt, focal length) of the reference that all its rays are read off.
+/// T: how an answer moves with the (pan, tilt, focal length) of the reference that all its rays are
+/// read off.
 pub(super) fn moved_by_label(answer: &Ptz, reference: &Ptz) -> Mat3 {
-    let (pan, tilt) = (answer.pan.turn_from(reference.pan).radians(), (answer.tilt - reference.tilt).radians());
+    let (pan, tilt) = (
+        answer.pan.turn_from(reference.pan).radians(),
+        (answer.tilt - reference.tilt).radians(),
+    );
     let focal_px = reference.focal_px;
-    Mat3::new(1.0, 0.0, -pan / focal_px, 0.0, 1.0, -tilt / focal_px, 0.0, 0.0, answer.focal_px / focal_px)
+    Mat3::new(
+        1.0,
+        0.0,
+        -pan / focal_px,
+        0.0,
+        1.0,
+        -tilt / focal_px,
+        0.0,
+        0.0,
+        answer.focal_px / focal_px,
+    )
 }
 
-/// The covariance of (pan rad, tilt rad, focal px) of a camera that four clicks tell, well apart; wherever its base stands.
+/// The covariance of (pan rad, tilt rad, focal px) of a camera that four clicks tell, well apart;
+/// wherever its base stands.
 fn usual_label(reference: &PtzCamera, image_size: ImageSize) -> Mat3 {
-    covariance_of_four_points(reference, image_size, CLICK_PX * image_size.scale_from_1920())
+    covariance_of_four_points(
+        reference,
+        image_size,
+        CLICK_PX * image_size.scale_from_1920(),
+    )
 }
 
 #[cfg(test)]
@@ -92,20 +136,45 @@ mod tests {
     fn answer(ptz: Ptz) -> (Pose, RayMatches) {
         let camera = PtzCamera::new(base(), ptz);
         let mut matches = RayMatches::new();
-        for at in (0..200).map(|i| ImagePoint::new(f64::from(i % 20) * 96.0 + 40.0, f64::from(i / 20) * 108.0 + 50.0)) {
+        for at in (0..200).map(|i| {
+            ImagePoint::new(
+                f64::from(i % 20) * 96.0 + 40.0,
+                f64::from(i / 20) * 108.0 + 50.0,
+            )
+        }) {
             let ray = camera.ray_from_image(at).unwrap();
-            let ray = PanTilt { pan: ray.pan, tilt: ray.tilt };
-            matches.push(at, &[RayCandidate { ray, squared_distance: 0.01 }]);
+            let ray = PanTilt {
+                pan: ray.pan,
+                tilt: ray.tilt,
+            };
+            matches.push(
+                at,
+                &[RayCandidate {
+                    ray,
+                    squared_distance: 0.01,
+                }],
+            );
         }
-        (pose_from_candidates(&matches, &base(), SIZE, &PoseOptions::default()).unwrap(), matches)
+        (
+            pose_from_candidates(&matches, &base(), SIZE, &PoseOptions::default()).unwrap(),
+            matches,
+        )
     }
 
     fn left_open(answer_deg: f64, references_deg: &[f64]) -> (Mat3, Mat3) {
         let (pose, matches) = answer(Ptz::from_degrees(answer_deg, -12.0, 2200.0));
-        let cameras: Vec<Ptz> = references_deg.iter().map(|pan| Ptz::from_degrees(*pan, -12.0, 2200.0)).collect();
+        let cameras: Vec<Ptz> = references_deg
+            .iter()
+            .map(|pan| Ptz::from_degrees(*pan, -12.0, 2200.0))
+            .collect();
         let label = Mat3::from_diagonal(&Vec3::new(4e-7, 4e-7, 100.0));
-        let seen = SeenRange::of(&cameras).unwrap().with_labels(vec![label; cameras.len()]);
-        (label_covariance((&pose.ptz, &pose.inliers), &matches, &base(), SIZE, &seen), label)
+        let seen = SeenRange::of(&cameras)
+            .unwrap()
+            .with_labels(vec![label; cameras.len()]);
+        (
+            label_covariance((&pose.ptz, &pose.inliers), &matches, &base(), SIZE, &seen),
+            label,
+        )
     }
 
     #[test]
@@ -120,29 +189,62 @@ mod tests {
     fn far_from_its_reference_a_wrong_focal_length_turns_an_answer() {
         let (far, label) = left_open(15.0, &[5.0]);
         let turned = 10f64.to_radians() / 2200.0 * 10.0;
-        assert!((far[(0, 0)] - label[(0, 0)] - turned * turned).abs() < 1e-12, "{far}");
+        assert!(
+            (far[(0, 0)] - label[(0, 0)] - turned * turned).abs() < 1e-12,
+            "{far}"
+        );
         assert!((far[(2, 2)] - label[(2, 2)]).abs() < 1e-3, "{far}");
     }
 
     #[test]
     fn the_error_of_a_real_reference_comes_back_in_the_answer() {
         // A reference whose label is off, and a picture 8° beside it that shows its features.
-        let (truth, asked) = (Ptz::from_degrees(5.0, -12.0, 2200.0), Ptz::from_degrees(13.0, -12.0, 2200.0));
-        let wrong = Ptz { focal_px: truth.focal_px + 20.0, ..truth };
-        let (seen, labelled, camera) =
-            (PtzCamera::new(base(), truth), PtzCamera::new(base(), wrong), PtzCamera::new(base(), asked));
+        let (truth, asked) = (
+            Ptz::from_degrees(5.0, -12.0, 2200.0),
+            Ptz::from_degrees(13.0, -12.0, 2200.0),
+        );
+        let wrong = Ptz {
+            focal_px: truth.focal_px + 20.0,
+            ..truth
+        };
+        let (seen, labelled, camera) = (
+            PtzCamera::new(base(), truth),
+            PtzCamera::new(base(), wrong),
+            PtzCamera::new(base(), asked),
+        );
         let mut matches = RayMatches::new();
-        for at in (0..400).map(|i| ImagePoint::new(f64::from(i % 20) * 96.0 + 40.0, f64::from(i / 20) * 54.0 + 25.0)) {
-            let in_reference = seen.image_from_ray(camera.ray_from_image(at).unwrap()).unwrap();
+        for at in (0..400).map(|i| {
+            ImagePoint::new(
+                f64::from(i % 20) * 96.0 + 40.0,
+                f64::from(i / 20) * 54.0 + 25.0,
+            )
+        }) {
+            let in_reference = seen
+                .image_from_ray(camera.ray_from_image(at).unwrap())
+                .unwrap();
             if SIZE.contains(in_reference) {
                 let ray = labelled.ray_from_image(in_reference).unwrap();
-                matches.push(at, &[RayCandidate { ray, squared_distance: 0.01 }]);
+                matches.push(
+                    at,
+                    &[RayCandidate {
+                        ray,
+                        squared_distance: 0.01,
+                    }],
+                );
             }
         }
         let pose = pose_from_candidates(&matches, &base(), SIZE, &PoseOptions::default()).unwrap();
         let moved = moved_by_label(&asked, &truth) * Vec3::new(0.0, 0.0, 20.0);
         let pan = pose.ptz.pan.turn_from(asked.pan).radians();
-        assert!((pan - moved.x).abs() < 0.15 * moved.x.abs(), "{pan} {}", moved.x);
-        assert!((pose.ptz.focal_px - asked.focal_px - moved.z).abs() < 3.0, "{}", pose.ptz.focal_px);
+        assert!(
+            (pan - moved.x).abs() < 0.15 * moved.x.abs(),
+            "{pan} {}",
+            moved.x
+        );
+        assert!(
+            (pose.ptz.focal_px - asked.focal_px - moved.z).abs() < 3.0,
+            "{}",
+            pose.ptz.focal_px
+        );
     }
 }

@@ -6,7 +6,8 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::{ImagePoint, Vec3};
 use touchline_core::solve::Observation;
 
-/// A picture's features with their candidate rays, in flat memory. A feature counts by its best candidate.
+/// A picture's features with their candidate rays, in flat memory. A feature counts by its best
+/// candidate.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RayMatches {
     points: Vec<ImagePoint>,
@@ -38,16 +39,21 @@ impl RayMatches {
 
     /// Adds a feature with its candidates, the likeliest first; one without candidates is left out.
     pub fn push(&mut self, point: ImagePoint, candidates: &[RayCandidate]) {
-        let Some(first) = candidates.first() else { return };
+        let Some(first) = candidates.first() else {
+            return;
+        };
         self.points.push(point);
-        self.rays.extend(candidates.iter().map(|candidate| candidate.ray.direction()));
+        self.rays
+            .extend(candidates.iter().map(|candidate| candidate.ray.direction()));
         self.ends.push(self.rays.len());
         self.distances.push(first.squared_distance);
     }
 
     /// These matches without some, and the numbers here of those that are left.
     pub(super) fn without(&self, left_out: &[bool]) -> (Self, Vec<usize>) {
-        let kept: Vec<usize> = (0..self.len()).filter(|&feature| !left_out[feature]).collect();
+        let kept: Vec<usize> = (0..self.len())
+            .filter(|&feature| !left_out[feature])
+            .collect();
         let mut rest = Self::with_capacity(kept.len());
         for &feature in &kept {
             rest.points.push(self.points[feature]);
@@ -83,19 +89,27 @@ impl RayMatches {
     }
 
     fn range(&self, feature: usize) -> Range<usize> {
-        let start = if feature == 0 { 0 } else { self.ends[feature - 1] };
+        let start = if feature == 0 {
+            0
+        } else {
+            self.ends[feature - 1]
+        };
         start..self.ends[feature]
     }
 
     /// The features from the most to the least alike to a reference.
     pub(super) fn by_distance(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.len()).collect();
-        order.sort_by(|&a, &b| self.distances[a].total_cmp(&self.distances[b]).then(a.cmp(&b)));
+        order.sort_by(|&a, &b| {
+            self.distances[a]
+                .total_cmp(&self.distances[b])
+                .then(a.cmp(&b))
+        });
         order
     }
 
-    /// The squared distance of a feature from its nearest candidate in a camera, px², and that candidate's direction; none
-    /// where no candidate has an image.
+    /// The squared distance of a feature from its nearest candidate in a camera, px², and that
+    /// candidate's direction; none where no candidate has an image.
     pub(super) fn nearest(&self, camera: &PtzCamera, feature: usize) -> Option<(f64, Vec3)> {
         let (rotation, ptz, lens) = (camera.cam_from_base(), camera.ptz(), camera.lens());
         let offset = self.points[feature].offset_from(camera.base().principal_point) / ptz.focal_px;
@@ -131,7 +145,12 @@ impl RayMatches {
         features
             .filter_map(|feature| {
                 let (_, ray) = self.nearest(camera, feature)?;
-                Some(Observation::of_point(ray, self.point(feature), sigma_px, feature))
+                Some(Observation::of_point(
+                    ray,
+                    self.point(feature),
+                    sigma_px,
+                    feature,
+                ))
             })
             .collect()
     }

@@ -1,9 +1,10 @@
 //! Cameras of frames that nobody clicked.
 //!
-//! A pan-tilt forest learns from references which ray a descriptor shows ([`train`]); a new picture's features get candidate
-//! rays from it, and [`pose_from_candidates`] finds the camera that most of them agree on, or says by name why there is
-//! none ([`NotFound`]). [`relocalize()`] is both together; [`ForestModel`] is a forest on disk. Labels of references are made
-//! to fit each other by [`aligned`]; those that do not agree at all are found by [`contradictions()`].
+//! A pan-tilt forest learns from references which ray a descriptor shows ([`train`]); a new
+//! picture's features get candidate rays from it, and [`pose_from_candidates`] finds the camera
+//! that most of them agree on, or says by name why there is none ([`NotFound`]). [`relocalize()`]
+//! is both together; [`ForestModel`] is a forest on disk. Labels of references are made to fit each
+//! other by [`aligned`]; those that do not agree at all are found by [`contradictions()`].
 
 mod alignment;
 mod answer;
@@ -27,8 +28,8 @@ pub use answer::{RelocalizeOptions, Relocalized, candidates_of, relocalize};
 pub use confidence::{Evidence, FromReference};
 pub use contradictions::{Contradiction, ContradictionOptions, contradictions, suspects};
 pub use forest::{
-    Forest, ForestFileError, PredictOptions, RayCandidate, Samples, Search, SplitRule, Stopped, TrainOptions,
-    TrainProgress, train, train_without,
+    Forest, ForestFileError, PredictOptions, RayCandidate, Samples, Search, SplitRule, Stopped,
+    TrainOptions, TrainProgress, train, train_without,
 };
 
 pub use matches::RayMatches;

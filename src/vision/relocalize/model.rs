@@ -28,7 +28,8 @@ const LABEL_BYTES: usize = 48;
 /// What a forest file holds: enough to relocalize pictures without the project. It holds no paths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForestModel {
-    /// The document's field and cameras as its JSON, without frames; text that this room does not look into.
+    /// The document's field and cameras as its JSON, without frames; text that this room does not
+    /// look into.
     pub document: String,
     /// How the features of the references were found, and how those of other frames must be.
     pub features: FeatureOptions,
@@ -50,8 +51,8 @@ pub struct CameraForest {
 /// Where the references of a camera looked, and how many there are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenRange {
-    /// Pan of the optical axis, degrees: the smallest arc that holds all, from its left end to its right one, above 180 where
-    /// the seam lies between (see [`SeenRange::pan`]).
+    /// Pan of the optical axis, degrees: the smallest arc that holds all, from its left end to its
+    /// right one, above 180 where the seam lies between (see [`SeenRange::pan`]).
     pub pan_deg: RangeInclusive<f64>,
     /// Tilt of the optical axis, degrees.
     pub tilt_deg: RangeInclusive<f64>,
@@ -59,13 +60,15 @@ pub struct SeenRange {
     pub focal_px: RangeInclusive<f64>,
     /// How many references gave features.
     pub references: u32,
-    /// How each of them was pointed: an answer that repeats one is looked at twice (see [`super::relocalize()`]). Empty in forests
-    /// of earlier versions.
+    /// How each of them was pointed: an answer that repeats one is looked at twice (see
+    /// [`super::relocalize()`]). Empty in forests of earlier versions.
     pub cameras: Vec<Ptz>,
-    /// How well each of these cameras is known if the base is exact: covariance of (pan rad, tilt rad, focal px). Empty in forests
-    /// of earlier versions: then they are taken to be known as four clicks tell.
+    /// How well each of these cameras is known if the base is exact: covariance of (pan rad, tilt
+    /// rad, focal px). Empty in forests of earlier versions: then they are taken to be known as
+    /// four clicks tell.
     pub labels: Vec<Mat3>,
-    /// What the references show that were left out and asked for; nothing where that was not measured.
+    /// What the references show that were left out and asked for; nothing where that was not
+    /// measured.
     pub shown: Shown,
 }
 
@@ -99,7 +102,10 @@ impl SeenRange {
     /// The pans as an arc.
     #[must_use]
     pub fn pan(&self) -> AngleRange {
-        AngleRange::new(Angle::from_degrees(*self.pan_deg.start()), Angle::from_degrees(*self.pan_deg.end()))
+        AngleRange::new(
+            Angle::from_degrees(*self.pan_deg.start()),
+            Angle::from_degrees(*self.pan_deg.end()),
+        )
     }
 }
 
@@ -110,19 +116,34 @@ impl ForestModel {
         self.cameras.iter().find(|forest| forest.camera == name)
     }
 
-    /// The file: magic, version, length and CRC-32 of the rest, then the rest; little-endian throughout.
+    /// The file: magic, version, length and CRC-32 of the rest, then the rest; little-endian
+    /// throughout.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut body = Vec::new();
         text(&mut body, &self.document);
-        let FeatureOptions { max_count, max_width_px, root_sift, detector } = self.features;
-        for number in [max_count, max_width_px, u32::from(root_sift), detector.code()] {
+        let FeatureOptions {
+            max_count,
+            max_width_px,
+            root_sift,
+            detector,
+        } = self.features;
+        for number in [
+            max_count,
+            max_width_px,
+            u32::from(root_sift),
+            detector.code(),
+        ] {
             body.extend(number.to_le_bytes());
         }
         body.extend((self.cameras.len() as u32).to_le_bytes());
         for camera in &self.cameras {
             text(&mut body, &camera.camera);
-            for range in [&camera.seen.pan_deg, &camera.seen.tilt_deg, &camera.seen.focal_px] {
+            for range in [
+                &camera.seen.pan_deg,
+                &camera.seen.tilt_deg,
+                &camera.seen.focal_px,
+            ] {
                 body.extend(range.start().to_le_bytes());
                 body.extend(range.end().to_le_bytes());
             }
@@ -161,17 +182,24 @@ impl ForestModel {
         }
         let version = header.u32()?;
         if version > FOREST_VERSION {
-            return Err(ForestFileError::Newer { version, newest: FOREST_VERSION });
+            return Err(ForestFileError::Newer {
+                version,
+                newest: FOREST_VERSION,
+            });
         }
         if version < OLDEST_VERSION {
             return Err(ForestFileError::Older { version });
         }
         let (length, checksum) = (header.u64()?, header.u32()?);
-        let length = usize::try_from(length).map_err(|_| ForestFileError::Damaged { what: "it ends too early" })?;
+        let length = usize::try_from(length).map_err(|_| ForestFileError::Damaged {
+            what: "it ends too early",
+        })?;
         let body = header.bytes(length)?;
         header.finish()?;
         if crc32fast::hash(body) != checksum {
-            return Err(ForestFileError::Damaged { what: "its checksum does not fit" });
+            return Err(ForestFileError::Damaged {
+                what: "its checksum does not fit",
+            });
         }
         let mut body = Reader::new(body);
         let document = body.text()?.to_owned();
@@ -181,15 +209,26 @@ impl ForestModel {
             root_sift: match body.u32()? {
                 0 => false,
                 1 => true,
-                _ => return Err(ForestFileError::Damaged { what: "its kind of features is not known" }),
+                _ => {
+                    return Err(ForestFileError::Damaged {
+                        what: "its kind of features is not known",
+                    });
+                }
             },
-            detector: Detector::from_code(body.u32()?)
-                .ok_or(ForestFileError::Damaged { what: "its detector of features is not known" })?,
+            detector: Detector::from_code(body.u32()?).ok_or(ForestFileError::Damaged {
+                what: "its detector of features is not known",
+            })?,
         };
         let count = body.count(1)?;
-        let cameras = (0..count).map(|_| camera(&mut body, version)).collect::<Result<_, _>>()?;
+        let cameras = (0..count)
+            .map(|_| camera(&mut body, version))
+            .collect::<Result<_, _>>()?;
         body.finish()?;
-        Ok(Self { document, features, cameras })
+        Ok(Self {
+            document,
+            features,
+            cameras,
+        })
     }
 }
 
@@ -216,16 +255,37 @@ fn camera(body: &mut Reader, version: u32) -> Result<CameraForest, ForestFileErr
     };
     if version > OLDEST_VERSION {
         for _ in 0..body.count(CAMERA_BYTES)? {
-            let (pan, tilt) = (Angle::from_radians(body.f64()?), Angle::from_radians(body.f64()?));
-            seen.cameras.push(Ptz { pan, tilt, focal_px: body.f64()? });
+            let (pan, tilt) = (
+                Angle::from_radians(body.f64()?),
+                Angle::from_radians(body.f64()?),
+            );
+            seen.cameras.push(Ptz {
+                pan,
+                tilt,
+                focal_px: body.f64()?,
+            });
         }
     }
     if version >= WITH_LABELS {
         for _ in 0..body.count(LABEL_BYTES)? {
-            let [a, b, c, d, e, f] = [body.f64()?, body.f64()?, body.f64()?, body.f64()?, body.f64()?, body.f64()?];
+            let [a, b, c, d, e, f] = [
+                body.f64()?,
+                body.f64()?,
+                body.f64()?,
+                body.f64()?,
+                body.f64()?,
+                body.f64()?,
+            ];
             seen.labels.push(Mat3::new(a, b, c, b, d, e, c, e, f));
         }
-        seen.shown = Shown { certain: body.u32()?, right: body.u32()? };
+        seen.shown = Shown {
+            certain: body.u32()?,
+            right: body.u32()?,
+        };
     }
-    Ok(CameraForest { camera, seen, forest: body.forest()? })
+    Ok(CameraForest {
+        camera,
+        seen,
+        forest: body.forest()?,
+    })
 }

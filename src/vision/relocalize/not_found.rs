@@ -3,12 +3,15 @@
 use thiserror::Error;
 use touchline_core::geometry::Angle;
 
-/// Why no camera is returned. None of it is a failure of the program: some pictures cannot be answered.
+/// Why no camera is returned. None of it is a failure of the program: some pictures cannot be
+/// answered.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NotFound {
     /// Hardly any feature looks like something in the references.
-    #[error("{matched} features look like the references, {needed} are needed; label a frame that looks here")]
+    #[error(
+        "{matched} features look like the references, {needed} are needed; label a frame that looks here"
+    )]
     FewMatches {
         /// Features with a candidate ray.
         matched: usize,
@@ -16,7 +19,9 @@ pub enum NotFound {
         needed: usize,
     },
     /// No camera is seen by enough features.
-    #[error("{agreeing} of {matched} features agree on a camera, {needed} are needed; label a frame that looks here")]
+    #[error(
+        "{agreeing} of {matched} features agree on a camera, {needed} are needed; label a frame that looks here"
+    )]
     NoAgreement {
         /// Features with a candidate ray.
         matched: usize,
@@ -26,7 +31,9 @@ pub enum NotFound {
         needed: usize,
     },
     /// The features agree on a camera that does not look where this one can.
-    #[error("the features agree on pan {pan}, tilt {tilt}, focal length {focal_px:.0} px, which this camera cannot do")]
+    #[error(
+        "the features agree on pan {pan}, tilt {tilt}, focal length {focal_px:.0} px, which this camera cannot do"
+    )]
     Implausible {
         /// Pan.
         pan: Angle,

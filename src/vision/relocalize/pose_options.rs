@@ -19,7 +19,8 @@ pub struct PoseOptions {
     pub ranges: Option<PtzRanges>,
     /// Hypotheses at most. 4000 by default; few features that agree need many.
     pub max_hypotheses: usize,
-    /// The search ends when a better camera would have been missed with this probability. 0.001 by default.
+    /// The search ends when a better camera would have been missed with this probability. 0.001 by
+    /// default.
     pub miss_probability: f64,
     /// Answers that are right with less than this probability are "not found". 0.5 by default.
     pub min_confidence: f64,

@@ -19,28 +19,53 @@ pub struct Reference<'a> {
 const MAX_SQUARED_DISTANCE: f32 = 0.2;
 
 impl Reference<'_> {
-    /// How far its overlay lies from where another camera at its place shows it, at the worst corner, px at 1920 px width.
+    /// How far its overlay lies from where another camera at its place shows it, at the worst
+    /// corner, px at 1920 px width.
     pub(super) fn disagreement_px(&self, other: &Ptz) -> f64 {
         let size = self.features.image_size;
         let other = PtzCamera::new(*self.camera.base(), *other);
         let moved = size.corners().map(|corner| {
-            let image = self.camera.ray_from_image(corner).ok().and_then(|ray| other.image_from_ray(ray).ok());
+            let image = self
+                .camera
+                .ray_from_image(corner)
+                .ok()
+                .and_then(|ray| other.image_from_ray(ray).ok());
             image.map_or(f64::INFINITY, |image| image.distance_px(corner))
         });
         moved.into_iter().fold(0.0, f64::max) / size.scale_from_1920()
     }
 }
 
-/// Where the second looks if the label of the first is right, by so many of the strongest features of each; none where the pictures do
-/// not tell.
+/// Where the second looks if the label of the first is right, by so many of the strongest features
+/// of each; none where the pictures do not tell.
 pub(super) fn seen_from(first: &Reference, second: &Reference, features: usize) -> Option<Pose> {
     let mut matches = RayMatches::new();
     for (one, other, squared_distance) in mutual(first.features, second.features, features) {
-        let Ok(ray) = first.camera.ray_from_image(first.features.keypoints[one].point) else { continue };
-        matches.push(second.features.keypoints[other].point, &[RayCandidate { ray, squared_distance }]);
+        let Ok(ray) = first
+            .camera
+            .ray_from_image(first.features.keypoints[one].point)
+        else {
+            continue;
+        };
+        matches.push(
+            second.features.keypoints[other].point,
+            &[RayCandidate {
+                ray,
+                squared_distance,
+            }],
+        );
     }
-    let pose = PoseOptions { min_confidence: CERTAIN, ..PoseOptions::default() };
-    let found = pose_of_moving(&matches, second.features, second.camera.base(), &[first.camera.ptz()], &pose);
+    let pose = PoseOptions {
+        min_confidence: CERTAIN,
+        ..PoseOptions::default()
+    };
+    let found = pose_of_moving(
+        &matches,
+        second.features,
+        second.camera.base(),
+        &[first.camera.ptz()],
+        &pose,
+    );
     found.ok().map(|(pose, _)| pose)
 }
 
@@ -58,22 +83,31 @@ pub(super) fn pairs(references: &[Reference], neighbours: usize) -> Vec<[usize; 
             .enumerate()
             .filter(|(other, _)| *other != index)
             .map(|(other, neighbour)| {
-                let apart = angle_between(&turned(reference.camera.ptz()), &turned(neighbour.camera.ptz()));
-                let share = apart.radians() / (half_view(reference) + half_view(neighbour)).radians();
+                let apart = angle_between(
+                    &turned(reference.camera.ptz()),
+                    &turned(neighbour.camera.ptz()),
+                );
+                let share =
+                    apart.radians() / (half_view(reference) + half_view(neighbour)).radians();
                 (share, other)
             })
             .filter(|(share, _)| *share < 1.0)
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        pairs.extend(near.iter().take(neighbours).map(|(_, other)| [index.min(*other), index.max(*other)]));
+        pairs.extend(
+            near.iter()
+                .take(neighbours)
+                .map(|(_, other)| [index.min(*other), index.max(*other)]),
+        );
     }
     pairs.sort_unstable();
     pairs.dedup();
     pairs
 }
 
-/// The search for the nearest of each row among the columns and of each column among the rows: squared distance in bytes,
-/// number. No closure, as only what is inlined is compiled for the processor at hand.
+/// The search for the nearest of each row among the columns and of each column among the rows:
+/// squared distance in bytes, number. No closure, as only what is inlined is compiled for the
+/// processor at hand.
 struct Nearest<'a> {
     rows: &'a [Descriptor],
     columns: &'a [Descriptor],
@@ -83,7 +117,10 @@ impl pulp::WithSimd for Nearest<'_> {
     type Output = (Vec<(u32, usize)>, Vec<(u32, usize)>);
 
     #[inline(always)]
-    #[allow(clippy::inline_always, reason = "only what is inlined into the dispatch is compiled for this processor")]
+    #[allow(
+        clippy::inline_always,
+        reason = "only what is inlined into the dispatch is compiled for this processor"
+    )]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
         let mut best_of_row = vec![(u32::MAX, 0); self.rows.len()];
         let mut best_of_column = vec![(u32::MAX, 0); self.columns.len()];
@@ -100,13 +137,26 @@ impl pulp::WithSimd for Nearest<'_> {
 
 /// Features of two pictures that are each other's nearest, and their squared distance.
 fn mutual(one: &Features, other: &Features, limit: usize) -> Vec<(usize, usize, f32)> {
-    let (rows, columns) = (&one.descriptors[..one.len().min(limit)], &other.descriptors[..other.len().min(limit)]);
+    let (rows, columns) = (
+        &one.descriptors[..one.len().min(limit)],
+        &other.descriptors[..other.len().min(limit)],
+    );
     // The same code for every kind of processor, compiled for the instructions that this one has.
     let (best_of_row, best_of_column) = pulp::Arch::new().dispatch(Nearest { rows, columns });
     let rows = best_of_row.into_iter().enumerate();
-    let mutual = rows.filter(|(row, (_, column))| best_of_column.get(*column).is_some_and(|best| best.1 == *row));
+    let mutual = rows.filter(|(row, (_, column))| {
+        best_of_column
+            .get(*column)
+            .is_some_and(|best| best.1 == *row)
+    });
     mutual
-        .map(|(row, (distance, column))| (row, column, distance as f32 / (DESCRIPTOR_NORM * DESCRIPTOR_NORM)))
+        .map(|(row, (distance, column))| {
+            (
+                row,
+                column,
+                distance as f32 / (DESCRIPTOR_NORM * DESCRIPTOR_NORM),
+            )
+        })
         .filter(|(.., squared_distance)| *squared_distance <= MAX_SQUARED_DISTANCE)
         .collect()
 }

@@ -15,13 +15,13 @@ const BEFORE: f64 = 20.0;
 /// What it says of answers that are certain.
 const RIGHT_BEFORE: f64 = 0.998;
 
-/// An answer that is right with at least this probability is stated to be certain: other frames rest on it, and nobody has to look at
-/// it before it is used.
+/// An answer that is right with at least this probability is stated to be certain: other frames
+/// rest on it, and nobody has to look at it before it is used.
 pub const CERTAIN: f64 = 0.9;
 
 impl Shown {
-    /// No answer is stated with a greater probability than this: the share of certain answers that were right, beside what is
-    /// known from other matches. 1 where nothing was measured.
+    /// No answer is stated with a greater probability than this: the share of certain answers that
+    /// were right, beside what is known from other matches. 1 where nothing was measured.
     #[must_use]
     pub fn at_most(&self) -> f64 {
         if self.certain == 0 {

@@ -18,7 +18,8 @@ pub(super) const BEHIND_GOAL_LINE_M: f64 = 5.6;
 const TEXELS_PER_M: f64 = 56.0;
 const AD_WIDTH_M: f64 = 7.6;
 
-/// What stands on the boards, in what colours (ground, words), in which design. All names are invented.
+/// What stands on the boards, in what colours (ground, words), in which design. All names are
+/// invented.
 const ADS: [(&str, u32, u32, Design); 15] = [
     ("TOUCHLINE", 0x0B_2E6B, 0xFF_FFFF, Design::Ball),
     ("TWO POINTS", 0xE8_E4D8, 0xC0_1F2E, Design::Plain),
@@ -76,27 +77,39 @@ pub(super) struct BoardHit {
 impl Boards {
     pub fn new(seed: u64, field: &FieldModel) -> Self {
         let seed = sub_seed(seed, 0xB0A2);
-        let (x, y) = (0.5 * field.length_m + BEHIND_GOAL_LINE_M, 0.5 * field.width_m + BEHIND_TOUCHLINE_M);
+        let (x, y) = (
+            0.5 * field.length_m + BEHIND_GOAL_LINE_M,
+            0.5 * field.width_m + BEHIND_TOUCHLINE_M,
+        );
         let row = |start: Vec3, end: Vec3, salt: i32| {
             let length_m = (end - start).norm();
             let along = (end - start) / length_m;
             let count = (length_m / AD_WIDTH_M).round().max(1.0) as i32;
-            // Sponsors pay for runs of boards: a new one begins with probability 0.7, else the last is repeated.
+            // Sponsors pay for runs of boards: a new one begins with probability 0.7, else the last
+            // is repeated.
             let mut ads: Vec<usize> = Vec::new();
             for place in 0..count {
                 let drawn = hash(seed, place, salt) as usize % ADS.len();
                 let repeats = unit(hash(seed, place, salt + 50)) < 0.3;
                 ads.push(ads.last().copied().filter(|_| repeats).unwrap_or(drawn));
             }
-            Row { start, along, normal: Vec3::new(along.y, -along.x, 0.0), length_m, ads }
+            Row {
+                start,
+                along,
+                normal: Vec3::new(along.y, -along.x, 0.0),
+                length_m,
+                ads,
+            }
         };
         let rows = vec![
             row(Vec3::new(-x, y, 0.0), Vec3::new(x, y, 0.0), 1),
             row(Vec3::new(x, y, 0.0), Vec3::new(x, -y, 0.0), 2),
             row(Vec3::new(-x, -y, 0.0), Vec3::new(-x, y, 0.0), 3),
         ];
-        let ads =
-            ADS.iter().map(|(words, ground, ink, design)| paint(words, hex(*ground), hex(*ink), *design)).collect();
+        let ads = ADS
+            .iter()
+            .map(|(words, ground, ink, design)| paint(words, hex(*ground), hex(*ink), *design))
+            .collect();
         Self { rows, ads }
     }
 
@@ -121,8 +134,13 @@ impl Boards {
             .filter_map(|(index, row)| {
                 let at = ray.meets(row.start, row.normal)?;
                 let along_m = (at.point - row.start).dot(&row.along);
-                let on = (0.0..HEIGHT_M).contains(&at.point.z) && (0.0..row.length_m).contains(&along_m);
-                on.then_some(BoardHit { at, row: index, along_m })
+                let on =
+                    (0.0..HEIGHT_M).contains(&at.point.z) && (0.0..row.length_m).contains(&along_m);
+                on.then_some(BoardHit {
+                    at,
+                    row: index,
+                    along_m,
+                })
             })
             .min_by(|a, b| a.at.depth.total_cmp(&b.at.depth))
     }
@@ -156,18 +174,29 @@ impl Boards {
 }
 
 fn paint(words: &str, ground: Light, ink: Light, design: Design) -> Texture {
-    let (width, height) = ((AD_WIDTH_M * TEXELS_PER_M) as usize, (HEIGHT_M * TEXELS_PER_M) as usize);
+    let (width, height) = (
+        (AD_WIDTH_M * TEXELS_PER_M) as usize,
+        (HEIGHT_M * TEXELS_PER_M) as usize,
+    );
     let (w, h) = (width as f32, height as f32);
     let margin = match design {
         Design::Ball | Design::Peaks => 1.15 * h,
         Design::Chevrons => 1.3 * h,
         Design::Plain | Design::Wave | Design::Twice => 0.35 * h,
     };
-    let copies = if matches!(design, Design::Twice) { 2.0 } else { 1.0 };
+    let copies = if matches!(design, Design::Twice) {
+        2.0
+    } else {
+        1.0
+    };
     let room = (w - margin - 0.3 * h) / copies;
     let full = rasterise(words, 0.56 * h, 2.4);
     let shrink = (room * 0.92 / full.width as f32).min(1.0);
-    let word = if shrink < 1.0 { rasterise(words, 0.56 * h * shrink, 2.4 * shrink) } else { full };
+    let word = if shrink < 1.0 {
+        rasterise(words, 0.56 * h * shrink, 2.4 * shrink)
+    } else {
+        full
+    };
     let origins: Vec<(i64, i64)> = (0..copies as usize)
         .map(|copy| {
             let left = margin + room * copy as f32 + 0.5 * (room - word.width as f32);
@@ -195,7 +224,11 @@ fn decorated(design: Design, ground: Light, ink: Light, x: f32, y: f32, width: f
             let distance = (x - 0.62).hypot(y - 0.5);
             let ring = (distance - 0.3).abs() - 0.055;
             let cut = (x - 0.62 + 0.5 * (y - 0.5)).abs() - 0.04;
-            mix(ground, ink, soft(ring).max(soft(cut) * soft(distance - 0.3)))
+            mix(
+                ground,
+                ink,
+                soft(ring).max(soft(cut) * soft(distance - 0.3)),
+            )
         }
         Design::Chevrons => {
             let slant = x - 0.9 * (y - 0.5).abs();

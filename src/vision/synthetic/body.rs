@@ -26,21 +26,46 @@ pub(super) struct Kits {
     pub names: [&'static str; 2],
 }
 
-const SKINS: [u32; 6] = [0xD9_A98A, 0xC6_9270, 0xE7_C0A4, 0x99_6746, 0x6E_4630, 0x4F_3122];
+const SKINS: [u32; 6] = [
+    0xD9_A98A, 0xC6_9270, 0xE7_C0A4, 0x99_6746, 0x6E_4630, 0x4F_3122,
+];
 const HAIR: [u32; 5] = [0x14_1110, 0x30_2218, 0x5E_4226, 0x9A_7C48, 0x1E_1A18];
 const BOOTS: [u32; 4] = [0x15_1515, 0xE8_E8E8, 0xD6_E62A, 0xE0_4A2A];
 
 impl Kits {
     /// The colours of a seed.
     pub fn of(seed: u32) -> Self {
-        let kit =
-            |shirt: u32, shorts: u32, socks: u32| Kit { shirt: hex(shirt), shorts: hex(shorts), socks: hex(socks) };
+        let kit = |shirt: u32, shorts: u32, socks: u32| Kit {
+            shirt: hex(shirt),
+            shorts: hex(shorts),
+            socks: hex(socks),
+        };
         let (home, away, names) = match seed % 5 {
-            0 => (kit(0xC4_1E2E, 0xF0_F0F0, 0xC4_1E2E), kit(0xF2_F3F4, 0x16_2350, 0xF2_F3F4), ["NOR", "ALP"]),
-            1 => (kit(0x1E_57B8, 0x1E_57B8, 0xF2_F2F2), kit(0xF2_C41A, 0x1B_1B20, 0xF2_C41A), ["HAV", "SOL"]),
-            2 => (kit(0xF4_F4F2, 0x12_1316, 0xF4_F4F2), kit(0xB0_1530, 0x8A_1026, 0xB0_1530), ["EIS", "RUB"]),
-            3 => (kit(0x6C_1F3B, 0x8B_C1E8, 0x6C_1F3B), kit(0xF0_EFE9, 0xF0_EFE9, 0x21_2D5C), ["CLA", "LIL"]),
-            _ => (kit(0xF0_7A16, 0x17_1717, 0xF0_7A16), kit(0x2A_9ED8, 0xF2_F2F2, 0x2A_9ED8), ["TAN", "AZU"]),
+            0 => (
+                kit(0xC4_1E2E, 0xF0_F0F0, 0xC4_1E2E),
+                kit(0xF2_F3F4, 0x16_2350, 0xF2_F3F4),
+                ["NOR", "ALP"],
+            ),
+            1 => (
+                kit(0x1E_57B8, 0x1E_57B8, 0xF2_F2F2),
+                kit(0xF2_C41A, 0x1B_1B20, 0xF2_C41A),
+                ["HAV", "SOL"],
+            ),
+            2 => (
+                kit(0xF4_F4F2, 0x12_1316, 0xF4_F4F2),
+                kit(0xB0_1530, 0x8A_1026, 0xB0_1530),
+                ["EIS", "RUB"],
+            ),
+            3 => (
+                kit(0x6C_1F3B, 0x8B_C1E8, 0x6C_1F3B),
+                kit(0xF0_EFE9, 0xF0_EFE9, 0x21_2D5C),
+                ["CLA", "LIL"],
+            ),
+            _ => (
+                kit(0xF0_7A16, 0x17_1717, 0xF0_7A16),
+                kit(0x2A_9ED8, 0xF2_F2F2, 0x2A_9ED8),
+                ["TAN", "AZU"],
+            ),
         };
         Self {
             home,
@@ -74,7 +99,11 @@ pub(super) fn bystander(place: [f64; 2], facing: f64, look: u32) -> Vec<Stick> {
     let vests = [0xD9_E021, 0xE8_7420, 0x2A_4B8C, 0x30_3236];
     let vest = hex(vests[(look >> 4) as usize % vests.len()]);
     let dark = hex(0x22_242A);
-    let kit = Kit { shirt: vest, shorts: dark, socks: dark };
+    let kit = Kit {
+        shirt: vest,
+        shorts: dark,
+        socks: dark,
+    };
     let person = Person {
         side: Side::Official,
         place,
@@ -97,16 +126,23 @@ fn build(person: &Person, kit: Kit, ground_z: f64) -> Vec<Stick> {
     let skin = hex(SKINS[person.look as usize % SKINS.len()]);
     let hair = hex(HAIR[(person.look >> 3) as usize % HAIR.len()]);
     let boot = hex(BOOTS[(person.look >> 6) as usize % BOOTS.len()]);
-    // A joint `reach` further in the plane of running, at an angle from straight down, forwards positive.
-    let limb =
-        |from: Vec3, reach: f64, angle: f64| from + (forward * angle.sin() - Vec3::z() * angle.cos()) * (reach * scale);
+    // A joint `reach` further in the plane of running, at an angle from straight down, forwards
+    // positive.
+    let limb = |from: Vec3, reach: f64, angle: f64| {
+        from + (forward * angle.sin() - Vec3::z() * angle.cos()) * (reach * scale)
+    };
 
     let hips = Vec3::new(person.place[0], person.place[1], 0.93 * scale);
     let neck = limb(hips, -0.56, -lean);
     let mut sticks = Vec::with_capacity(24);
     let mut lowest = f64::INFINITY;
     for side in [-1.0, 1.0] {
-        let phase = person.stride + if side > 0.0 { 0.0 } else { std::f64::consts::PI };
+        let phase = person.stride
+            + if side > 0.0 {
+                0.0
+            } else {
+                std::f64::consts::PI
+            };
         let hip = hips + left * (0.095 * side * scale);
         let thigh = swing * phase.sin() + 0.12;
         let bend = 0.18 + 1.25 * swing * phase.cos().max(0.0);
@@ -117,7 +153,13 @@ fn build(person: &Person, kit: Kit, ground_z: f64) -> Vec<Stick> {
         lowest = lowest.min(ankle.z - 0.06).min(toe.z - 0.04);
         sticks.push(Stick::tapered(hip, hem, 0.105, 0.115, kit.shorts));
         sticks.push(Stick::tapered(hem, knee, 0.075, 0.06, skin));
-        sticks.push(Stick::tapered(limb(knee, 0.05, thigh - bend), ankle, 0.062, 0.045, kit.socks));
+        sticks.push(Stick::tapered(
+            limb(knee, 0.05, thigh - bend),
+            ankle,
+            0.062,
+            0.045,
+            kit.socks,
+        ));
         sticks.push(Stick::tapered(ankle, toe, 0.05, 0.04, boot));
 
         let shoulder = limb(neck, 0.06, 0.0) + left * (0.19 * side * scale);
@@ -132,16 +174,38 @@ fn build(person: &Person, kit: Kit, ground_z: f64) -> Vec<Stick> {
 
         let waist = hips + left * (0.085 * side * scale);
         let chest = limb(neck, 0.07, 0.0) + left * (0.115 * side * scale);
-        sticks.push(Stick::tapered(limb(waist, -0.04, 0.0), chest, 0.115, 0.125, kit.shirt));
+        sticks.push(Stick::tapered(
+            limb(waist, -0.04, 0.0),
+            chest,
+            0.115,
+            0.125,
+            kit.shirt,
+        ));
     }
     let spine = hips + (neck - hips) * 0.12;
-    sticks.push(Stick::tapered(spine, limb(neck, 0.05, 0.0), 0.12, 0.13, kit.shirt));
+    sticks.push(Stick::tapered(
+        spine,
+        limb(neck, 0.05, 0.0),
+        0.12,
+        0.13,
+        kit.shirt,
+    ));
     let girdle = left * (0.07 * scale);
     sticks.push(Stick::new(hips - girdle, hips + girdle, 0.125, kit.shorts));
     let head = limb(neck, -0.20, -0.3 * lean);
     sticks.push(Stick::new(neck, head, 0.06, skin));
-    sticks.push(Stick::tapered(head, head + Vec3::z() * (0.03 * scale), 0.096, 0.1, skin));
-    sticks.push(Stick::ball(head + (Vec3::z() * 0.045 - forward * 0.03) * scale, 0.104, hair));
+    sticks.push(Stick::tapered(
+        head,
+        head + Vec3::z() * (0.03 * scale),
+        0.096,
+        0.1,
+        skin,
+    ));
+    sticks.push(Stick::ball(
+        head + (Vec3::z() * 0.045 - forward * 0.03) * scale,
+        0.104,
+        hair,
+    ));
     let lift = Vec3::z() * (ground_z - lowest);
     for stick in &mut sticks {
         stick.from += lift;

@@ -1,4 +1,5 @@
-//! The stands as a surface: one profile drawn around the field, straight along its sides and conical in the corners.
+//! The stands as a surface: one profile drawn around the field, straight along its sides and
+//! conical in the corners.
 
 use super::ray::{PlaneHit, Ray};
 use touchline_core::field::FieldModel;
@@ -16,7 +17,8 @@ pub(super) enum Part {
     RoofEdge,
 }
 
-/// The profile from the ground up: distance beyond the field's edge and height, m. Every piece is seen from the field.
+/// The profile from the ground up: distance beyond the field's edge and height, m. Every piece is
+/// seen from the field.
 const PROFILE: [(Part, [f64; 2], [f64; 2]); 7] = [
     (Part::FrontWall, [9.0, 0.0], [9.0, 1.5]),
     (Part::LowerTier, [9.0, 1.5], [25.0, 10.3]),
@@ -46,7 +48,8 @@ pub(super) struct Bowl {
 pub(super) struct BowlHit {
     pub part: Part,
     pub at: PlaneHit,
-    /// Around the bowl, m, from the middle of the far stand to the right; continuous from side to corner.
+    /// Around the bowl, m, from the middle of the far stand to the right; continuous from side to
+    /// corner.
     pub around_m: f64,
     /// The direction in which `around_m` grows.
     pub around: Vec3,
@@ -62,12 +65,18 @@ struct Candidate {
 
 impl Bowl {
     pub fn new(field: &FieldModel) -> Self {
-        Self { half_length: 0.5 * field.length_m, half_width: 0.5 * field.width_m }
+        Self {
+            half_length: 0.5 * field.length_m,
+            half_width: 0.5 * field.width_m,
+        }
     }
 
     /// The nearest piece of the stands that a ray meets from the field's side.
     pub fn meets(&self, ray: &Ray) -> Option<BowlHit> {
-        let corner = [self.half_length + FRONT_M - CORNER_RADIUS_M, self.half_width + FRONT_M - CORNER_RADIUS_M];
+        let corner = [
+            self.half_length + FRONT_M - CORNER_RADIUS_M,
+            self.half_width + FRONT_M - CORNER_RADIUS_M,
+        ];
         let mut nearest: Option<BowlHit> = None;
         let mut keep = |hit: BowlHit| {
             if nearest.is_none_or(|other| hit.at.depth < other.at.depth) {
@@ -77,16 +86,27 @@ impl Bowl {
         for side in 0..4 {
             // Far, right, near, left: quarter turns clockwise seen from above.
             let (out, along) = side_axes(side);
-            let (edge, half_run) =
-                if side % 2 == 0 { (self.half_width, corner[0]) } else { (self.half_length, corner[1]) };
+            let (edge, half_run) = if side % 2 == 0 {
+                (self.half_width, corner[0])
+            } else {
+                (self.half_length, corner[1])
+            };
             let origin = [ray.origin.dot(&out) - edge, ray.origin.z];
             let slope = [ray.direction.dot(&out), ray.direction.z];
-            if let Some(hit) = straight(origin, slope, |depth| ray.at(depth).dot(&along).abs() <= half_run) {
+            if let Some(hit) = straight(origin, slope, |depth| {
+                ray.at(depth).dot(&along).abs() <= half_run
+            }) {
                 let (part, normal) = piece_normal(hit.piece, out);
                 let at = ray.on_plane(hit.depth, normal);
                 let around_m = side_start(side, corner) + at.point.dot(&along);
                 let above_foot_m = at.point.z - PROFILE[hit.piece].1[1];
-                keep(BowlHit { part, at, around_m, around: along, above_foot_m });
+                keep(BowlHit {
+                    part,
+                    at,
+                    around_m,
+                    around: along,
+                    above_foot_m,
+                });
             }
         }
         for quarter in 0..4 {
@@ -103,11 +123,23 @@ impl Bowl {
                 let radial = Vec3::new(from_axis.x, from_axis.y, 0.0).normalize();
                 let (part, normal) = piece_normal(hit.piece, radial);
                 let at = ray.on_plane(hit.depth, normal);
-                let half_run = if quarter % 2 == 0 { corner[0] } else { corner[1] };
-                let around_m = side_start(quarter, corner) + half_run + SEAT_RADIUS_M * sideways.atan2(forward);
+                let half_run = if quarter % 2 == 0 {
+                    corner[0]
+                } else {
+                    corner[1]
+                };
+                let around_m = side_start(quarter, corner)
+                    + half_run
+                    + SEAT_RADIUS_M * sideways.atan2(forward);
                 let around = Vec3::new(radial.y, -radial.x, 0.0);
                 let above_foot_m = at.point.z - PROFILE[hit.piece].1[1];
-                keep(BowlHit { part, at, around_m, around, above_foot_m });
+                keep(BowlHit {
+                    part,
+                    at,
+                    around_m,
+                    around,
+                    above_foot_m,
+                });
             }
         }
         nearest
@@ -139,13 +171,15 @@ fn piece_normal(piece: usize, out: Vec3) -> (Part, Vec3) {
     (part, (Vec3::z() * run - out * rise).normalize())
 }
 
-/// The nearest piece on a straight side; `origin` and `slope` are (distance beyond the edge, height).
+/// The nearest piece on a straight side; `origin` and `slope` are (distance beyond the edge,
+/// height).
 fn straight(origin: [f64; 2], slope: [f64; 2], on_side: impl Fn(f64) -> bool) -> Option<Candidate> {
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let mut nearest: Option<Candidate> = None;
     for (piece, (_, from, to)) in PROFILE.iter().enumerate() {
         let edge = [to[0] - from[0], to[1] - from[1]];
-        // The inner normal is (−rise, run): the piece is seen from the field when the ray goes against it.
+        // The inner normal is (−rise, run): the piece is seen from the field when the ray goes
+        // against it.
         if slope[1] * edge[0] - slope[0] * edge[1] >= 0.0 {
             continue;
         }
@@ -160,7 +194,8 @@ fn straight(origin: [f64; 2], slope: [f64; 2], on_side: impl Fn(f64) -> bool) ->
     nearest
 }
 
-/// The nearest piece in a corner: each is a cone, a cylinder or a ring about the vertical through `axis`.
+/// The nearest piece in a corner: each is a cone, a cylinder or a ring about the vertical through
+/// `axis`.
 fn conical(ray: &Ray, axis: Vec3, out: Vec3, along: Vec3) -> Option<Candidate> {
     let start = ray.origin - axis;
     let horizontal = |v: Vec3| (v.dot(&out), v.dot(&along));
@@ -172,8 +207,15 @@ fn conical(ray: &Ray, axis: Vec3, out: Vec3, along: Vec3) -> Option<Candidate> {
         let radius = from[0] - FRONT_M + CORNER_RADIUS_M;
         let (run, rise) = (to[0] - from[0], to[1] - from[1]);
         // On the piece: rise · (ρ − radius) = run · (z − foot), so rise · ρ = k + l t.
-        let (k, l) = (rise * radius + run * (ray.origin.z - from[1]), run * ray.direction.z);
-        let (qa, qb, qc) = (rise * rise * a - l * l, rise * rise * b - k * l, rise * rise * c - k * k);
+        let (k, l) = (
+            rise * radius + run * (ray.origin.z - from[1]),
+            run * ray.direction.z,
+        );
+        let (qa, qb, qc) = (
+            rise * rise * a - l * l,
+            rise * rise * b - k * l,
+            rise * rise * c - k * k,
+        );
         let root = (qb * qb - qa * qc).sqrt();
         for depth in [(-qb - root) / qa, (-qb + root) / qa] {
             // NaN (no meeting) fails the first comparison.
@@ -203,11 +245,19 @@ mod tests {
     use super::*;
 
     fn field_bowl() -> Bowl {
-        Bowl { half_length: 52.5, half_width: 34.0 }
+        Bowl {
+            half_length: 52.5,
+            half_width: 34.0,
+        }
     }
 
     fn ray(direction: Vec3) -> Ray {
-        Ray { origin: Vec3::new(0.0, -66.0, 18.0), direction, by_x: Vec3::x() * 1e-3, by_y: Vec3::z() * -1e-3 }
+        Ray {
+            origin: Vec3::new(0.0, -66.0, 18.0),
+            direction,
+            by_x: Vec3::x() * 1e-3,
+            by_y: Vec3::z() * -1e-3,
+        }
     }
 
     #[test]
@@ -215,9 +265,15 @@ mod tests {
         let mut last = f64::NAN;
         for step in -600..=600 {
             let pan = f64::from(step) * 0.1_f64.to_radians();
-            let hit = field_bowl().meets(&ray(Vec3::new(pan.sin(), pan.cos(), -0.03))).expect("a hole in the stands");
+            let hit = field_bowl()
+                .meets(&ray(Vec3::new(pan.sin(), pan.cos(), -0.03)))
+                .expect("a hole in the stands");
             // Around the bowl there is no gap and no overlap where side and corner meet.
-            assert!(!((hit.around_m - last).abs() > 3.0), "jump from {last} to {} at {pan}", hit.around_m);
+            assert!(
+                !((hit.around_m - last).abs() > 3.0),
+                "jump from {last} to {} at {pan}",
+                hit.around_m
+            );
             last = hit.around_m;
         }
     }

@@ -41,8 +41,8 @@ const BORDER_PX: f64 = 12.0;
 /// Landmarks with more click noise than this are not clicked, px at 1920 px width.
 const CLEAR_SIGMA_PX: f64 = 3.0;
 
-/// The clicks of one frame: landmarks in view, clear of `hidden` (players, the score graphic), the first at random and
-/// each next one far from those before; then points on lines.
+/// The clicks of one frame: landmarks in view, clear of `hidden` (players, the score graphic), the
+/// first at random and each next one far from those before; then points on lines.
 #[must_use]
 pub fn drawn_clicks(
     field: &FieldModel,
@@ -55,8 +55,8 @@ pub fn drawn_clicks(
     let seen = |point_in_world: Vec3| {
         let image = camera.image_from_world(point_in_world).ok()?;
         let (width, height) = (f64::from(image_size.width), f64::from(image_size.height));
-        let inside =
-            (BORDER_PX..width - BORDER_PX).contains(&image.x) && (BORDER_PX..height - BORDER_PX).contains(&image.y);
+        let inside = (BORDER_PX..width - BORDER_PX).contains(&image.x)
+            && (BORDER_PX..height - BORDER_PX).contains(&image.y);
         (inside && !hidden.iter().any(|area| area.contains(image))).then_some(image)
     };
     let mut candidates: Vec<(&LandmarkId, ImagePoint)> = field
@@ -68,32 +68,53 @@ pub fn drawn_clicks(
     let mut clicks = Vec::with_capacity(options.landmarks + options.lines);
     let mut placed: Vec<ImagePoint> = Vec::new();
     while clicks.len() < options.landmarks && !candidates.is_empty() {
-        // People prefer points far from the clicks so far, but not strictly: a random factor models that.
+        // People prefer points far from the clicks so far, but not strictly: a random factor models
+        // that.
         let worth = |index: usize, image: ImagePoint| {
-            let distance = placed.iter().map(|other| other.distance_px(image)).fold(f64::INFINITY, f64::min);
+            let distance = placed
+                .iter()
+                .map(|other| other.distance_px(image))
+                .fold(f64::INFINITY, f64::min);
             distance.min(f64::from(image_size.width))
                 * (0.5 + f64::from(unit(hash(seed, index as i32, clicks.len() as i32))))
         };
-        let best =
-            (0..candidates.len()).max_by(|a, b| worth(*a, candidates[*a].1).total_cmp(&worth(*b, candidates[*b].1)));
+        let best = (0..candidates.len())
+            .max_by(|a, b| worth(*a, candidates[*a].1).total_cmp(&worth(*b, candidates[*b].1)));
         let Some(best) = best else { break };
         let (id, exact) = candidates.swap_remove(best);
         placed.push(exact);
         let image = exact.moved(scatter(seed, clicks.len()) * options.sigma_px);
-        clicks.push(DrawnClick { target: ClickTarget::Landmark(id.clone()), image });
+        clicks.push(DrawnClick {
+            target: ClickTarget::Landmark(id.clone()),
+            image,
+        });
     }
-    let painted: Vec<_> = field.lines.iter().filter(|line| line.painted && line.curve.length_m() > 5.0).collect();
+    let painted: Vec<_> = field
+        .lines
+        .iter()
+        .filter(|line| line.painted && line.curve.length_m() > 5.0)
+        .collect();
     for attempt in 0..60 * options.lines {
         if clicks.len() >= placed.len() + options.lines || painted.is_empty() {
             break;
         }
         let draw = hash(seed, attempt as i32, 77);
         let line = painted[draw as usize % painted.len()];
-        let point = field.world_from_nominal(line.curve.point_at(0.15 + 0.7 * f64::from(unit(hash(draw, 1, 2)))));
-        let known = clicks.iter().any(|click| matches!(&click.target, ClickTarget::Line(id) if *id == line.id));
-        let Some(exact) = seen(point).filter(|_| !known) else { continue };
+        let point = field.world_from_nominal(
+            line.curve
+                .point_at(0.15 + 0.7 * f64::from(unit(hash(draw, 1, 2)))),
+        );
+        let known = clicks
+            .iter()
+            .any(|click| matches!(&click.target, ClickTarget::Line(id) if *id == line.id));
+        let Some(exact) = seen(point).filter(|_| !known) else {
+            continue;
+        };
         let image = exact.moved(scatter(seed, 100 + attempt) * options.sigma_px);
-        clicks.push(DrawnClick { target: ClickTarget::Line(line.id.clone()), image });
+        clicks.push(DrawnClick {
+            target: ClickTarget::Line(line.id.clone()),
+            image,
+        });
     }
     clicks
 }

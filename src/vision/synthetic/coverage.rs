@@ -1,19 +1,22 @@
 //! How much of a pixel a strip, a disc or a comb of strips covers: analytic anti-aliasing.
 
-/// The share of a pixel that a strip covers. `offset` is the distance of the pixel's centre from the strip's middle,
-/// `half_width` half the strip's width, `pixel` the pixel's extent across the strip, all in one unit.
+/// The share of a pixel that a strip covers. `offset` is the distance of the pixel's centre from
+/// the strip's middle, `half_width` half the strip's width, `pixel` the pixel's extent across the
+/// strip, all in one unit.
 pub(super) fn strip(offset: f64, half_width: f64, pixel: f64) -> f64 {
     let half_pixel = 0.5 * pixel;
     let overlap = (offset + half_pixel).min(half_width) - (offset - half_pixel).max(-half_width);
     (overlap / pixel).clamp(0.0, 1.0)
 }
 
-/// The share of a pixel that lies on the inner side of an edge at signed `distance` (negative inside).
+/// The share of a pixel that lies on the inner side of an edge at signed `distance` (negative
+/// inside).
 pub(super) fn inside(distance: f32, pixel: f32) -> f32 {
     (0.5 - distance / pixel).clamp(0.0, 1.0)
 }
 
-/// The share of a pixel that a comb of strips covers: one strip of `width` centred on each multiple of `spacing`.
+/// The share of a pixel that a comb of strips covers: one strip of `width` centred on each multiple
+/// of `spacing`.
 pub(super) fn comb(at: f64, spacing: f64, width: f64, pixel: f64) -> f64 {
     // The integral of the comb from 0 to x, evaluated at both ends of the pixel.
     let until = |x: f64| {
@@ -39,7 +42,8 @@ mod tests {
                     moment += share * centre;
                 }
                 assert!((area - width).abs() < 1e-12);
-                // A sub-pixel strip is only known to lie in its pixel; wider ones keep their middle.
+                // A sub-pixel strip is only known to lie in its pixel; wider ones keep their
+                // middle.
                 let slack = if width < 1.0 { 0.5 } else { 0.2 };
                 assert!((moment / area - shift).abs() < slack);
             }
@@ -49,7 +53,10 @@ mod tests {
     #[test]
     fn a_comb_covers_width_over_spacing_on_average() {
         for pixel in [0.03, 0.12, 0.5, 2.0] {
-            let mean = (0..1000).map(|i| comb(f64::from(i) * 0.0123, 0.12, 0.01, pixel)).sum::<f64>() / 1000.0;
+            let mean = (0..1000)
+                .map(|i| comb(f64::from(i) * 0.0123, 0.12, 0.01, pixel))
+                .sum::<f64>()
+                / 1000.0;
             assert!((mean - 0.01 / 0.12).abs() < 0.005, "{mean} at {pixel}");
         }
     }

@@ -1,4 +1,5 @@
-//! The stands' colours: rows of people and seats, stairs, tunnels, walls, roof. Every seat is a draw of its own.
+//! The stands' colours: rows of people and seats, stairs, tunnels, walls, roof. Every seat is a
+//! draw of its own.
 
 use super::bowl::{BowlHit, Part};
 use super::colour::{Light, hex, mix, smooth_step};
@@ -16,10 +17,12 @@ const STAIRS_EVERY_M: f32 = 14.0;
 const STAIRS_WIDTH_M: f32 = 1.3;
 
 const COATS: [u32; 14] = [
-    0x1B_2230, 0x2C_2C30, 0x52_555C, 0xC9_CBCE, 0xEC_ECE8, 0x27_3F6B, 0x6E_1F28, 0x3A_4A36, 0x8A_6F4C, 0xD8_B13A,
-    0x7C_93A8, 0x49_3A5E, 0xA8_4B2A, 0x20_5A5A,
+    0x1B_2230, 0x2C_2C30, 0x52_555C, 0xC9_CBCE, 0xEC_ECE8, 0x27_3F6B, 0x6E_1F28, 0x3A_4A36,
+    0x8A_6F4C, 0xD8_B13A, 0x7C_93A8, 0x49_3A5E, 0xA8_4B2A, 0x20_5A5A,
 ];
-const SKINS: [u32; 6] = [0xE2_B493, 0xD0_9C78, 0xF0_CBB0, 0xA8_7350, 0x7A_4E34, 0x5A_3825];
+const SKINS: [u32; 6] = [
+    0xE2_B493, 0xD0_9C78, 0xF0_CBB0, 0xA8_7350, 0x7A_4E34, 0x5A_3825,
+];
 const HAIR: [u32; 5] = [0x1C_1714, 0x3A_2A1D, 0x6B_4C2C, 0xA8_8A55, 0x8C_8680];
 
 /// There is at most one banner per this length of wall, m; the banner's breadth and height, m.
@@ -87,9 +90,17 @@ impl Crowd {
         let width = 512;
         let left = (width as i64 - words.width as i64) / 2;
         let ribbon = Texture::paint(width, 48, |x, y| {
-            mix(ground, ink, words.at(x as i64 - left, y as i64 - (48 - words.height as i64) / 2))
+            mix(
+                ground,
+                ink,
+                words.at(x as i64 - left, y as i64 - (48 - words.height as i64) / 2),
+            )
         });
-        let cloths = CLOTHS.iter().zip(COATS).map(|(words, dye)| cloth(words, hex(dye), home)).collect();
+        let cloths = CLOTHS
+            .iter()
+            .zip(COATS)
+            .map(|(words, dye)| cloth(words, hex(dye), home))
+            .collect();
         let palette = |colours: &[u32]| colours.iter().copied().map(hex).collect();
         Self {
             seed: sub_seed(seed, 0xC20D),
@@ -108,7 +119,8 @@ impl Crowd {
         }
     }
 
-    /// Some people are others, chosen by `occasion`, and all hold themselves as they do at that moment.
+    /// Some people are others, chosen by `occasion`, and all hold themselves as they do at that
+    /// moment.
     pub fn change(&mut self, occasion: u32, moment: &Moment) {
         if moment.people_changed > 0.0 {
             self.replaced.push((occasion, moment.people_changed as f32));
@@ -119,7 +131,11 @@ impl Crowd {
 
     /// The draw of whoever sits in a seat.
     fn draw_of(&self, seat: &Seat) -> u32 {
-        let mut draw = hash(self.seed ^ (seat.tier as u32).wrapping_mul(0x51ED), seat.number, seat.row);
+        let mut draw = hash(
+            self.seed ^ (seat.tier as u32).wrapping_mul(0x51ED),
+            seat.number,
+            seat.row,
+        );
         for (occasion, share) in &self.replaced {
             let another = hash(draw ^ occasion, 11, 3);
             if unit(another) < *share {
@@ -135,7 +151,10 @@ impl Crowd {
         let lean = 0.22 * (unit(now) - 0.5);
         let stands = unit(now.rotate_left(15)) < 0.12 * self.restlessness;
         let rise = 0.16 * (unit(now.rotate_left(7)) - 0.5);
-        [self.restlessness * lean, self.restlessness * rise + if stands { 0.3 } else { 0.0 }]
+        [
+            self.restlessness * lean,
+            self.restlessness * rise + if stands { 0.3 } else { 0.0 },
+        ]
     }
 
     /// The light that a piece of the stands sends to the camera.
@@ -162,10 +181,15 @@ impl Crowd {
         let pixel = place.pixel();
         let near = survives(pixel, 0.5);
         let far_view = self.far_view(place, tier);
-        let mut colour = if near > 0.0 { mix(far_view, self.people(place, tier), near) } else { far_view };
+        let mut colour = if near > 0.0 {
+            mix(far_view, self.people(place, tier), near)
+        } else {
+            far_view
+        };
         // Stairs, step by step.
         let flight = (place.around / STAIRS_EVERY_M).floor();
-        let from_stairs = (place.around - (flight + 0.5) * STAIRS_EVERY_M).abs() - 0.5 * STAIRS_WIDTH_M;
+        let from_stairs =
+            (place.around - (flight + 0.5) * STAIRS_EVERY_M).abs() - 0.5 * STAIRS_WIDTH_M;
         let on_stairs = inside(from_stairs, place.reach_around);
         if on_stairs > 0.0 {
             let step = (place.up / (0.5 * ROW_RISE_M)).rem_euclid(1.0);
@@ -186,7 +210,8 @@ impl Crowd {
     fn far_view(&self, place: &Place, tier: i32) -> Light {
         let (home, away) = self.loyalty(place.around, tier);
         let mixed = hex(0x56_534F);
-        let colour = mixed * (1.0 - home - away) + self.home * (0.5 * home) + self.away * (0.5 * away);
+        let colour =
+            mixed * (1.0 - home - away) + self.home * (0.5 * home) + self.away * (0.5 * away);
         let grain = value_noise(self.seed ^ 0xFA2, place.around / 1.6, place.up / 0.8);
         colour * (1.0 + 0.25 * grain * survives(place.pixel(), 1.0))
     }
@@ -213,7 +238,15 @@ impl Crowd {
                 continue;
             }
             let up = place.up - seated_in as f32 * ROW_RISE_M;
-            let (person, share) = self.person(place, &Seat { tier, row: seated_in, number: seat }, [across, up]);
+            let (person, share) = self.person(
+                place,
+                &Seat {
+                    tier,
+                    row: seated_in,
+                    number: seat,
+                },
+                [across, up],
+            );
             colour += person * (left * share);
             left *= 1.0 - share;
             if left < 0.01 {
@@ -223,23 +256,33 @@ impl Crowd {
         colour + hex(0x3C_3B3A) * (0.5 * left)
     }
 
-    /// The colour and the coverage of one seat and whoever sits in it, at a point across and up from the seat's foot, m.
+    /// The colour and the coverage of one seat and whoever sits in it, at a point across and up
+    /// from the seat's foot, m.
     fn person(&self, place: &Place, seat: &Seat, [across, up]: [f32; 2]) -> (Light, f32) {
         let draw = self.draw_of(seat);
         let again = hash(draw, 17, 4);
         let pixel = place.pixel();
         if unit(draw) > self.attendance {
             let back = (across.abs() - 0.21).max((up - 0.3).abs() - 0.2);
-            return (self.seat * (0.5 + 0.8 * up.clamp(0.0, 0.5)), inside(back, pixel));
+            return (
+                self.seat * (0.5 + 0.8 * up.clamp(0.0, 0.5)),
+                inside(back, pixel),
+            );
         }
         let [leans, rises] = self.held(draw);
         let lean = (unit(again) - 0.5) * 0.12 + leans;
-        let stature =
-            rises + 0.04 * unit(again.rotate_left(9)) + if unit(again.rotate_left(3)) > 0.93 { 0.3 } else { 0.0 };
+        let stature = rises
+            + 0.04 * unit(again.rotate_left(9))
+            + if unit(again.rotate_left(3)) > 0.93 {
+                0.3
+            } else {
+                0.0
+            };
         let (x, y) = (across - lean, up - stature);
         let head = x.hypot((y - 0.76) * 1.1) - 0.118;
         let on_head = inside(head, pixel);
-        let shoulders = (x.abs() - 0.25 + 0.12 * smooth_step(0.48, 0.64, y)).max((y - 0.26).abs() - 0.38);
+        let shoulders =
+            (x.abs() - 0.25 + 0.12 * smooth_step(0.48, 0.64, y)).max((y - 0.26).abs() - 0.38);
         let on_body = inside(shoulders, pixel) * (1.0 - on_head);
         let skin = self.skins[again as usize % self.skins.len()];
         let hair = self.hair[(again >> 5) as usize % self.hair.len()];
@@ -247,16 +290,28 @@ impl Crowd {
         let loyal = self.loyalty(place.around, seat.tier);
         let coat = self.coat(draw, loyal);
         let top = if hat > 0.86 { coat } else { hair };
-        let face = mix(skin, top, smooth_step(0.75, 0.80, y + 0.3 * (x.abs() - 0.04)));
+        let face = mix(
+            skin,
+            top,
+            smooth_step(0.75, 0.80, y + 0.3 * (x.abs() - 0.04)),
+        );
         // Light from above: shoulders are bright, laps are dark; arms make a fold at the sides.
-        let shade = 0.45 + 0.65 * smooth_step(0.1, 0.62, y) - 0.18 * smooth_step(0.11, 0.2, x.abs());
+        let shade =
+            0.45 + 0.65 * smooth_step(0.1, 0.62, y) - 0.18 * smooth_step(0.11, 0.2, x.abs());
         let scarf = loyal.0 > 0.3 && hat < 0.2 && (0.56..0.66).contains(&y);
-        let cloth = if scarf { mix(self.home, hex(0xFF_FFFF), if x > 0.0 { 0.7 } else { 0.0 }) } else { coat };
+        let cloth = if scarf {
+            mix(self.home, hex(0xFF_FFFF), if x > 0.0 { 0.7 } else { 0.0 })
+        } else {
+            coat
+        };
         let share = on_head + on_body;
         if share <= 0.0 {
             return (Light::zeros(), 0.0);
         }
-        ((face * (0.92 * on_head) + cloth * (shade * on_body)) / share, share)
+        (
+            (face * (0.92 * on_head) + cloth * (shade * on_body)) / share,
+            share,
+        )
     }
 
     fn coat(&self, draw: u32, (home, away): (f32, f32)) -> Light {
@@ -275,16 +330,24 @@ impl Crowd {
     fn front_wall(&self, place: &Place) -> Light {
         let panel = (place.around / 3.5).floor();
         let tone = 0.9 + 0.14 * unit(hash(self.seed ^ 0xF0, panel as i32, 0));
-        let seam =
-            inside((place.around - panel * 3.5).min((panel + 1.0) * 3.5 - place.around) - 0.03, place.reach_around);
+        let seam = inside(
+            (place.around - panel * 3.5).min((panel + 1.0) * 3.5 - place.around) - 0.03,
+            place.reach_around,
+        );
         // Supporters hang their cloths over the wall.
-        let cloth = hash(self.seed ^ 0xC107, (place.around / CLOTH_EVERY_M).floor() as i32, 0);
+        let cloth = hash(
+            self.seed ^ 0xC107,
+            (place.around / CLOTH_EVERY_M).floor() as i32,
+            0,
+        );
         let colour = mix(self.home * 0.42, hex(0x20_2226), 0.25) * tone * (1.0 - 0.5 * seam);
         if unit(cloth) > 0.6 {
             return colour;
         }
-        let (across, up) =
-            (place.around.rem_euclid(CLOTH_EVERY_M) - 0.5 - 3.0 * unit(cloth.rotate_left(9)), place.up - 0.2);
+        let (across, up) = (
+            place.around.rem_euclid(CLOTH_EVERY_M) - 0.5 - 3.0 * unit(cloth.rotate_left(9)),
+            place.up - 0.2,
+        );
         let texels_per_m = CLOTH_TEXELS_PER_M;
         let picture = &self.cloths[cloth as usize % self.cloths.len()];
         let light = picture.sample(
@@ -295,7 +358,11 @@ impl Crowd {
         );
         let on = inside((-across).max(across - CLOTH_M[0]), place.reach_around)
             * inside((-up).max(up - CLOTH_M[1]), place.reach_up);
-        mix(colour, light * (0.8 + 0.1 * value_noise(cloth, place.around / 0.8, 0.0)), on)
+        mix(
+            colour,
+            light * (0.8 + 0.1 * value_noise(cloth, place.around / 0.8, 0.0)),
+            on,
+        )
     }
 
     /// The ribbon of the arena's name between the tiers, with a rail above.
@@ -316,16 +383,30 @@ impl Crowd {
 
 /// A supporters' banner: two colours and a word.
 fn cloth(words: &str, dye: Light, home: Light) -> Texture {
-    let (width, height) = ((CLOTH_M[0] * CLOTH_TEXELS_PER_M) as usize, (CLOTH_M[1] * CLOTH_TEXELS_PER_M) as usize);
+    let (width, height) = (
+        (CLOTH_M[0] * CLOTH_TEXELS_PER_M) as usize,
+        (CLOTH_M[1] * CLOTH_TEXELS_PER_M) as usize,
+    );
     let full = rasterise(words, 22.0, 1.8);
     let shrink = (0.88 * width as f32 / full.width as f32).min(1.0);
     let letters = rasterise(words, 22.0 * shrink, 1.8 * shrink);
-    let (left, top) = ((width - letters.width.min(width)) / 2, (height - letters.height.min(height)) / 2);
-    let ink = if dye.sum() > 0.9 { hex(0x16_181E) } else { hex(0xF0_EEE6) };
+    let (left, top) = (
+        (width - letters.width.min(width)) / 2,
+        (height - letters.height.min(height)) / 2,
+    );
+    let ink = if dye.sum() > 0.9 {
+        hex(0x16_181E)
+    } else {
+        hex(0xF0_EEE6)
+    };
     Texture::paint(width, height, |x, y| {
         let border = y < 5 || y + 5 >= height;
         let ground = if border { home } else { dye };
-        mix(ground, ink, letters.at(x as i64 - left as i64, y as i64 - top as i64))
+        mix(
+            ground,
+            ink,
+            letters.at(x as i64 - left as i64, y as i64 - top as i64),
+        )
     })
 }
 
@@ -340,17 +421,28 @@ fn tunnel(place: &Place, flight: i32, seed: u32, colour: Light) -> Light {
     let frame = (x - 1.85).max((y - 1.05).abs() - 1.25);
     let pixel = place.pixel();
     let framed = mix(colour, hex(0xB9_BAB6) * 0.8, inside(frame, pixel));
-    mix(framed, hex(0x16_1718) * (1.2 - 0.3 * y), inside(mouth, pixel))
+    mix(
+        framed,
+        hex(0x16_1718) * (1.2 - 0.3 * y),
+        inside(mouth, pixel),
+    )
 }
 
 fn back_wall(place: &Place) -> Light {
     let panel = (place.around / 6.0).rem_euclid(1.0);
     let glass = (1.4..3.6).contains(&place.up) && (0.06..0.94).contains(&panel);
-    if glass { hex(0x2A_3744) * (0.6 + 0.25 * panel) } else { hex(0x84_8688) * 0.4 }
+    if glass {
+        hex(0x2A_3744) * (0.6 + 0.25 * panel)
+    } else {
+        hex(0x84_8688) * 0.4
+    }
 }
 
 fn roof_underside(place: &Place) -> Light {
-    let girder = inside(((place.around / 7.0).rem_euclid(1.0) - 0.5).abs() * 7.0 - 0.35, place.reach_around);
+    let girder = inside(
+        ((place.around / 7.0).rem_euclid(1.0) - 0.5).abs() * 7.0 - 0.35,
+        place.reach_around,
+    );
     let purlin = (place.up * 9.0).rem_euclid(2.0) < 0.35;
     let sheet = hex(0x8E_949A) * if purlin { 0.2 } else { 0.28 };
     mix(sheet, hex(0xD8_DCE0) * 0.5, girder)

@@ -10,27 +10,54 @@ use image::RgbImage;
 use touchline_core::geometry::{ImageSize, PixelBox};
 
 /// The score and the clock, in a picture 1280 px wide, px.
-const SCORE_BUG_AT_1280: PixelBox = PixelBox { x: 56.0, y: 36.0, width: 292.0, height: 34.0 };
+const SCORE_BUG_AT_1280: PixelBox = PixelBox {
+    x: 56.0,
+    y: 36.0,
+    width: 292.0,
+    height: 34.0,
+};
 
 /// A band with a player's name and some numbers, in a picture 1280 px wide, px.
-const LOWER_THIRD_AT_1280: PixelBox = PixelBox { x: 150.0, y: 590.0, width: 640.0, height: 76.0 };
+const LOWER_THIRD_AT_1280: PixelBox = PixelBox {
+    x: 150.0,
+    y: 590.0,
+    width: 640.0,
+    height: 76.0,
+};
 
 /// A channel's logo, in a picture 1280 px wide, px.
-const WATERMARK_AT_1280: PixelBox = PixelBox { x: 1064.0, y: 44.0, width: 160.0, height: 52.0 };
+const WATERMARK_AT_1280: PixelBox = PixelBox {
+    x: 1064.0,
+    y: 44.0,
+    width: 160.0,
+    height: 52.0,
+};
 
 /// A band through which words run, in a picture 1280 px wide, px.
-const TICKER_AT_1280: PixelBox = PixelBox { x: 90.0, y: 622.0, width: 860.0, height: 46.0 };
+const TICKER_AT_1280: PixelBox = PixelBox {
+    x: 90.0,
+    y: 622.0,
+    width: 860.0,
+    height: 46.0,
+};
 
 /// How long it slides in and out, s, and how fast its words run, px in a picture 1280 px wide.
 const TICKER_SLIDES_S: f64 = 0.5;
 const TICKER_PX_PER_S: f64 = 110.0;
 
 /// The words of the band, and the room for each, px in a picture 1280 px wide.
-const TICKER_WORDS: [&str; 5] = ["ROVERS 2 ATHLETIC 1", "RESULTS", "UNITED 0 CITY 0", "TONIGHT 20:45", "TABLE"];
+const TICKER_WORDS: [&str; 5] = [
+    "ROVERS 2 ATHLETIC 1",
+    "RESULTS",
+    "UNITED 0 CITY 0",
+    "TONIGHT 20:45",
+    "TABLE",
+];
 const TICKER_WORD_AT_1280: f64 = 190.0;
 
 impl Graphics {
-    /// The boxes that these cover at a time since kick-off, px; a band that slides is where it comes to rest.
+    /// The boxes that these cover at a time since kick-off, px; a band that slides is where it
+    /// comes to rest.
     #[must_use]
     pub fn boxes(self, image_size: ImageSize, time_s: f64) -> Vec<PixelBox> {
         let all = [
@@ -39,13 +66,20 @@ impl Graphics {
             (self.watermark, WATERMARK_AT_1280),
             (self.ticker_in(time_s) > 0.0, TICKER_AT_1280),
         ];
-        all.iter().filter(|(shown, _)| *shown).map(|(_, area)| scaled(area, image_size)).collect()
+        all.iter()
+            .filter(|(shown, _)| *shown)
+            .map(|(_, area)| scaled(area, image_size))
+            .collect()
     }
 
     /// Draws them over a picture of a match.
     pub(super) fn draw(self, picture: &mut RgbImage, seed: u64, kits: &Kits, time_s: f64) {
         let scale = scale_from_1280(ImageSize::new(picture.width(), picture.height())) as f32;
-        let mut canvas = Canvas { picture, scale, opacity: 1.0 };
+        let mut canvas = Canvas {
+            picture,
+            scale,
+            opacity: 1.0,
+        };
         if self.score_bug {
             score_bug(&mut canvas, seed, kits, time_s);
         }
@@ -64,7 +98,9 @@ impl Graphics {
 
     /// How far the ticker has come in, 0 to 1.
     fn ticker_in(self, time_s: f64) -> f64 {
-        let Some([from_s, to_s]) = self.ticker_s else { return 0.0 };
+        let Some([from_s, to_s]) = self.ticker_s else {
+            return 0.0;
+        };
         ((time_s - from_s).min(to_s - time_s) / TICKER_SLIDES_S).clamp(0.0, 1.0)
     }
 }
@@ -84,20 +120,44 @@ fn lower_third(canvas: &mut Canvas<'_>, kits: &Kits) {
     let (navy, white, grey) = (hex(0x0D_1730), hex(0xF6_F7F9), hex(0xB9_C4D2));
     let whole = Area::of(&LOWER_THIRD_AT_1280);
     let half = 0.5 * whole.height;
-    let part = |x: f32, row: f32, width: f32| Area { x: whole.x + x, y: whole.y + row * half, width, height: half };
+    let part = |x: f32, row: f32, width: f32| Area {
+        x: whole.x + x,
+        y: whole.y + row * half,
+        width,
+        height: half,
+    };
     canvas.panel(whole, navy);
-    canvas.panel(Area { width: 12.0, ..whole }, kits.home.shirt);
+    canvas.panel(
+        Area {
+            width: 12.0,
+            ..whole
+        },
+        kits.home.shirt,
+    );
     canvas.text("10  MARTINEZ", part(20.0, 0.0, 320.0), white);
     canvas.text(kits.names[0], part(400.0, 0.0, 160.0), grey);
-    canvas.text("PASSES 41 / 47   DISTANCE 8.3 KM   SHOTS 3", part(0.0, 1.0, whole.width), white);
+    canvas.text(
+        "PASSES 41 / 47   DISTANCE 8.3 KM   SHOTS 3",
+        part(0.0, 1.0, whole.width),
+        white,
+    );
 }
 
 /// A band through which words run.
 fn ticker(canvas: &mut Canvas<'_>, kits: &Kits, time_s: f64, share_in: f64) {
     let whole = Area::of(&TICKER_AT_1280);
-    let slid = Area { x: whole.x - (1.0 - share_in) as f32 * (whole.x + whole.width), ..whole };
+    let slid = Area {
+        x: whole.x - (1.0 - share_in) as f32 * (whole.x + whole.width),
+        ..whole
+    };
     canvas.panel(slid, hex(0x10_2A5C));
-    canvas.panel(Area { width: 10.0, ..slid }, kits.away.shirt);
+    canvas.panel(
+        Area {
+            width: 10.0,
+            ..slid
+        },
+        kits.away.shirt,
+    );
     if share_in < 1.0 {
         return;
     }
@@ -107,7 +167,15 @@ fn ticker(canvas: &mut Canvas<'_>, kits: &Kits, time_s: f64, share_in: f64) {
         let x = run_px.rem_euclid(round_px) as f32;
         let width = TICKER_WORD_AT_1280 as f32;
         if x > 20.0 && x + width < whole.width {
-            canvas.text(words, Area { x: whole.x + x, width, ..whole }, hex(0xF6_F7F9));
+            canvas.text(
+                words,
+                Area {
+                    x: whole.x + x,
+                    width,
+                    ..whole
+                },
+                hex(0xF6_F7F9),
+            );
         }
     }
 }
@@ -115,10 +183,19 @@ fn ticker(canvas: &mut Canvas<'_>, kits: &Kits, time_s: f64, share_in: f64) {
 /// A channel's logo.
 fn watermark(canvas: &mut Canvas<'_>) {
     let (white, whole) = (hex(0xFF_FFFF), Area::of(&WATERMARK_AT_1280));
-    let part =
-        |from: f32, to: f32| Area { y: whole.y + from * whole.height, height: (to - from) * whole.height, ..whole };
+    let part = |from: f32, to: f32| Area {
+        y: whole.y + from * whole.height,
+        height: (to - from) * whole.height,
+        ..whole
+    };
     canvas.text("ARENA", part(0.0, 0.8), white);
-    canvas.panel(Area { height: 3.0, ..part(0.78, 1.0) }, white);
+    canvas.panel(
+        Area {
+            height: 3.0,
+            ..part(0.78, 1.0)
+        },
+        white,
+    );
     canvas.text("LIVE SPORT", part(0.78, 1.06), white);
 }
 
@@ -128,8 +205,17 @@ fn score_bug(canvas: &mut Canvas<'_>, seed: u64, kits: &Kits, time_s: f64) {
     let clock_s = 60 * minute + time_s.max(0.0) as i64;
     let goals = |salt: u32| (1.4 + 1.4 * smooth_walk(sub_seed(seed, salt), 0.5)) as i64;
     let (navy, white, grey) = (hex(0x0D_1730), hex(0xF6_F7F9), hex(0xDD_E2E8));
-    let (left, y, height) = (SCORE_BUG_AT_1280.x as f32, SCORE_BUG_AT_1280.y as f32, SCORE_BUG_AT_1280.height as f32);
-    let part = |x: f32, width: f32| Area { x: left + x, y, width, height };
+    let (left, y, height) = (
+        SCORE_BUG_AT_1280.x as f32,
+        SCORE_BUG_AT_1280.y as f32,
+        SCORE_BUG_AT_1280.height as f32,
+    );
+    let part = |x: f32, width: f32| Area {
+        x: left + x,
+        y,
+        width,
+        height,
+    };
     canvas.panel(part(0.0, 86.0), navy);
     canvas.text(&clock(clock_s), part(0.0, 86.0), white);
     canvas.panel(part(86.0, 206.0), white);
@@ -138,7 +224,11 @@ fn score_bug(canvas: &mut Canvas<'_>, seed: u64, kits: &Kits, time_s: f64) {
     canvas.text(kits.names[0], part(92.0, 58.0), navy);
     canvas.text(kits.names[1], part(228.0, 58.0), navy);
     canvas.panel(part(152.0, 74.0), grey);
-    canvas.text(&format!("{} – {}", goals(0x72), goals(0x73)), part(152.0, 74.0), navy);
+    canvas.text(
+        &format!("{} – {}", goals(0x72), goals(0x73)),
+        part(152.0, 74.0),
+        navy,
+    );
 }
 
 fn clock(seconds: i64) -> String {
@@ -156,11 +246,21 @@ struct Area {
 
 impl Area {
     fn of(area: &PixelBox) -> Self {
-        Self { x: area.x as f32, y: area.y as f32, width: area.width as f32, height: area.height as f32 }
+        Self {
+            x: area.x as f32,
+            y: area.y as f32,
+            width: area.width as f32,
+            height: area.height as f32,
+        }
     }
 
     fn scaled(self, scale: f32) -> Self {
-        Self { x: self.x * scale, y: self.y * scale, width: self.width * scale, height: self.height * scale }
+        Self {
+            x: self.x * scale,
+            y: self.y * scale,
+            width: self.width * scale,
+            height: self.height * scale,
+        }
     }
 }
 
@@ -174,9 +274,17 @@ struct Canvas<'a> {
 impl Canvas<'_> {
     /// A filled box with smooth rims; lengths in px at 1280 px width.
     fn panel(&mut self, at: Area, colour: Light) {
-        let Area { x, y, width, height } = at.scaled(self.scale);
+        let Area {
+            x,
+            y,
+            width,
+            height,
+        } = at.scaled(self.scale);
         self.cover(at.scaled(self.scale), colour, |px, py| {
-            let beyond = (x - px).max(px - x - width).max(y - py).max(py - y - height);
+            let beyond = (x - px)
+                .max(px - x - width)
+                .max(y - py)
+                .max(py - y - height);
             inside(beyond, 1.0)
         });
     }
@@ -188,19 +296,39 @@ impl Canvas<'_> {
         let (width, height) = (letters.width as f32, letters.height as f32);
         let x = (within.x + 0.5 * within.width - 0.5 * width).round();
         let y = (within.y + 0.5 * within.height - 0.5 * height).round();
-        self.cover(Area { x, y, width, height }, ink, |px, py| {
-            letters.at((px - x).floor() as i64, (py - y).floor() as i64)
-        });
+        self.cover(
+            Area {
+                x,
+                y,
+                width,
+                height,
+            },
+            ink,
+            |px, py| letters.at((px - x).floor() as i64, (py - y).floor() as i64),
+        );
     }
 
-    fn cover(&mut self, Area { x, y, width, height }: Area, ink: Light, share: impl Fn(f32, f32) -> f32) {
-        let columns = (x.floor().max(0.0) as u32)..((x + width).ceil().max(0.0) as u32).min(self.picture.width());
-        let rows = (y.floor().max(0.0) as u32)..((y + height).ceil().max(0.0) as u32).min(self.picture.height());
+    fn cover(
+        &mut self,
+        Area {
+            x,
+            y,
+            width,
+            height,
+        }: Area,
+        ink: Light,
+        share: impl Fn(f32, f32) -> f32,
+    ) {
+        let columns = (x.floor().max(0.0) as u32)
+            ..((x + width).ceil().max(0.0) as u32).min(self.picture.width());
+        let rows = (y.floor().max(0.0) as u32)
+            ..((y + height).ceil().max(0.0) as u32).min(self.picture.height());
         for row in rows {
             for column in columns.clone() {
                 let share = self.opacity * share(column as f32 + 0.5, row as f32 + 0.5);
                 let pixel = &mut self.picture.get_pixel_mut(column, row).0;
-                let under = Light::from_iterator(pixel.iter().map(|byte| decode(f32::from(*byte) / 255.0)));
+                let under =
+                    Light::from_iterator(pixel.iter().map(|byte| decode(f32::from(*byte) / 255.0)));
                 let light = mix(under, ink, share);
                 for (byte, channel) in pixel.iter_mut().zip(light.iter()) {
                     *byte = (255.0 * encode(*channel)).round() as u8;

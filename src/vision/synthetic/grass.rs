@@ -1,4 +1,5 @@
-//! The ground: mown stripes, worn places and grain that differs from place to place, and what lies beyond the grass.
+//! The ground: mown stripes, worn places and grain that differs from place to place, and what lies
+//! beyond the grass.
 
 use super::boards::{BEHIND_GOAL_LINE_M, BEHIND_TOUCHLINE_M};
 use super::colour::{Light, hex, mix, smooth_step};
@@ -8,8 +9,8 @@ use super::ray::PlaneHit;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::Vec3;
 
-/// Grain of the turf: size along x and y (m) and strength. Blades lie along y, the way the mower goes, which is also the
-/// way a main camera foreshortens them.
+/// Grain of the turf: size along x and y (m) and strength. Blades lie along y, the way the mower
+/// goes, which is also the way a main camera foreshortens them.
 const GRAIN: [(f32, f32, f32); 6] = [
     (13.0, 17.0, 0.05),
     (3.1, 4.3, 0.05),
@@ -61,7 +62,8 @@ impl Ground {
 
     /// The boards stand around the grass: whether a place is inside them.
     pub fn is_inside_boards(&self, point: Vec3) -> bool {
-        point.x.abs() < self.half_length + BEHIND_GOAL_LINE_M && point.y < self.half_width + BEHIND_TOUCHLINE_M
+        point.x.abs() < self.half_length + BEHIND_GOAL_LINE_M
+            && point.y < self.half_width + BEHIND_TOUCHLINE_M
     }
 
     /// The reflectance of the ground under a pixel.
@@ -75,7 +77,8 @@ impl Ground {
             return turf;
         }
         let (x, y) = (hit.point.x as f32, hit.point.y as f32);
-        let patches = 1.0 + (1.0 - self.paint_left) * 0.8 * value_noise(self.seed ^ 0x2C, x / 1.6, y / 1.6);
+        let patches =
+            1.0 + (1.0 - self.paint_left) * 0.8 * value_noise(self.seed ^ 0x2C, x / 1.6, y / 1.6);
         let painted = share * (self.paint_left * patches).clamp(0.0, 1.0);
         let thin = 0.5 + 0.5 * value_noise(self.seed ^ 0x1A1, x / 0.5, y / 0.5);
         let chalk = hex(0xF3_F5EE) * (0.9 - 0.05 * thin);
@@ -131,7 +134,8 @@ impl Ground {
     /// Behind the boards: dark rubber paving.
     fn apron(&self, hit: &PlaneHit) -> Light {
         let (x, y) = (hit.point.x as f32, hit.point.y as f32);
-        let grain = value_noise(self.seed ^ 0xA9, x / 0.7, y / 0.7) * survives(hit.reach(Vec3::y()) as f32, 0.7);
+        let grain = value_noise(self.seed ^ 0xA9, x / 0.7, y / 0.7)
+            * survives(hit.reach(Vec3::y()) as f32, 0.7);
         hex(0x5C_6062) * (0.8 + 0.1 * grain)
     }
 }

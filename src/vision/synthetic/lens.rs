@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 
-/// A pixel on its way through the camera: red, green, blue in linear light and, fourth, the share that movers cover.
+/// A pixel on its way through the camera: red, green, blue in linear light and, fourth, the share
+/// that movers cover.
 pub(super) type Pixel = nalgebra::Vector4<f32>;
 
 /// A picture in linear light.
@@ -35,11 +36,18 @@ impl Exposure {
         let (u, v) = ((x - column) as f32, (y - row) as f32);
         let (column, row) = (column as i64, row as i64);
         let width = self.width();
-        let inside =
-            column >= 0 && row >= 0 && column + 1 < i64::from(self.size.width) && row + 1 < i64::from(self.size.height);
+        let inside = column >= 0
+            && row >= 0
+            && column + 1 < i64::from(self.size.width)
+            && row + 1 < i64::from(self.size.height);
         let [upper_left, upper_right, lower_left, lower_right] = if inside {
             let at = row as usize * width + column as usize;
-            [self.pixels[at], self.pixels[at + 1], self.pixels[at + width], self.pixels[at + width + 1]]
+            [
+                self.pixels[at],
+                self.pixels[at + 1],
+                self.pixels[at + width],
+                self.pixels[at + width + 1],
+            ]
         } else {
             [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| self.at(column + dx, row + dy))
         };
@@ -52,16 +60,23 @@ impl Exposure {
     fn filtered(&self, pixel: impl Fn(usize, usize) -> Pixel + Sync) -> Self {
         let width = self.width();
         let mut pixels = vec![Pixel::zeros(); self.pixels.len()];
-        pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-            for (x, out) in row.iter_mut().enumerate() {
-                *out = pixel(x, y);
-            }
-        });
-        Self { size: self.size, pixels }
+        pixels
+            .par_chunks_mut(width)
+            .enumerate()
+            .for_each(|(y, row)| {
+                for (x, out) in row.iter_mut().enumerate() {
+                    *out = pixel(x, y);
+                }
+            });
+        Self {
+            size: self.size,
+            pixels,
+        }
     }
 
-    /// Motion blur. A camera that only turns and zooms moves the whole picture by a mapping that does not depend on the
-    /// depth, so smearing the picture along it is exact for everything that stands still.
+    /// Motion blur. A camera that only turns and zooms moves the whole picture by a mapping that
+    /// does not depend on the depth, so smearing the picture along it is exact for everything that
+    /// stands still.
     pub fn moved(&self, camera: &PtzCamera, options: &FrameOptions) -> Self {
         let ends = [-0.5, 0.5].map(|share| {
             let dt = share * options.shutter_s;
@@ -72,12 +87,17 @@ impl Exposure {
                 focal_px: ptz.focal_px * (1.0 + motion.zoom_per_s * dt),
             };
             let end = PtzCamera::new(*camera.base(), ptz);
-            (end, camera.cam_from_base() * end.cam_from_base().transpose())
+            (
+                end,
+                camera.cam_from_base() * end.cam_from_base().transpose(),
+            )
         });
         // Where the light of this pixel comes from at an end of the exposure.
         let source = |(end, cam_from_end): &(PtzCamera, Mat3), point: ImagePoint| {
             let ideal = end.cam_plane_from_image(point).ok()?;
-            camera.image_from_cam(cam_from_end * Vec3::new(ideal.x, ideal.y, 1.0)).ok()
+            camera
+                .image_from_cam(cam_from_end * Vec3::new(ideal.x, ideal.y, 1.0))
+                .ok()
         };
         self.filtered(|x, y| {
             let here = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5);
@@ -86,7 +106,8 @@ impl Exposure {
             };
             let way = to.offset_from(from);
             let taps = way.norm().ceil().clamp(1.0, 64.0) as usize;
-            let at = |tap: usize| self.bilinear(from.moved(way * ((tap as f64 + 0.5) / taps as f64)));
+            let at =
+                |tap: usize| self.bilinear(from.moved(way * ((tap as f64 + 0.5) / taps as f64)));
             (0..taps).map(at).sum::<Pixel>() / taps as f32
         })
     }
@@ -96,20 +117,34 @@ impl Exposure {
         let reach = radius_px.ceil() as i64;
         let disc: Vec<(i64, i64, f32)> = (-reach..=reach)
             .flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy)))
-            .map(|(dx, dy)| (dx, dy, (radius_px as f32 + 0.5 - (dx as f32).hypot(dy as f32)).clamp(0.0, 1.0)))
+            .map(|(dx, dy)| {
+                (
+                    dx,
+                    dy,
+                    (radius_px as f32 + 0.5 - (dx as f32).hypot(dy as f32)).clamp(0.0, 1.0),
+                )
+            })
             .filter(|(_, _, share)| *share > 0.0)
             .collect();
         let total: f32 = disc.iter().map(|(_, _, share)| share).sum();
         let (width, height) = (i64::from(self.size.width), i64::from(self.size.height));
-        let offsets: Vec<(i64, f32)> = disc.iter().map(|(dx, dy, share)| (dy * width + dx, *share)).collect();
+        let offsets: Vec<(i64, f32)> = disc
+            .iter()
+            .map(|(dx, dy, share)| (dy * width + dx, *share))
+            .collect();
         self.filtered(|x, y| {
             let (x, y) = (x as i64, y as i64);
             if x >= reach && y >= reach && x + reach < width && y + reach < height {
                 let here = y * width + x;
-                let lit = offsets.iter().map(|(offset, share)| self.pixels[(here + offset) as usize] * *share);
+                let lit = offsets
+                    .iter()
+                    .map(|(offset, share)| self.pixels[(here + offset) as usize] * *share);
                 return lit.sum::<Pixel>() / total;
             }
-            disc.iter().map(|(dx, dy, share)| self.at(x + dx, y + dy) * *share).sum::<Pixel>() / total
+            disc.iter()
+                .map(|(dx, dy, share)| self.at(x + dx, y + dy) * *share)
+                .sum::<Pixel>()
+                / total
         })
     }
 
@@ -119,18 +154,21 @@ impl Exposure {
         let gain = options.exposure_ev.exp2() as f32;
         let corner_squared = centre.x * centre.x + centre.y * centre.y;
         let mut bytes = vec![0; self.pixels.len() * 3];
-        bytes.par_chunks_mut(width * 3).enumerate().for_each(|(y, row)| {
-            for (x, out) in row.chunks_exact_mut(3).enumerate() {
-                let (dx, dy) = (x as f64 + 0.5 - centre.x, y as f64 + 0.5 - centre.y);
-                let loss = options.vignetting * (dx * dx + dy * dy) / corner_squared;
-                let light = self.pixels[y * width + x].xyz() * (gain * (1.0 - loss) as f32);
-                for (channel, byte) in out.iter_mut().enumerate() {
-                    let level = 255.0 * encode(tone(light[channel]));
-                    let noise = noise(options, x as i32 * 3 + channel as i32, y as i32);
-                    *byte = (level + noise).round().clamp(0.0, 255.0) as u8;
+        bytes
+            .par_chunks_mut(width * 3)
+            .enumerate()
+            .for_each(|(y, row)| {
+                for (x, out) in row.chunks_exact_mut(3).enumerate() {
+                    let (dx, dy) = (x as f64 + 0.5 - centre.x, y as f64 + 0.5 - centre.y);
+                    let loss = options.vignetting * (dx * dx + dy * dy) / corner_squared;
+                    let light = self.pixels[y * width + x].xyz() * (gain * (1.0 - loss) as f32);
+                    for (channel, byte) in out.iter_mut().enumerate() {
+                        let level = 255.0 * encode(tone(light[channel]));
+                        let noise = noise(options, x as i32 * 3 + channel as i32, y as i32);
+                        *byte = (level + noise).round().clamp(0.0, 255.0) as u8;
+                    }
                 }
-            }
-        });
+            });
         RgbImage::from_raw(self.size.width, self.size.height, bytes).unwrap_or_default()
     }
 }
@@ -138,7 +176,11 @@ impl Exposure {
 /// Linear up to two thirds, then a shoulder that never clips hard.
 fn tone(light: f32) -> f32 {
     const KNEE: f32 = 0.66;
-    if light <= KNEE { light } else { KNEE + (1.0 - KNEE) * (1.0 - (-(light - KNEE) / (1.0 - KNEE)).exp()) }
+    if light <= KNEE {
+        light
+    } else {
+        KNEE + (1.0 - KNEE) * (1.0 - (-(light - KNEE) / (1.0 - KNEE)).exp())
+    }
 }
 
 /// Gaussian noise of one channel of one pixel, in levels (Box–Muller on two hashes).
@@ -163,16 +205,29 @@ mod tests {
 
     #[test]
     fn noise_has_the_sigma_it_says() {
-        let options = FrameOptions { noise_levels: 3.0, noise_seed: 9, ..FrameOptions::default() };
-        let draws: Vec<f64> = (0..40_000).map(|i| f64::from(noise(&options, i % 200, i / 200))).collect();
+        let options = FrameOptions {
+            noise_levels: 3.0,
+            noise_seed: 9,
+            ..FrameOptions::default()
+        };
+        let draws: Vec<f64> = (0..40_000)
+            .map(|i| f64::from(noise(&options, i % 200, i / 200)))
+            .collect();
         let mean = draws.iter().sum::<f64>() / draws.len() as f64;
         let variance = draws.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / draws.len() as f64;
-        assert!(mean.abs() < 0.06 && (variance.sqrt() - 3.0).abs() < 0.05, "{mean} ± {}", variance.sqrt());
+        assert!(
+            mean.abs() < 0.06 && (variance.sqrt() - 3.0).abs() < 0.05,
+            "{mean} ± {}",
+            variance.sqrt()
+        );
     }
 
     #[test]
     fn defocus_keeps_the_light_and_spreads_it() {
-        let mut exposure = Exposure { size: ImageSize::new(21, 21), pixels: vec![Pixel::zeros(); 441] };
+        let mut exposure = Exposure {
+            size: ImageSize::new(21, 21),
+            pixels: vec![Pixel::zeros(); 441],
+        };
         exposure.pixels[10 * 21 + 10] = Pixel::repeat(1.0);
         let blurred = exposure.defocused(2.3);
         let sum: f32 = blurred.pixels.iter().map(|pixel| pixel.x).sum();

@@ -22,7 +22,8 @@ pub(super) struct Lighting {
     bounce: Light,
     /// How bright the stands are.
     pub stands: f32,
-    /// The roof's height and its place beyond the field's edges, if it throws a shadow on the pitch.
+    /// The roof's height and its place beyond the field's edges, if it throws a shadow on the
+    /// pitch.
     roof: Option<[f64; 2]>,
     half_length: f64,
     half_width: f64,
@@ -36,14 +37,26 @@ impl Lighting {
             light: hex(colour) * strength,
         };
         let (lamps, sky, stands, roof) = match daylight {
-            Daylight::Hazy => (vec![lamp(-0.55, -0.5, 0.72, 0.95, 0xFF_F3DF)], hex(0xE2_EDFF) * 0.42, 0.8, None),
+            Daylight::Hazy => (
+                vec![lamp(-0.55, -0.5, 0.72, 0.95, 0xFF_F3DF)],
+                hex(0xE2_EDFF) * 0.42,
+                0.8,
+                None,
+            ),
             Daylight::LowSun => {
                 let roof = Some([35.4, 19.0]);
-                (vec![lamp(-0.8, -0.36, 0.42, 2.1, 0xFF_E9C8)], hex(0xD5_E4FF) * 0.34, 0.55, roof)
+                (
+                    vec![lamp(-0.8, -0.36, 0.42, 2.1, 0xFF_E9C8)],
+                    hex(0xD5_E4FF) * 0.34,
+                    0.55,
+                    roof,
+                )
             }
             Daylight::Floodlit => {
                 let masts = [(-1.0, -0.8), (1.0, -0.8), (-1.0, 0.8), (1.0, 0.8)];
-                let lamps = masts.map(|(x, y)| lamp(x, y, 0.85, 0.42, 0xF2_F6FF)).to_vec();
+                let lamps = masts
+                    .map(|(x, y)| lamp(x, y, 0.85, 0.42, 0xF2_F6FF))
+                    .to_vec();
                 (lamps, hex(0xE8_F0FF) * 0.16, 0.42, None)
             }
         };
@@ -61,7 +74,11 @@ impl Lighting {
 
     /// The light on open ground.
     pub fn on_ground(&self, point: Vec3) -> Light {
-        self.lamps.iter().map(|lamp| self.of_lamp_on_ground(lamp, point)).sum::<Light>() + self.sky
+        self.lamps
+            .iter()
+            .map(|lamp| self.of_lamp_on_ground(lamp, point))
+            .sum::<Light>()
+            + self.sky
     }
 
     /// What one lamp gives to the ground at a place.
@@ -89,7 +106,9 @@ impl Lighting {
 
     /// How much of a lamp is seen from a place beside the roof's edge: 0 to 1.
     fn open_to(&self, lamp: &Lamp, point: Vec3) -> f32 {
-        let Some([height, beyond]) = self.roof else { return 1.0 };
+        let Some([height, beyond]) = self.roof else {
+            return 1.0;
+        };
         let clearance = |from_edge: f64, slope: f64| {
             if slope >= 0.0 {
                 return f64::INFINITY;

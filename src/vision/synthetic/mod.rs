@@ -2,15 +2,17 @@
 //!
 //! [`stadium`] builds a place from a seed: striped grass whose grain differs from spot to spot, the painted lines of a
 //! [`FieldModel`](touchline_core::field::FieldModel) at their real width, boards with words, stands full of people, goals with
-//! nets, and a match in progress. [`Stadium::render`] takes a picture of it with a [`PtzCamera`](touchline_core::camera::PtzCamera):
-//! every pixel is the ray of its centre through the exact camera, so the truth is exact. [`camera_path`] moves the camera
-//! as an operator would. Nothing is copied from real footage; all names are invented.
+//! nets, and a match in progress. [`Stadium::render`] takes a picture of it with a
+//! [`PtzCamera`](touchline_core::camera::PtzCamera): every pixel is the ray of its centre through
+//! the exact camera, so the truth is exact. [`camera_path`] moves the camera as an operator would.
+//! Nothing is copied from real footage; all names are invented.
 //!
 //! [`Stadium::at`] lets spectators move and boards change between frames, as they do in a real one.
 //!
-//! Patterns finer than a pixel fade instead of aliasing; lines, people, posts and nets are covered analytically; where
-//! surfaces meet, a pixel is the mean of a grid of rays. Everything is a plain function of seed, place and time, so the
-//! same options give the same bytes at any number of threads.
+//! Patterns finer than a pixel fade instead of aliasing; lines, people, posts and nets are covered
+//! analytically; where surfaces meet, a pixel is the mean of a grid of rays. Everything is a plain
+//! function of seed, place and time, so the same options give the same bytes at any number of
+//! threads.
 
 mod boards;
 mod body;
@@ -40,7 +42,8 @@ mod texture;
 pub use clicks::{ClickOptions, ClickTarget, DrawnClick, drawn_clicks};
 pub use moment::Moment;
 pub use options::{
-    CameraMotion, Daylight, FrameOptions, Graphics, Preset, ShootOptions, StadiumOptions, UnknownPreset,
+    CameraMotion, Daylight, FrameOptions, Graphics, Preset, ShootOptions, StadiumOptions,
+    UnknownPreset,
 };
 pub use path::{PathStep, camera_path};
 pub use play::Side;

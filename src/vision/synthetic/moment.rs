@@ -1,6 +1,8 @@
-//! What changes in a stadium while a match goes on: spectators move, people come and go, boards show something else.
+//! What changes in a stadium while a match goes on: spectators move, people come and go, boards
+//! show something else.
 
-/// A moment of a stadium. The default changes nothing: spectators sit still, and all frames show the same people and boards.
+/// A moment of a stadium. The default changes nothing: spectators sit still, and all frames show
+/// the same people and boards.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moment {
     /// Chooses who came and went and which boards changed; frames of one stretch of play share it.
@@ -11,6 +13,7 @@ pub struct Moment {
     pub boards_changed: f64,
     /// Chooses how spectators hold themselves; every frame has its own.
     pub instant: u64,
-    /// How much spectators move, 0 to 1. At 1 they lean up to 0.11 m to either side, and one in eight stands.
+    /// How much spectators move, 0 to 1. At 1 they lean up to 0.11 m to either side, and one in
+    /// eight stands.
     pub restlessness: f64,
 }

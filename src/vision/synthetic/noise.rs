@@ -1,8 +1,11 @@
 //! Seeded spatial noise: the same value at the same place for every camera, frame and thread.
 
-/// A well-mixed hash of two integers and a seed (the finaliser of `MurmurHash3` after a Weyl-like combination).
+/// A well-mixed hash of two integers and a seed (the finaliser of `MurmurHash3` after a Weyl-like
+/// combination).
 pub(super) const fn hash(seed: u32, x: i32, y: i32) -> u32 {
-    let mut h = seed ^ (x as u32).wrapping_mul(0x9E37_79B1) ^ (y as u32).wrapping_mul(0x85EB_CA77).rotate_left(13);
+    let mut h = seed
+        ^ (x as u32).wrapping_mul(0x9E37_79B1)
+        ^ (y as u32).wrapping_mul(0x85EB_CA77).rotate_left(13);
     h ^= h >> 16;
     h = h.wrapping_mul(0x85EB_CA6B);
     h ^= h >> 13;
@@ -30,7 +33,8 @@ pub(super) fn value_noise(seed: u32, x: f32, y: f32) -> f32 {
     2.0 * (top + (bottom - top) * v) - 1.0
 }
 
-/// Smooth noise in [−1, 1] of one variable: twice differentiable, so that what it moves moves smoothly.
+/// Smooth noise in [−1, 1] of one variable: twice differentiable, so that what it moves moves
+/// smoothly.
 pub(super) fn smooth_walk(seed: u32, t: f64) -> f64 {
     let cell = t.floor();
     let u = t - cell;
@@ -39,8 +43,9 @@ pub(super) fn smooth_walk(seed: u32, t: f64) -> f64 {
     2.0 * (at(0) + (at(1) - at(0)) * u) - 1.0
 }
 
-/// How much of a pattern with features of `size` survives a pixel that covers `footprint` of it: 1 while a feature
-/// spans four pixels, 0 below one and a half. This is what a lens and a sensor do to detail too fine for them.
+/// How much of a pattern with features of `size` survives a pixel that covers `footprint` of it: 1
+/// while a feature spans four pixels, 0 below one and a half. This is what a lens and a sensor do
+/// to detail too fine for them.
 pub(super) fn survives(footprint: f32, size: f32) -> f32 {
     let ratio = footprint / size;
     ((0.66 - ratio) / (0.66 - 0.25)).clamp(0.0, 1.0)
@@ -58,7 +63,10 @@ mod tests {
     fn noise_is_bounded_centred_and_continuous() {
         let mut sum = 0.0;
         for step in 0..40_000_u16 {
-            let (x, y) = (f32::from(step % 200) * 0.37 - 30.0, f32::from(step / 200) * 0.41 - 30.0);
+            let (x, y) = (
+                f32::from(step % 200) * 0.37 - 30.0,
+                f32::from(step / 200) * 0.41 - 30.0,
+            );
             let here = value_noise(7, x, y);
             assert!(here.abs() <= 1.0);
             assert!((value_noise(7, x + 1e-3, y) - here).abs() < 0.01);

@@ -1,4 +1,5 @@
-//! What a drawn match looks like and how a camera takes it, with units, and presets from easy to hard.
+//! What a drawn match looks like and how a camera takes it, with units, and presets from easy to
+//! hard.
 
 use std::str::FromStr;
 use thiserror::Error;
@@ -25,7 +26,13 @@ impl StadiumOptions {
     /// A full stadium in soft daylight around a field.
     #[must_use]
     pub fn new(field: FieldModel, seed: u64) -> Self {
-        Self { seed, field, daylight: Daylight::default(), attendance: 0.93, paint_left: 1.0 }
+        Self {
+            seed,
+            field,
+            daylight: Daylight::default(),
+            attendance: 0.93,
+            paint_left: 1.0,
+        }
     }
 }
 
@@ -47,7 +54,8 @@ pub enum Daylight {
 pub struct FrameOptions {
     /// The time since kick-off, s: it places the players and sets the clock.
     pub time_s: f64,
-    /// How the camera turns and zooms while the shutter is open; the frame's camera is that of mid-exposure.
+    /// How the camera turns and zooms while the shutter is open; the frame's camera is that of
+    /// mid-exposure.
     pub motion: CameraMotion,
     /// How long the shutter is open, s. Zero, the default: no motion blur.
     pub shutter_s: f64,
@@ -99,7 +107,11 @@ impl CameraMotion {
     /// The same way back.
     #[must_use]
     pub fn reversed(self) -> Self {
-        Self { pan_per_s: -self.pan_per_s, tilt_per_s: -self.tilt_per_s, zoom_per_s: -self.zoom_per_s }
+        Self {
+            pan_per_s: -self.pan_per_s,
+            tilt_per_s: -self.tilt_per_s,
+            zoom_per_s: -self.zoom_per_s,
+        }
     }
 }
 
@@ -137,7 +149,8 @@ pub enum Preset {
     /// The conditions of the paper's sequences: long lenses, a trace of noise, ordinary JPEG.
     #[default]
     Paper,
-    /// The worst conditions of live television: low sun, motion blur, defocus, noise, a strong lens, coarse JPEG.
+    /// The worst conditions of live television: low sun, motion blur, defocus, noise, a strong
+    /// lens, coarse JPEG.
     Hard,
 }
 
@@ -208,8 +221,8 @@ impl Preset {
 }
 
 impl ShootOptions {
-    /// The main camera of a stadium: on the stand by the halfway line, 66 m from the centre mark and 18 m up, with
-    /// this lens, for pictures of this size.
+    /// The main camera of a stadium: on the stand by the halfway line, 66 m from the centre mark
+    /// and 18 m up, with this lens, for pictures of this size.
     #[must_use]
     pub fn main_camera(&self, image_size: ImageSize) -> CameraBase {
         let scale = scale_from_1280(image_size);
@@ -223,8 +236,12 @@ impl ShootOptions {
             },
             ..CameraBase::new(
                 Vec3::new(1.5, -66.0, 18.0),
-                BaseAngles { heading: Angle::ZERO, pitch: Angle::from_degrees(-0.4), roll: Angle::from_degrees(0.25) }
-                    .base_from_world(),
+                BaseAngles {
+                    heading: Angle::ZERO,
+                    pitch: Angle::from_degrees(-0.4),
+                    roll: Angle::from_degrees(0.25),
+                }
+                .base_from_world(),
                 image_size.centre(),
             )
         }
@@ -247,21 +264,30 @@ pub struct Graphics {
     pub watermark: bool,
     /// How much of its ink covers the picture, 0 to 1. Default 0.45.
     pub watermark_share: f32,
-    /// A band near the lower edge through which words run, from the first to the second of these times since kick-off, s. It
-    /// slides in from the left and out again, half a second each, within them. Default none.
+    /// A band near the lower edge through which words run, from the first to the second of these
+    /// times since kick-off, s. It slides in from the left and out again, half a second each,
+    /// within them. Default none.
     pub ticker_s: Option<[f64; 2]>,
 }
 
 impl Default for Graphics {
     fn default() -> Self {
-        Self { score_bug: true, ..Self::NONE }
+        Self {
+            score_bug: true,
+            ..Self::NONE
+        }
     }
 }
 
 impl Graphics {
     /// The picture as the camera takes it.
-    pub const NONE: Self =
-        Self { score_bug: false, lower_third: false, watermark: false, watermark_share: 0.45, ticker_s: None };
+    pub const NONE: Self = Self {
+        score_bug: false,
+        lower_third: false,
+        watermark: false,
+        watermark_share: 0.45,
+        ticker_s: None,
+    };
 }
 
 #[cfg(test)]
@@ -270,10 +296,17 @@ mod tests {
 
     #[test]
     fn presets_have_names_and_unknown_names_are_refused() {
-        for (name, preset) in [("easy", Preset::Easy), ("paper", Preset::Paper), ("hard", Preset::Hard)] {
+        for (name, preset) in [
+            ("easy", Preset::Easy),
+            ("paper", Preset::Paper),
+            ("hard", Preset::Hard),
+        ] {
             assert_eq!(name.parse::<Preset>(), Ok(preset));
         }
         let error = "harder".parse::<Preset>().unwrap_err().to_string();
-        assert_eq!(error, "there is no preset \"harder\"; there are easy, paper and hard");
+        assert_eq!(
+            error,
+            "there is no preset \"harder\"; there are easy, paper and hard"
+        );
     }
 }

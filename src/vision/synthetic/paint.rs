@@ -24,20 +24,46 @@ pub(super) struct Paint {
 /// A stroke of the brush, seen from above.
 #[derive(Clone, Copy, Debug)]
 enum Stroke {
-    Straight { from: Vec3, along: Vec3, length_m: f64, half_width_m: f64, over_m: f64 },
-    Round { centre: Vec3, radius_m: f64, middle: f64, half_sweep: f64, half_width_m: f64 },
-    Spot { centre: Vec3, radius_m: f64 },
+    Straight {
+        from: Vec3,
+        along: Vec3,
+        length_m: f64,
+        half_width_m: f64,
+        over_m: f64,
+    },
+    Round {
+        centre: Vec3,
+        radius_m: f64,
+        middle: f64,
+        half_sweep: f64,
+        half_width_m: f64,
+    },
+    Spot {
+        centre: Vec3,
+        radius_m: f64,
+    },
 }
 
 impl Paint {
     pub fn new(field: &FieldModel) -> Self {
         let spots = field.landmarks.iter().filter_map(|landmark| {
             let radius_m = 0.5 * landmark.spot_diameter_m?;
-            Some(Stroke::Spot { centre: landmark.nominal_m, radius_m })
+            Some(Stroke::Spot {
+                centre: landmark.nominal_m,
+                radius_m,
+            })
         });
-        let strokes: Vec<Stroke> =
-            field.lines.iter().filter(|line| line.painted).map(Stroke::of).chain(spots).collect();
-        let corner = [-0.5 * field.length_m - MARGIN_M, -0.5 * field.width_m - MARGIN_M];
+        let strokes: Vec<Stroke> = field
+            .lines
+            .iter()
+            .filter(|line| line.painted)
+            .map(Stroke::of)
+            .chain(spots)
+            .collect();
+        let corner = [
+            -0.5 * field.length_m - MARGIN_M,
+            -0.5 * field.width_m - MARGIN_M,
+        ];
         let columns = ((field.length_m + 2.0 * MARGIN_M) / CELL_M).ceil() as usize;
         let rows = ((field.width_m + 2.0 * MARGIN_M) / CELL_M).ceil() as usize;
         let near = |cell: usize| {
@@ -49,21 +75,35 @@ impl Paint {
             // A pixel at the cell's rim may reach half a metre out of it.
             let reach = CELL_M * std::f64::consts::FRAC_1_SQRT_2 + 0.5;
             let is_near = |stroke: &Stroke| stroke.distance_m(centre) < reach;
-            (0..strokes.len()).filter(|index| is_near(&strokes[*index])).map(|index| index as u16).collect()
+            (0..strokes.len())
+                .filter(|index| is_near(&strokes[*index]))
+                .map(|index| index as u16)
+                .collect()
         };
         let cells = (0..columns * rows).map(near).collect();
-        Self { strokes, columns, rows, corner, cells }
+        Self {
+            strokes,
+            columns,
+            rows,
+            corner,
+            cells,
+        }
     }
 
-    /// The share of a pixel that is painted, 0 to 1: exact for a box filter across the line, to first order.
+    /// The share of a pixel that is painted, 0 to 1: exact for a box filter across the line, to
+    /// first order.
     pub fn share(&self, hit: &PlaneHit) -> f64 {
         let column = (hit.point.x - self.corner[0]) / CELL_M;
         let row = (hit.point.y - self.corner[1]) / CELL_M;
-        if !(column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64) {
+        if !(column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64)
+        {
             return 0.0;
         }
         let cell = row as usize * self.columns + column as usize;
-        self.cells[cell].iter().map(|index| self.strokes[*index as usize].share(hit)).fold(0.0, f64::max)
+        self.cells[cell]
+            .iter()
+            .map(|index| self.strokes[*index as usize].share(hit))
+            .fold(0.0, f64::max)
     }
 }
 
@@ -73,12 +113,27 @@ impl Stroke {
         match line.paint_centre {
             Curve::Segment { from, to } => {
                 let length_m = (to - from).norm();
-                // Paint centred on its line is drawn half a width over the end, so that corners are full; where the
-                // nominal line is the paint's edge, the end is the corner already.
-                let over_m = if line.edge == PaintEdge::Centre { half_width_m } else { 0.0 };
-                Self::Straight { from, along: (to - from) / length_m, length_m, half_width_m, over_m }
+                // Paint centred on its line is drawn half a width over the end, so that corners are
+                // full; where the nominal line is the paint's edge, the end is the corner already.
+                let over_m = if line.edge == PaintEdge::Centre {
+                    half_width_m
+                } else {
+                    0.0
+                };
+                Self::Straight {
+                    from,
+                    along: (to - from) / length_m,
+                    length_m,
+                    half_width_m,
+                    over_m,
+                }
             }
-            Curve::Arc { centre, radius_m, start, sweep } => Self::Round {
+            Curve::Arc {
+                centre,
+                radius_m,
+                start,
+                sweep,
+            } => Self::Round {
                 centre,
                 radius_m,
                 middle: (start + sweep * 0.5).radians(),
@@ -91,22 +146,38 @@ impl Stroke {
     /// From a place to the stroke's rim, m; negative on the paint.
     fn distance_m(&self, place: Vec3) -> f64 {
         match *self {
-            Self::Straight { from, along, length_m, half_width_m, .. } => {
+            Self::Straight {
+                from,
+                along,
+                length_m,
+                half_width_m,
+                ..
+            } => {
                 let offset = place - from;
                 let nearest = along * offset.dot(&along).clamp(0.0, length_m);
                 (offset - nearest).xy().norm() - half_width_m
             }
-            // For an arc the whole circle is searched: cells hold a stroke too many, never one too few.
-            Self::Round { centre, radius_m, half_width_m, .. } => {
-                ((place - centre).xy().norm() - radius_m).abs() - half_width_m
-            }
+            // For an arc the whole circle is searched: cells hold a stroke too many, never one too
+            // few.
+            Self::Round {
+                centre,
+                radius_m,
+                half_width_m,
+                ..
+            } => ((place - centre).xy().norm() - radius_m).abs() - half_width_m,
             Self::Spot { centre, radius_m } => (place - centre).xy().norm() - radius_m,
         }
     }
 
     fn share(&self, hit: &PlaneHit) -> f64 {
         match *self {
-            Self::Straight { from, along, length_m, half_width_m, over_m } => {
+            Self::Straight {
+                from,
+                along,
+                length_m,
+                half_width_m,
+                over_m,
+            } => {
                 let offset = hit.point - from;
                 let across = Vec3::new(-along.y, along.x, 0.0);
                 let share = strip(offset.dot(&across), half_width_m, hit.reach(across));
@@ -114,9 +185,20 @@ impl Stroke {
                     return 0.0;
                 }
                 let half_length = 0.5 * length_m;
-                share * strip(offset.dot(&along) - half_length, half_length + over_m, hit.reach(along))
+                share
+                    * strip(
+                        offset.dot(&along) - half_length,
+                        half_length + over_m,
+                        hit.reach(along),
+                    )
             }
-            Self::Round { centre, radius_m, middle, half_sweep, half_width_m } => {
+            Self::Round {
+                centre,
+                radius_m,
+                middle,
+                half_sweep,
+                half_width_m,
+            } => {
                 let offset = Vec3::new(hit.point.x - centre.x, hit.point.y - centre.y, 0.0);
                 let radius = offset.norm();
                 if radius < 1e-9 {
@@ -128,7 +210,8 @@ impl Stroke {
                     return share;
                 }
                 let turn = std::f64::consts::TAU;
-                let from_middle = (offset.y.atan2(offset.x) - middle + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
+                let from_middle =
+                    (offset.y.atan2(offset.x) - middle + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
                 let along = Vec3::new(-out.y, out.x, 0.0);
                 share * strip(from_middle * radius, half_sweep * radius, hit.reach(along))
             }
@@ -139,7 +222,8 @@ impl Stroke {
                 if offset.x.abs() > radius_m + x || offset.y.abs() > radius_m + y {
                     return 0.0;
                 }
-                let half_chord = (radius_m.powi(2) - offset.y.clamp(-radius_m, radius_m).powi(2)).sqrt();
+                let half_chord =
+                    (radius_m.powi(2) - offset.y.clamp(-radius_m, radius_m).powi(2)).sqrt();
                 strip(offset.y, radius_m, y) * strip(offset.x, half_chord.max(0.3 * radius_m), x)
             }
         }

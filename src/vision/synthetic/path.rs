@@ -18,8 +18,9 @@ pub struct PathStep {
     pub motion: CameraMotion,
 }
 
-/// The path of an operator who follows the ball of `stadium`'s match with the camera `base`: smooth, a little late, with
-/// the play in the lower middle of the picture, zooming in when the play is quiet.
+/// The path of an operator who follows the ball of `stadium`'s match with the camera `base`:
+/// smooth, a little late, with the play in the lower middle of the picture, zooming in when the
+/// play is quiet.
 #[must_use]
 pub fn camera_path(
     stadium: &Stadium,
@@ -32,30 +33,47 @@ pub fn camera_path(
         play: stadium.play,
         base: *base,
         seed: sub_seed(stadium.options.seed, 0xCA3E),
-        focal_px: shoot.focal_px_at_1280.map(|focal| focal * scale_from_1280(image_size)),
+        focal_px: shoot
+            .focal_px_at_1280
+            .map(|focal| focal * scale_from_1280(image_size)),
         half_height_px: 0.5 * f64::from(image_size.height),
     };
     (0..frames)
         .map(|index| {
             let time_s = index as f64 * shoot.step_s;
-            PathStep { time_s, ptz: operator.ptz(time_s), motion: operator.motion(time_s) }
+            PathStep {
+                time_s,
+                ptz: operator.ptz(time_s),
+                motion: operator.motion(time_s),
+            }
         })
         .collect()
 }
 
 impl ShootOptions {
-    /// How frame number `index` of a sequence is taken: exposure and focus vary from frame to frame, each by a draw of
-    /// its own from `seed`.
+    /// How frame number `index` of a sequence is taken: exposure and focus vary from frame to
+    /// frame, each by a draw of its own from `seed`.
     #[must_use]
-    pub fn frame(&self, index: usize, step: &PathStep, image_size: ImageSize, seed: u64) -> FrameOptions {
+    pub fn frame(
+        &self,
+        index: usize,
+        step: &PathStep,
+        image_size: ImageSize,
+        seed: u64,
+    ) -> FrameOptions {
         let draw = hash(sub_seed(seed, 0xF2A3), index as i32, 0);
         // The sum of twelve uniform draws is as good as normal for an exposure.
-        let normal: f64 = (0..12).map(|i| f64::from(unit(hash(draw, i, 1)))).sum::<f64>() - 6.0;
+        let normal: f64 = (0..12)
+            .map(|i| f64::from(unit(hash(draw, i, 1))))
+            .sum::<f64>()
+            - 6.0;
         FrameOptions {
             time_s: step.time_s,
             motion: step.motion,
             shutter_s: self.shutter_s,
-            defocus_px: self.defocus_px_at_1280 * scale_from_1280(image_size) * f64::from(unit(hash(draw, 2, 2))),
+            defocus_px: self.defocus_px_at_1280
+                * scale_from_1280(image_size)
+                * f64::from(unit(hash(draw, 2, 2))),
             exposure_ev: self.exposure_sigma_ev * normal,
             vignetting: self.vignetting,
             noise_levels: self.noise_levels,
@@ -74,12 +92,16 @@ struct Operator {
 }
 
 impl Operator {
-    /// The ball as a human operator follows it: averaged over the last second and a half, slightly extrapolated.
+    /// The ball as a human operator follows it: averaged over the last second and a half, slightly
+    /// extrapolated.
     fn attention(&self, time_s: f64) -> Vec3 {
         let taps = 12;
-        let sum: Vec3 = (0..taps).map(|tap| self.play.ball(time_s + 0.4 - 0.16 * f64::from(tap))).sum();
+        let sum: Vec3 = (0..taps)
+            .map(|tap| self.play.ball(time_s + 0.4 - 0.16 * f64::from(tap)))
+            .sum();
         let mean = sum / f64::from(taps);
-        // The operator keeps some field on the near side and does not follow the ball to the last metre.
+        // The operator keeps some field on the near side and does not follow the ball to the last
+        // metre.
         Vec3::new(mean.x * 0.86, mean.y * 0.7 + 1.0, 0.0)
     }
 
@@ -88,14 +110,21 @@ impl Operator {
         let aim = PanTilt::from_direction(self.base.base_from_world_point(target));
         // Short and long are a factor apart, so the zoom walks on a logarithmic scale.
         let [short, long] = self.focal_px;
-        let share = 0.5 + 0.62 * smooth_walk(self.seed, time_s / 9.0) + 0.1 * smooth_walk(self.seed ^ 1, time_s / 2.5);
+        let share = 0.5
+            + 0.62 * smooth_walk(self.seed, time_s / 9.0)
+            + 0.1 * smooth_walk(self.seed ^ 1, time_s / 2.5);
         let mut focal_px = short * (long / short).powf(share.clamp(0.0, 1.0).powf(1.4));
         // The play sits below the middle, so that the far side is in the picture.
         let distance = (target - self.base.position_m).norm();
         focal_px *= (distance / 75.0).clamp(0.85, 1.25).sqrt();
         let drop = Angle::from_radians((0.05 * self.half_height_px / focal_px).atan());
-        let hand = |seed: u32| Angle::from_degrees(0.05 * smooth_walk(self.seed ^ seed, time_s / 0.9));
-        Ptz { pan: aim.pan + hand(7), tilt: aim.tilt + drop + hand(8), focal_px: focal_px.clamp(short, long) }
+        let hand =
+            |seed: u32| Angle::from_degrees(0.05 * smooth_walk(self.seed ^ seed, time_s / 0.9));
+        Ptz {
+            pan: aim.pan + hand(7),
+            tilt: aim.tilt + drop + hand(8),
+            focal_px: focal_px.clamp(short, long),
+        }
     }
 
     fn motion(&self, time_s: f64) -> CameraMotion {
@@ -120,21 +149,37 @@ mod tests {
     #[test]
     fn the_operator_keeps_the_ball_in_view_and_moves_smoothly() {
         let size = ImageSize::new(1280, 720);
-        let scene = stadium(&StadiumOptions::new(builtin("soccer").unwrap().default_model().unwrap(), 21));
-        let shoot = ShootOptions { step_s: 0.04, ..Preset::Paper.shoot() };
+        let scene = stadium(&StadiumOptions::new(
+            builtin("soccer").unwrap().default_model().unwrap(),
+            21,
+        ));
+        let shoot = ShootOptions {
+            step_s: 0.04,
+            ..Preset::Paper.shoot()
+        };
         let base = shoot.main_camera(size);
         let path = camera_path(&scene, &base, size, &shoot, 3000);
         let sees_ball = |step: &&PathStep| {
             let ball = scene.play.ball(step.time_s);
-            PtzCamera::new(base, step.ptz).image_from_world(ball).is_ok_and(|image| size.contains(image))
+            PtzCamera::new(base, step.ptz)
+                .image_from_world(ball)
+                .is_ok_and(|image| size.contains(image))
         };
         let seen = path.iter().filter(sees_ball).count();
         assert!(seen > 2800, "the ball is in {seen} of 3000 frames");
         for pair in path.windows(2) {
-            let (pan, tilt) = (pair[1].ptz.pan.turn_from(pair[0].ptz.pan), pair[1].ptz.tilt - pair[0].ptz.tilt);
-            assert!(pan.degrees().abs() < 1.0 && tilt.degrees().abs() < 0.4, "{pan} {tilt} at {} s", pair[1].time_s);
+            let (pan, tilt) = (
+                pair[1].ptz.pan.turn_from(pair[0].ptz.pan),
+                pair[1].ptz.tilt - pair[0].ptz.tilt,
+            );
+            assert!(
+                pan.degrees().abs() < 1.0 && tilt.degrees().abs() < 0.4,
+                "{pan} {tilt} at {} s",
+                pair[1].time_s
+            );
             // The stated motion equals the differences of the poses.
-            let stated = (pair[0].motion.pan_per_s + pair[1].motion.pan_per_s) * (0.5 * shoot.step_s);
+            let stated =
+                (pair[0].motion.pan_per_s + pair[1].motion.pan_per_s) * (0.5 * shoot.step_s);
             assert!((stated - pan).degrees().abs() < 0.02, "{stated} for {pan}");
         }
     }

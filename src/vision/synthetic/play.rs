@@ -44,7 +44,8 @@ pub(super) struct Play {
     half_width: f64,
 }
 
-/// Home positions of ten outfield players (4-4-2) as shares of half the length and half the width, attacking +x.
+/// Home positions of ten outfield players (4-4-2) as shares of half the length and half the width,
+/// attacking +x.
 const FORMATION: [[f64; 2]; 10] = [
     [-0.52, -0.62],
     [-0.58, -0.2],
@@ -60,16 +61,27 @@ const FORMATION: [[f64; 2]; 10] = [
 
 impl Play {
     pub fn new(seed: u64, length_m: f64, width_m: f64) -> Self {
-        Self { seed: sub_seed(seed, 0x91A1), half_length: 0.5 * length_m, half_width: 0.5 * width_m }
+        Self {
+            seed: sub_seed(seed, 0x91A1),
+            half_length: 0.5 * length_m,
+            half_width: 0.5 * width_m,
+        }
     }
 
     /// Where the ball is, `world`, m: it rolls, and now and then it flies.
     pub fn ball(&self, time_s: f64) -> Vec3 {
-        // Play swings from end to end: the wide walk is stretched until it spends as long near the goals as between.
-        let x = (1.7 * smooth_walk(self.seed, time_s / 11.0)).tanh() + 0.15 * smooth_walk(self.seed ^ 1, time_s / 3.1);
-        let y = 0.7 * smooth_walk(self.seed ^ 2, time_s / 6.1) + 0.25 * smooth_walk(self.seed ^ 3, time_s / 2.9);
+        // Play swings from end to end: the wide walk is stretched until it spends as long near the
+        // goals as between.
+        let x = (1.7 * smooth_walk(self.seed, time_s / 11.0)).tanh()
+            + 0.15 * smooth_walk(self.seed ^ 1, time_s / 3.1);
+        let y = 0.7 * smooth_walk(self.seed ^ 2, time_s / 6.1)
+            + 0.25 * smooth_walk(self.seed ^ 3, time_s / 2.9);
         let height = (smooth_walk(self.seed ^ 4, time_s / 1.7) - 0.55).max(0.0) * 5.0;
-        Vec3::new(x.clamp(-0.97, 0.97) * self.half_length, y.clamp(-0.95, 0.95) * self.half_width, 0.11 + height)
+        Vec3::new(
+            x.clamp(-0.97, 0.97) * self.half_length,
+            y.clamp(-0.95, 0.95) * self.half_width,
+            0.11 + height,
+        )
     }
 
     /// Everyone on the pitch.
@@ -81,7 +93,8 @@ impl Play {
             .into_iter()
             .enumerate()
             .map(|(index, (side, place))| {
-                let velocity = [0, 1].map(|axis| (after[index].1[axis] - before[index].1[axis]) / (2.0 * step));
+                let velocity = [0, 1]
+                    .map(|axis| (after[index].1[axis] - before[index].1[axis]) / (2.0 * step));
                 let speed = velocity[0].hypot(velocity[1]);
                 let to_ball = (ball.y - place[1]).atan2(ball.x - place[0]);
                 let look = hash(self.seed ^ 0x700D, index as i32, 5);
@@ -89,7 +102,11 @@ impl Play {
                     side,
                     place,
                     velocity,
-                    facing: if speed > 1.6 { velocity[1].atan2(velocity[0]) } else { to_ball },
+                    facing: if speed > 1.6 {
+                        velocity[1].atan2(velocity[0])
+                    } else {
+                        to_ball
+                    },
                     stride: time_s * (5.5 + speed) + f64::from(unit(look)) * std::f64::consts::TAU,
                     height_m: 1.70 + 0.22 * f64::from(unit(hash(look, 3, 3))),
                     look,
@@ -106,14 +123,18 @@ impl Play {
             let mut team: Vec<[f64; 2]> = (0..FORMATION.len())
                 .map(|player| {
                     let [x, y] = FORMATION[player];
-                    // The block shifts with the ball and every player wanders about the place the shape gives him.
+                    // The block shifts with the ball and every player wanders about the place the
+                    // shape gives him.
                     let wander = |axis: u32, period: f64| {
                         let seed = self.seed ^ hash(axis, player as i32, sign as i32);
                         smooth_walk(seed, time_s / period)
                     };
                     [
-                        (sign * x + 0.46 * ball_share[0] + 0.1 * wander(11, 4.1)).clamp(-0.97, 0.97) * self.half_length,
-                        (sign * y * 0.86 + 0.2 * ball_share[1] + 0.12 * wander(12, 3.7)).clamp(-0.97, 0.97)
+                        (sign * x + 0.46 * ball_share[0] + 0.1 * wander(11, 4.1))
+                            .clamp(-0.97, 0.97)
+                            * self.half_length,
+                        (sign * y * 0.86 + 0.2 * ball_share[1] + 0.12 * wander(12, 3.7))
+                            .clamp(-0.97, 0.97)
                             * self.half_width,
                     ]
                 })
@@ -123,7 +144,10 @@ impl Play {
         }
         let keeper = |sign: f64| {
             let out = 3.0 + 9.0 * (0.5 - 0.5 * sign * ball_share[0]).clamp(0.0, 1.0);
-            [sign * (self.half_length - out), 0.11 * ball.y + smooth_walk(self.seed ^ 0x28, time_s / 3.0)]
+            [
+                sign * (self.half_length - out),
+                0.11 * ball.y + smooth_walk(self.seed ^ 0x28, time_s / 3.0),
+            ]
         };
         places.push((Side::HomeKeeper, keeper(-1.0)));
         places.push((Side::AwayKeeper, keeper(1.0)));
@@ -136,11 +160,15 @@ impl Play {
         places.push((Side::Official, referee));
         let assistant = (0.5 * self.half_length + 0.45 * ball.x).clamp(0.0, self.half_length);
         places.push((Side::Official, [assistant, -self.half_width - 0.7]));
-        places.push((Side::Official, [-self.half_length + assistant, self.half_width + 0.7]));
+        places.push((
+            Side::Official,
+            [-self.half_length + assistant, self.half_width + 0.7],
+        ));
         places
     }
 
-    /// The players near the ball close in on it, the nearest most; two of a team never stand in one another.
+    /// The players near the ball close in on it, the nearest most; two of a team never stand in one
+    /// another.
     fn press(&self, team: &mut [[f64; 2]], ball: Vec3, sign: f64) {
         for (player, place) in team.iter_mut().enumerate() {
             let (dx, dy) = (ball.x - place[0], ball.y - place[1]);

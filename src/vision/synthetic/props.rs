@@ -1,4 +1,5 @@
-//! Everything that stands on the pitch at one moment: people, the ball, goals with nets, corner flags.
+//! Everything that stands on the pitch at one moment: people, the ball, goals with nets, corner
+//! flags.
 
 use super::boards::{BEHIND_GOAL_LINE_M, BEHIND_TOUCHLINE_M};
 use super::body::{Kits, body, bystander};
@@ -45,7 +46,10 @@ impl Prop {
         for sheet in &self.sheets {
             for (across, up) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
                 let breadth = across * sheet.breadth_m[0].max(sheet.breadth_m[1]);
-                take(sheet.corner + sheet.across * breadth + sheet.up * (up * sheet.height_m), 0.0);
+                take(
+                    sheet.corner + sheet.across * breadth + sheet.up * (up * sheet.height_m),
+                    0.0,
+                );
             }
         }
         (0.5 * (low + high), 0.5 * (high - low).norm())
@@ -99,15 +103,28 @@ fn goals(field: &FieldModel) -> Vec<Prop> {
             )),
             Curve::Arc { .. } => None,
         })
-        .map(|stick| Prop { sticks: vec![stick], sheets: Vec::new(), mover: None, throws_shadow: true })
+        .map(|stick| Prop {
+            sticks: vec![stick],
+            sheets: Vec::new(),
+            mover: None,
+            throws_shadow: true,
+        })
         .collect();
     for side in ["left", "right"] {
         let corner = |which: &str, end: &str| field.landmark(&format!("post_{which}_{side}_{end}"));
-        let corners = (corner("near", "base"), corner("far", "base"), corner("near", "top"));
+        let corners = (
+            corner("near", "base"),
+            corner("far", "base"),
+            corner("near", "top"),
+        );
         if let (Some(near), Some(far), Some(top)) = corners {
             let raise = field.ground_z(near.nominal_m.y);
             let foot = |landmark: Vec3| Vec3::new(landmark.x, landmark.y, landmark.z + raise);
-            props.push(net(foot(near.nominal_m), foot(far.nominal_m), top.nominal_m.z - near.nominal_m.z));
+            props.push(net(
+                foot(near.nominal_m),
+                foot(far.nominal_m),
+                top.nominal_m.z - near.nominal_m.z,
+            ));
         }
     }
     props
@@ -141,17 +158,30 @@ fn net(near: Vec3, far: Vec3, height_m: f64) -> Prop {
         albedo: cord,
     };
     let up = Vec3::z() * height_m;
-    let sheets = vec![side(near), side(far), level(near + out * foot_depth, slope), level(near + up, out * top_depth)];
+    let sheets = vec![
+        side(near),
+        side(far),
+        level(near + out * foot_depth, slope),
+        level(near + up, out * top_depth),
+    ];
     let bar = |from: Vec3, to: Vec3| Stick::new(from, to, 0.022, hex(0xD8_DADA));
     let sticks = [near, far]
         .into_iter()
         .flat_map(|post| {
             let shoulder = post + up + out * top_depth;
-            [bar(post + up, shoulder), bar(shoulder, post + out * foot_depth)]
+            [
+                bar(post + up, shoulder),
+                bar(shoulder, post + out * foot_depth),
+            ]
         })
         .chain([bar(near + up + out * top_depth, far + up + out * top_depth)])
         .collect();
-    Prop { sticks, sheets, mover: None, throws_shadow: false }
+    Prop {
+        sticks,
+        sheets,
+        mover: None,
+        throws_shadow: false,
+    }
 }
 
 /// Corner flags under the landmarks that name their tops.
@@ -173,7 +203,12 @@ fn flags(field: &FieldModel) -> Vec<Prop> {
                 albedo: hex(0xE8_4A1A),
             };
             let pole = Stick::new(foot, top, 0.022, hex(0xF0_E14A));
-            Prop { sticks: vec![pole], sheets: vec![cloth], mover: None, throws_shadow: true }
+            Prop {
+                sticks: vec![pole],
+                sheets: vec![cloth],
+                mover: None,
+                throws_shadow: true,
+            }
         })
         .collect()
 }
@@ -186,7 +221,10 @@ fn bystanders(seed: u64, field: &FieldModel) -> Vec<Prop> {
         let draw = hash(seed, place, 0);
         let x = -half_length + field.length_m * (f64::from(place) + f64::from(unit(draw))) / 26.0;
         (
-            [x, half_width + BEHIND_TOUCHLINE_M + 1.2 + 1.5 * f64::from(unit(draw.rotate_left(5)))],
+            [
+                x,
+                half_width + BEHIND_TOUCHLINE_M + 1.2 + 1.5 * f64::from(unit(draw.rotate_left(5))),
+            ],
             -std::f64::consts::FRAC_PI_2,
             draw,
         )
@@ -196,7 +234,15 @@ fn bystanders(seed: u64, field: &FieldModel) -> Vec<Prop> {
         let side = if place % 2 == 0 { 1.0 } else { -1.0 };
         let y = -half_width + field.width_m * (f64::from(place) + f64::from(unit(draw))) / 36.0;
         let x = half_length + BEHIND_GOAL_LINE_M + 0.8 + 1.2 * f64::from(unit(draw.rotate_left(5)));
-        ([side * x, y], if side > 0.0 { std::f64::consts::PI } else { 0.0 }, draw)
+        (
+            [side * x, y],
+            if side > 0.0 {
+                std::f64::consts::PI
+            } else {
+                0.0
+            },
+            draw,
+        )
     });
     far.chain(ends)
         .map(|(place, facing, draw)| Prop {

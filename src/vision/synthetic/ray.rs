@@ -3,7 +3,8 @@
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::{ImagePoint, Mat3, Vec2, Vec3};
 
-/// A line of sight with its differentials. `direction` has depth 1, so that a parameter along the ray is a depth in m.
+/// A line of sight with its differentials. `direction` has depth 1, so that a parameter along the
+/// ray is a depth in m.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ray {
     /// The camera's centre of projection, `world`, m.
@@ -50,7 +51,12 @@ impl Ray {
     pub fn on_plane(&self, depth: f64, normal: Vec3) -> PlaneHit {
         let slope = depth / self.direction.dot(&normal);
         let along = |by: Vec3| by * depth - self.direction * (slope * by.dot(&normal));
-        PlaneHit { depth, point: self.at(depth), by_x: along(self.by_x), by_y: along(self.by_y) }
+        PlaneHit {
+            depth,
+            point: self.at(depth),
+            by_x: along(self.by_x),
+            by_y: along(self.by_y),
+        }
     }
 }
 
@@ -69,7 +75,10 @@ pub(super) struct RayCaster<'a> {
 
 impl<'a> RayCaster<'a> {
     pub fn new(camera: &'a PtzCamera) -> Self {
-        Self { camera, world_from_cam: camera.cam_from_world().transpose() }
+        Self {
+            camera,
+            world_from_cam: camera.cam_from_world().transpose(),
+        }
     }
 
     /// The ray of an image point; none beyond the fold of the lens model.
@@ -85,7 +94,8 @@ impl<'a> RayCaster<'a> {
         })
     }
 
-    /// The inverse of the lens's derivative: radially one over its slope, across one over its stretch.
+    /// The inverse of the lens's derivative: radially one over its slope, across one over its
+    /// stretch.
     fn ideal_per_px(&self, ideal: Vec2) -> (Vec2, Vec2) {
         let (per_px, lens) = (1.0 / self.camera.ptz().focal_px, self.camera.lens());
         let squared = ideal.norm_squared();
@@ -95,7 +105,10 @@ impl<'a> RayCaster<'a> {
         let (radial, across) = (per_px / lens.slope(squared), per_px / lens.stretch(squared));
         let twist = (radial - across) / squared;
         let (xx, xy, yy) = (ideal.x * ideal.x, ideal.x * ideal.y, ideal.y * ideal.y);
-        (Vec2::new(across + twist * xx, twist * xy), Vec2::new(twist * xy, across + twist * yy))
+        (
+            Vec2::new(across + twist * xx, twist * xy),
+            Vec2::new(twist * xy, across + twist * yy),
+        )
     }
 }
 
@@ -107,10 +120,19 @@ mod tests {
     #[test]
     fn differentials_agree_with_the_neighbouring_rays() {
         let level = BaseAngles::default().base_from_world();
-        for (k1, k2_per_k1_squared) in [(0.0, 0.0), (-0.1, 0.0), (0.2, 0.0), (-0.2, 0.5), (0.2, 2.0)] {
+        for (k1, k2_per_k1_squared) in
+            [(0.0, 0.0), (-0.1, 0.0), (0.2, 0.0), (-0.2, 0.5), (0.2, 2.0)]
+        {
             let base = CameraBase {
-                distortion: FocalCurve { k2_per_k1_squared, ..FocalCurve::constant(k1) },
-                ..CameraBase::new(Vec3::new(1.0, -62.0, 17.0), level, ImagePoint::new(640.0, 360.0))
+                distortion: FocalCurve {
+                    k2_per_k1_squared,
+                    ..FocalCurve::constant(k1)
+                },
+                ..CameraBase::new(
+                    Vec3::new(1.0, -62.0, 17.0),
+                    level,
+                    ImagePoint::new(640.0, 360.0),
+                )
             };
             let camera = PtzCamera::new(base, Ptz::from_degrees(20.0, -11.0, 1500.0));
             let caster = RayCaster::new(&camera);
@@ -123,7 +145,9 @@ mod tests {
                 assert!((here.by_x - by_x).norm() < 1e-9 && (here.by_y - by_y).norm() < 1e-9);
                 let ground = |r: Ray| r.meets(Vec3::zeros(), Vec3::z());
                 let Some(hit) = ground(here) else { continue };
-                let moved = (ground(ray(h, 0.0)).unwrap().point - ground(ray(-h, 0.0)).unwrap().point) / (2.0 * h);
+                let moved = (ground(ray(h, 0.0)).unwrap().point
+                    - ground(ray(-h, 0.0)).unwrap().point)
+                    / (2.0 * h);
                 assert!((hit.by_x - moved).norm() < 1e-5 * (1.0 + moved.norm()));
             }
         }

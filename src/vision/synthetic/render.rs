@@ -1,4 +1,5 @@
-//! A frame: rays for what stands still, finer at edges; then shadows, people, goals and nets; then the camera.
+//! A frame: rays for what stands still, finer at edges; then shadows, people, goals and nets; then
+//! the camera.
 
 use super::colour::Light;
 use super::lens::{Exposure, Pixel, still};
@@ -53,55 +54,111 @@ const EDGE_SAMPLES: usize = 4;
 const MASK_FROM: f32 = 0.1;
 
 impl Stadium {
-    /// The picture that a camera takes. The geometry is exact: every pixel is the ray of its centre (of a grid of rays at
-    /// edges), through the lens model. The bytes do not depend on the number of threads.
+    /// The picture that a camera takes. The geometry is exact: every pixel is the ray of its centre
+    /// (of a grid of rays at edges), through the lens model. The bytes do not depend on the number
+    /// of threads.
     #[must_use]
-    pub fn render(&self, camera: &PtzCamera, image_size: ImageSize, options: &FrameOptions) -> RenderedFrame {
+    pub fn render(
+        &self,
+        camera: &PtzCamera,
+        image_size: ImageSize,
+        options: &FrameOptions,
+    ) -> RenderedFrame {
         let caster = RayCaster::new(camera);
         let mut props: Vec<Placed> = Vec::new();
-        props.extend(self.fixtures.iter().cloned().filter_map(|prop| Placed::new(prop, camera, image_size)));
+        props.extend(
+            self.fixtures
+                .iter()
+                .cloned()
+                .filter_map(|prop| Placed::new(prop, camera, image_size)),
+        );
         if options.players {
             let people = movers(&self.play, &self.kits, self.field(), options.time_s);
-            props.extend(people.into_iter().filter_map(|prop| Placed::new(prop, camera, image_size)));
+            props.extend(
+                people
+                    .into_iter()
+                    .filter_map(|prop| Placed::new(prop, camera, image_size)),
+            );
         }
         props.sort_by(|a, b| b.depth.total_cmp(&a.depth));
         let shadows = self.shadows(&props, camera, image_size);
 
         let width = image_size.width as usize;
-        let blank = Sight { light: Light::zeros(), depth: 0.0, surface: 0 };
+        let blank = Sight {
+            light: Light::zeros(),
+            depth: 0.0,
+            surface: 0,
+        };
         let mut sights = vec![blank; width * image_size.height as usize];
-        sights.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-            for (x, sight) in row.iter_mut().enumerate() {
-                if let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) {
-                    *sight = self.look(&ray);
+        sights
+            .par_chunks_mut(width)
+            .enumerate()
+            .for_each(|(y, row)| {
+                for (x, sight) in row.iter_mut().enumerate() {
+                    if let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) {
+                        *sight = self.look(&ray);
+                    }
                 }
-            }
-        });
-        let mut exposure = Exposure { size: image_size, pixels: vec![Pixel::zeros(); sights.len()] };
-        exposure.pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-            for (x, pixel) in row.iter_mut().enumerate() {
-                let sight = sights[y * width + x];
-                let light = if on_edge(&sights, width, x, y) { self.fine(&caster, x, y) } else { sight.light };
-                *pixel = still(light);
-            }
-            for shadow in shadows.iter().filter(|shadow| shadow.rows.contains(&y)) {
-                self.darken(shadow, &caster, &sights[y * width..(y + 1) * width], row, y);
-            }
-            for prop in props.iter().filter(|prop| prop.rows.contains(&y)) {
-                self.cover(prop, &caster, &sights[y * width..(y + 1) * width], row, y);
-            }
-        });
-        let movers = props.par_iter().filter_map(|prop| prop.seen(&caster, &sights, width, self)).collect();
+            });
+        let mut exposure = Exposure {
+            size: image_size,
+            pixels: vec![Pixel::zeros(); sights.len()],
+        };
+        exposure
+            .pixels
+            .par_chunks_mut(width)
+            .enumerate()
+            .for_each(|(y, row)| {
+                for (x, pixel) in row.iter_mut().enumerate() {
+                    let sight = sights[y * width + x];
+                    let light = if on_edge(&sights, width, x, y) {
+                        self.fine(&caster, x, y)
+                    } else {
+                        sight.light
+                    };
+                    *pixel = still(light);
+                }
+                for shadow in shadows.iter().filter(|shadow| shadow.rows.contains(&y)) {
+                    self.darken(shadow, &caster, &sights[y * width..(y + 1) * width], row, y);
+                }
+                for prop in props.iter().filter(|prop| prop.rows.contains(&y)) {
+                    self.cover(prop, &caster, &sights[y * width..(y + 1) * width], row, y);
+                }
+            });
+        let movers = props
+            .par_iter()
+            .filter_map(|prop| prop.seen(&caster, &sights, width, self))
+            .collect();
 
         let moves = options.shutter_s > 0.0;
-        let exposure = if moves { exposure.moved(camera, options) } else { exposure };
-        let exposure = if options.defocus_px > 0.0 { exposure.defocused(options.defocus_px) } else { exposure };
+        let exposure = if moves {
+            exposure.moved(camera, options)
+        } else {
+            exposure
+        };
+        let exposure = if options.defocus_px > 0.0 {
+            exposure.defocused(options.defocus_px)
+        } else {
+            exposure
+        };
         let mut image = exposure.developed(options);
-        options.graphics.draw(&mut image, self.options.seed, &self.kits, options.time_s);
+        options
+            .graphics
+            .draw(&mut image, self.options.seed, &self.kits, options.time_s);
         let graphics = options.graphics.boxes(image_size, options.time_s);
-        let bytes = exposure.pixels.iter().map(|pixel| if pixel.w >= MASK_FROM { 255 } else { 0 }).collect();
-        let mover_mask = GrayImage::from_raw(image_size.width, image_size.height, bytes).unwrap_or_default();
-        RenderedFrame { image, mover_mask, movers, graphics }
+        let bytes = exposure
+            .pixels
+            .iter()
+            .map(|pixel| if pixel.w >= MASK_FROM { 255 } else { 0 })
+            .collect();
+        let mover_mask =
+            GrayImage::from_raw(image_size.width, image_size.height, bytes).unwrap_or_default();
+        RenderedFrame {
+            image,
+            mover_mask,
+            movers,
+            graphics,
+        }
     }
 
     /// A pixel on an edge: the mean of a grid of rays.
@@ -109,7 +166,10 @@ impl Stadium {
         let step = 1.0 / EDGE_SAMPLES as f64;
         let mut sum = Light::zeros();
         for sample in 0..EDGE_SAMPLES * EDGE_SAMPLES {
-            let (i, j) = ((sample % EDGE_SAMPLES) as f64, (sample / EDGE_SAMPLES) as f64);
+            let (i, j) = (
+                (sample % EDGE_SAMPLES) as f64,
+                (sample / EDGE_SAMPLES) as f64,
+            );
             let point = ImagePoint::new(x as f64 + (i + 0.5) * step, y as f64 + (j + 0.5) * step);
             if let Some(ray) = caster.ray(point) {
                 sum += self.look(&ray).light;
@@ -119,10 +179,19 @@ impl Stadium {
     }
 
     /// Lays a prop over a row of the picture, where nothing that stands still hides it.
-    fn cover(&self, prop: &Placed, caster: &RayCaster<'_>, sights: &[Sight], row: &mut [Pixel], y: usize) {
+    fn cover(
+        &self,
+        prop: &Placed,
+        caster: &RayCaster<'_>,
+        sights: &[Sight],
+        row: &mut [Pixel],
+        y: usize,
+    ) {
         let mut touches = Vec::with_capacity(16);
         for x in prop.columns.clone() {
-            let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) else { continue };
+            let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) else {
+                continue;
+            };
             prop.touches(&ray, sights[x].depth, self, &mut touches);
             if touches.is_empty() {
                 continue;
@@ -132,17 +201,32 @@ impl Stadium {
                 light += touch.light * (touch.share * left);
                 left *= 1.0 - touch.share;
             }
-            let mover = if prop.prop.mover.is_some() { 1.0 - left } else { 0.0 };
+            let mover = if prop.prop.mover.is_some() {
+                1.0 - left
+            } else {
+                0.0
+            };
             row[x] = row[x] * left + Pixel::new(light.x, light.y, light.z, mover);
         }
     }
 
     /// The shadows of everything that throws one: the lamps' and, round the feet, the sky's.
-    fn shadows<'a>(&self, props: &'a [Placed], camera: &PtzCamera, image_size: ImageSize) -> Vec<Shadow<'a>> {
+    fn shadows<'a>(
+        &self,
+        props: &'a [Placed],
+        camera: &PtzCamera,
+        image_size: ImageSize,
+    ) -> Vec<Shadow<'a>> {
         let mut shadows = Vec::new();
         for prop in props.iter().filter(|prop| prop.prop.throws_shadow) {
             let (centre, radius) = prop.prop.bounds();
-            for (lamp, towards) in self.lighting.lamps.iter().map(|lamp| lamp.towards).enumerate() {
+            for (lamp, towards) in self
+                .lighting
+                .lamps
+                .iter()
+                .map(|lamp| lamp.towards)
+                .enumerate()
+            {
                 // The shadow of a point of this height above the middle of the prop's foot.
                 let falls = |height: f64| {
                     let away = towards * (height / towards.z);
@@ -150,21 +234,37 @@ impl Stadium {
                 };
                 let ends = [falls(0.0), falls(centre.z + radius)];
                 if let Some((columns, rows)) = area(&ends, radius, camera, image_size) {
-                    shadows.push(Shadow { prop: &prop.prop, lamp, columns, rows });
+                    shadows.push(Shadow {
+                        prop: &prop.prop,
+                        lamp,
+                        columns,
+                        rows,
+                    });
                 }
             }
         }
         shadows
     }
 
-    fn darken(&self, shadow: &Shadow<'_>, caster: &RayCaster<'_>, sights: &[Sight], row: &mut [Pixel], y: usize) {
+    fn darken(
+        &self,
+        shadow: &Shadow<'_>,
+        caster: &RayCaster<'_>,
+        sights: &[Sight],
+        row: &mut [Pixel],
+        y: usize,
+    ) {
         let lamp = &self.lighting.lamps[shadow.lamp];
         for x in shadow.columns.clone() {
             if sights[x].surface != GRASS {
                 continue;
             }
-            let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) else { continue };
-            let Some(ground) = self.ground_along(&ray) else { continue };
+            let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) else {
+                continue;
+            };
+            let Some(ground) = self.ground_along(&ray) else {
+                continue;
+            };
             let blur_m = 0.03 + ground.depth * ray.pixel_at_unit_depth();
             let hidden = shadow
                 .prop
@@ -172,7 +272,8 @@ impl Stadium {
                 .iter()
                 .map(|stick| stick.shadow(ground.point, lamp.towards, blur_m))
                 .fold(0.0, f32::max);
-            // Near the feet a body hides a part of the sky, too; every lamp's shadow carries its part of that.
+            // Near the feet a body hides a part of the sky, too; every lamp's shadow carries its
+            // part of that.
             let parts = self.lighting.lamps.len() as f32;
             let foot = shadow.foot_distance_m(ground.point) as f32;
             let sky_hidden = 0.55 * (-(foot / 0.32).powi(2)).exp() / parts;
@@ -180,7 +281,8 @@ impl Stadium {
                 continue;
             }
             let all = self.lighting.on_ground(ground.point);
-            let lost = self.lighting.of_lamp_on_ground(lamp, ground.point) * hidden + self.lighting.sky() * sky_hidden;
+            let lost = self.lighting.of_lamp_on_ground(lamp, ground.point) * hidden
+                + self.lighting.sky() * sky_hidden;
             let kept = (all - lost).component_div(&all);
             row[x] = row[x].component_mul(&kept.push(1.0));
         }
@@ -207,7 +309,8 @@ fn area(
     let mut high = [f64::NEG_INFINITY; 2];
     for point in points {
         let image = camera.image_from_world(*point).ok()?;
-        let reach_px = 2.0 + 1.1 * camera.ptz().focal_px * radius_m / (point - camera.base().position_m).norm();
+        let reach_px = 2.0
+            + 1.1 * camera.ptz().focal_px * radius_m / (point - camera.base().position_m).norm();
         for (axis, at) in [image.x, image.y].into_iter().enumerate() {
             low[axis] = low[axis].min(at - reach_px);
             high[axis] = high[axis].max(at + reach_px);
@@ -234,26 +337,47 @@ impl Placed {
         let (centre, radius) = prop.bounds();
         let (columns, rows) = area(&[centre], radius, camera, image_size)?;
         let depth = camera.cam_from_world_point(centre).z;
-        Some(Self { prop, depth, columns, rows })
+        Some(Self {
+            prop,
+            depth,
+            columns,
+            rows,
+        })
     }
 
     /// What a ray meets of it before `limit`, nearest first.
     fn touches(&self, ray: &Ray, limit: f64, stadium: &Stadium, touches: &mut Vec<Touch>) {
         touches.clear();
-        let sticks = self.prop.sticks.iter().filter_map(|stick| stick.touch(ray, &stadium.lighting));
-        let sheets = self.prop.sheets.iter().filter_map(|sheet| sheet.touch(ray, &stadium.lighting));
+        let sticks = self
+            .prop
+            .sticks
+            .iter()
+            .filter_map(|stick| stick.touch(ray, &stadium.lighting));
+        let sheets = self
+            .prop
+            .sheets
+            .iter()
+            .filter_map(|sheet| sheet.touch(ray, &stadium.lighting));
         touches.extend(sticks.chain(sheets).filter(|touch| touch.depth < limit));
         touches.sort_by(|a, b| a.depth.total_cmp(&b.depth));
     }
 
     /// Where it is seen, if it moves.
-    fn seen(&self, caster: &RayCaster<'_>, sights: &[Sight], width: usize, stadium: &Stadium) -> Option<SeenMover> {
+    fn seen(
+        &self,
+        caster: &RayCaster<'_>,
+        sights: &[Sight],
+        width: usize,
+        stadium: &Stadium,
+    ) -> Option<SeenMover> {
         let mover = self.prop.mover?;
         let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
         let mut touches = Vec::with_capacity(16);
         for y in self.rows.clone() {
             for x in self.columns.clone() {
-                let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) else { continue };
+                let Some(ray) = caster.ray(ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5)) else {
+                    continue;
+                };
                 self.touches(&ray, sights[y * width + x].depth, stadium, &mut touches);
                 let left: f32 = touches.iter().map(|touch| 1.0 - touch.share).product();
                 if 1.0 - left >= MASK_FROM {

@@ -1,4 +1,5 @@
-//! Rounded sticks and nets: everything that stands on the pitch is made of these, with exact geometry and smooth rims.
+//! Rounded sticks and nets: everything that stands on the pitch is made of these, with exact
+//! geometry and smooth rims.
 
 use super::colour::Light;
 use super::coverage::{comb, inside, strip};
@@ -6,7 +7,8 @@ use super::light::Lighting;
 use super::ray::Ray;
 use touchline_core::geometry::Vec3;
 
-/// A stick with round ends whose radius may differ from end to end; with both ends in one place, a ball.
+/// A stick with round ends whose radius may differ from end to end; with both ends in one place, a
+/// ball.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stick {
     pub from: Vec3,
@@ -34,11 +36,29 @@ pub(super) struct Touch {
 
 impl Stick {
     pub const fn new(from: Vec3, to: Vec3, radius_m: f64, albedo: Light) -> Self {
-        Self { from, to, radius_from_m: radius_m, radius_to_m: radius_m, albedo }
+        Self {
+            from,
+            to,
+            radius_from_m: radius_m,
+            radius_to_m: radius_m,
+            albedo,
+        }
     }
 
-    pub const fn tapered(from: Vec3, to: Vec3, radius_from_m: f64, radius_to_m: f64, albedo: Light) -> Self {
-        Self { from, to, radius_from_m, radius_to_m, albedo }
+    pub const fn tapered(
+        from: Vec3,
+        to: Vec3,
+        radius_from_m: f64,
+        radius_to_m: f64,
+        albedo: Light,
+    ) -> Self {
+        Self {
+            from,
+            to,
+            radius_from_m,
+            radius_to_m,
+            albedo,
+        }
     }
 
     pub const fn ball(centre: Vec3, radius_m: f64, albedo: Light) -> Self {
@@ -48,15 +68,28 @@ impl Stick {
     /// The closest approach of the line origin + t · direction to the axis.
     fn approach(&self, origin: Vec3, direction: Vec3) -> Approach {
         let (axis, offset) = (self.to - self.from, origin - self.from);
-        let (dd, de, ee) = (direction.norm_squared(), direction.dot(&axis), axis.norm_squared());
+        let (dd, de, ee) = (
+            direction.norm_squared(),
+            direction.dot(&axis),
+            axis.norm_squared(),
+        );
         let (d, e) = (direction.dot(&offset), axis.dot(&offset));
         let denominator = dd * ee - de * de;
-        let share = if denominator > 1e-12 * dd { ((dd * e - de * d) / denominator).clamp(0.0, 1.0) } else { 0.0 };
+        let share = if denominator > 1e-12 * dd {
+            ((dd * e - de * d) / denominator).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
         let on_axis = self.from + axis * share;
         let depth = (on_axis - origin).dot(&direction) / dd;
         let distance_m = (origin + direction * depth - on_axis).norm();
         let radius_m = self.radius_from_m + (self.radius_to_m - self.radius_from_m) * share;
-        Approach { depth, on_axis, distance_m, radius_m }
+        Approach {
+            depth,
+            on_axis,
+            distance_m,
+            radius_m,
+        }
     }
 
     /// What a pixel sees of the stick.
@@ -65,7 +98,11 @@ impl Stick {
         if near.depth <= 0.0 {
             return None;
         }
-        let share = strip(near.distance_m, near.radius_m, near.depth * ray.pixel_at_unit_depth()) as f32;
+        let share = strip(
+            near.distance_m,
+            near.radius_m,
+            near.depth * ray.pixel_at_unit_depth(),
+        ) as f32;
         if share <= 0.0 {
             return None;
         }
@@ -73,7 +110,11 @@ impl Stick {
         let rim = (near.distance_m / near.radius_m).min(1.0);
         let facing = (1.0 - rim * rim).sqrt();
         let aside = ray.at(near.depth) - near.on_axis;
-        let normal = if near.distance_m > 1e-9 { aside * (rim / near.distance_m) + view * facing } else { view };
+        let normal = if near.distance_m > 1e-9 {
+            aside * (rim / near.distance_m) + view * facing
+        } else {
+            view
+        };
         Some(Touch {
             depth: near.depth - near.radius_m * facing / ray.direction.norm(),
             share,
@@ -81,16 +122,22 @@ impl Stick {
         })
     }
 
-    /// How much of a lamp the stick hides from a point, 0 to 1; `blur_m` is how far a pixel or the haze smears its rim.
+    /// How much of a lamp the stick hides from a point, 0 to 1; `blur_m` is how far a pixel or the
+    /// haze smears its rim.
     pub fn shadow(&self, point: Vec3, towards: Vec3, blur_m: f64) -> f32 {
         let near = self.approach(point, towards);
         // The lamp is wide: the rim softens with the distance.
         let soft = blur_m + 0.03 * near.depth.max(0.0);
-        if near.depth < 0.0 { 0.0 } else { inside((near.distance_m - near.radius_m) as f32, soft as f32) }
+        if near.depth < 0.0 {
+            0.0
+        } else {
+            inside((near.distance_m - near.radius_m) as f32, soft as f32)
+        }
     }
 }
 
-/// A flat piece of net or cloth: from `corner` along `across` (unit) and `up` (unit); its breadth may narrow upwards.
+/// A flat piece of net or cloth: from `corner` along `across` (unit) and `up` (unit); its breadth
+/// may narrow upwards.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheet {
     pub corner: Vec3,
@@ -113,17 +160,23 @@ impl Sheet {
         let (across, up) = (offset.dot(&self.across), offset.dot(&self.up));
         let (reach_across, reach_up) = (hit.reach(self.across), hit.reach(self.up));
         let half_height = 0.5 * self.height_m;
-        let breadth = self.breadth_m[0] + (self.breadth_m[1] - self.breadth_m[0]) * (up / self.height_m);
-        let on =
-            strip(across - 0.5 * breadth, 0.5 * breadth, reach_across) * strip(up - half_height, half_height, reach_up);
+        let breadth =
+            self.breadth_m[0] + (self.breadth_m[1] - self.breadth_m[0]) * (up / self.height_m);
+        let on = strip(across - 0.5 * breadth, 0.5 * breadth, reach_across)
+            * strip(up - half_height, half_height, reach_up);
         if on <= 0.0 {
             return None;
         }
         let woven = self.mesh_m.map_or(1.0, |[width, spacing]| {
-            let holes = (1.0 - comb(across, spacing, width, reach_across)) * (1.0 - comb(up, spacing, width, reach_up));
+            let holes = (1.0 - comb(across, spacing, width, reach_across))
+                * (1.0 - comb(up, spacing, width, reach_up));
             1.0 - holes
         });
-        let facing = if normal.dot(&ray.direction) > 0.0 { -normal } else { normal };
+        let facing = if normal.dot(&ray.direction) > 0.0 {
+            -normal
+        } else {
+            normal
+        };
         Some(Touch {
             depth: hit.depth,
             share: (on * woven) as f32,
@@ -138,13 +191,25 @@ mod tests {
 
     #[test]
     fn a_ray_beside_a_stick_knows_its_distance() {
-        let post = Stick::new(Vec3::zeros(), Vec3::new(0.0, 0.0, 2.44), 0.06, Light::zeros());
+        let post = Stick::new(
+            Vec3::zeros(),
+            Vec3::new(0.0, 0.0, 2.44),
+            0.06,
+            Light::zeros(),
+        );
         let beside = post.approach(Vec3::new(1.0, -10.0, 1.0), Vec3::y());
         assert!((beside.distance_m - 1.0).abs() < 1e-12 && (beside.depth - 10.0).abs() < 1e-12);
         let over = post.approach(Vec3::new(0.0, -10.0, 3.44), Vec3::y());
         assert!((over.distance_m - 1.0).abs() < 1e-12);
         let ball = Stick::ball(Vec3::zeros(), 0.11, Light::zeros());
-        assert!((ball.approach(Vec3::new(0.0, -5.0, 0.2), Vec3::y()).distance_m - 0.2).abs() < 1e-12);
+        assert!(
+            (ball
+                .approach(Vec3::new(0.0, -5.0, 0.2), Vec3::y())
+                .distance_m
+                - 0.2)
+                .abs()
+                < 1e-12
+        );
     }
 
     #[test]

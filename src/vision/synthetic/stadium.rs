@@ -42,7 +42,12 @@ pub fn stadium(options: &StadiumOptions) -> Stadium {
         ground: Ground::new(options.seed, field, options.paint_left),
         boards: Boards::new(options.seed, field),
         bowl: Bowl::new(field),
-        crowd: Crowd::new(options.seed, options.attendance, kits.home.shirt, kits.away.shirt),
+        crowd: Crowd::new(
+            options.seed,
+            options.attendance,
+            kits.home.shirt,
+            kits.away.shirt,
+        ),
         kits,
         options: options.clone(),
     }
@@ -77,13 +82,16 @@ impl Stadium {
         &self.options.field
     }
 
-    /// The same stadium at another moment: ground, lines, stands and players are as they were. Moments add up: of people and
-    /// boards that changed before, those stay changed that do not change again.
+    /// The same stadium at another moment: ground, lines, stands and players are as they were.
+    /// Moments add up: of people and boards that changed before, those stay changed that do not
+    /// change again.
     #[must_use]
     pub fn at(&self, moment: &Moment) -> Self {
         let mut stadium = self.clone();
         let occasion = self.options.seed.wrapping_add(moment.occasion);
-        stadium.boards.change(sub_seed(occasion, 0xB0C4), moment.boards_changed as f32);
+        stadium
+            .boards
+            .change(sub_seed(occasion, 0xB0C4), moment.boards_changed as f32);
         stadium.crowd.change(sub_seed(occasion, 0xC2D4), moment);
         stadium
     }
@@ -91,31 +99,56 @@ impl Stadium {
     /// The ground, stands, boards and sky along a ray.
     pub(super) fn look(&self, ray: &Ray) -> Sight {
         let ground = self.ground_along(ray);
-        if let Some(board) = self.boards.meets(ray).filter(|b| ground.is_none_or(|g| b.at.depth < g.depth)) {
+        if let Some(board) = self
+            .boards
+            .meets(ray)
+            .filter(|b| ground.is_none_or(|g| b.at.depth < g.depth))
+        {
             let surface = BOARDS.saturating_add(self.boards.number(&board));
-            return Sight { light: self.boards.colour(&board), depth: board.at.depth, surface };
+            return Sight {
+                light: self.boards.colour(&board),
+                depth: board.at.depth,
+                surface,
+            };
         }
         if let Some(hit) = ground.filter(|hit| self.ground.is_inside_boards(hit.point)) {
             return self.lit_ground(&hit, GRASS);
         }
         let stands = self.bowl.meets(ray);
         match (ground, stands) {
-            (Some(ground), stands) if stands.is_none_or(|stands| ground.depth < stands.at.depth) => {
+            (Some(ground), stands)
+                if stands.is_none_or(|stands| ground.depth < stands.at.depth) =>
+            {
                 self.lit_ground(&ground, APRON)
             }
             (_, Some(stands)) => self.lit_stands(&stands),
-            _ => Sight { light: self.lighting.sky_in(ray.direction), depth: f64::INFINITY, surface: SKY },
+            _ => Sight {
+                light: self.lighting.sky_in(ray.direction),
+                depth: f64::INFINITY,
+                surface: SKY,
+            },
         }
     }
 
     fn lit_ground(&self, hit: &PlaneHit, surface: u8) -> Sight {
-        let light = self.ground.albedo(hit).component_mul(&self.lighting.on_ground(hit.point));
-        Sight { light, depth: hit.depth, surface }
+        let light = self
+            .ground
+            .albedo(hit)
+            .component_mul(&self.lighting.on_ground(hit.point));
+        Sight {
+            light,
+            depth: hit.depth,
+            surface,
+        }
     }
 
     fn lit_stands(&self, hit: &BowlHit) -> Sight {
         let light = self.crowd.colour(hit) * self.lighting.stands;
-        Sight { light, depth: hit.at.depth, surface: BOWL + hit.part as u8 }
+        Sight {
+            light,
+            depth: hit.at.depth,
+            surface: BOWL + hit.part as u8,
+        }
     }
 
     /// Where a ray meets the ground, crowned as the field is.
@@ -125,9 +158,15 @@ impl Stadium {
         if field.crown_m == 0.0 {
             return Some(hit);
         }
-        // Newton on the height above the crowned ground; its slope is a hundredth of the ray's, so four steps are plenty.
-        let slope =
-            |y: f64| if y.abs() < 0.5 * field.width_m { -8.0 * field.crown_m * y / field.width_m.powi(2) } else { 0.0 };
+        // Newton on the height above the crowned ground; its slope is a hundredth of the ray's, so
+        // four steps are plenty.
+        let slope = |y: f64| {
+            if y.abs() < 0.5 * field.width_m {
+                -8.0 * field.crown_m * y / field.width_m.powi(2)
+            } else {
+                0.0
+            }
+        };
         for _ in 0..4 {
             let point = ray.at(hit.depth);
             let above = point.z - field.ground_z(point.y);

@@ -14,18 +14,26 @@ impl GlyphCoverage {
     /// The coverage at a cell; nothing outside.
     pub fn at(&self, x: i64, y: i64) -> f32 {
         let inside = x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height;
-        if inside { self.share[y as usize * self.width + x as usize] } else { 0.0 }
+        if inside {
+            self.share[y as usize * self.width + x as usize]
+        } else {
+            0.0
+        }
     }
 }
 
-/// A line of text whose capitals are `capital_px` high, its strokes thickened by `weight_px` on each side; the picture
-/// is cropped to the capitals' height (plus the weight) and the text's width.
+/// A line of text whose capitals are `capital_px` high, its strokes thickened by `weight_px` on
+/// each side; the picture is cropped to the capitals' height (plus the weight) and the text's
+/// width.
 pub(super) fn rasterise(text: &str, capital_px: f32, weight_px: f32) -> GlyphCoverage {
     // The font ships with the program; were it unreadable, boards would be blank and nothing else.
-    let Ok(font) = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT) else { return GlyphCoverage::default() };
+    let Ok(font) = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT) else {
+        return GlyphCoverage::default();
+    };
     // Ubuntu's capitals are 0.693 of an em; ab_glyph scales by ascent − descent.
     let em_px = capital_px / 0.693;
-    let scale = PxScale::from(em_px * font.height_unscaled() / font.units_per_em().unwrap_or(1000.0));
+    let scale =
+        PxScale::from(em_px * font.height_unscaled() / font.units_per_em().unwrap_or(1000.0));
     let scaled = font.as_scaled(scale);
     let margin = weight_px.ceil() + 1.0;
     let mut pen = margin;
@@ -50,7 +58,10 @@ pub(super) fn rasterise(text: &str, capital_px: f32, weight_px: f32) -> GlyphCov
     for outline in outlines {
         let corner = outline.px_bounds().min;
         outline.draw(|x, y, share| {
-            let (x, y) = (corner.x as i64 + i64::from(x), corner.y as i64 + i64::from(y));
+            let (x, y) = (
+                corner.x as i64 + i64::from(x),
+                corner.y as i64 + i64::from(y),
+            );
             if x >= 0 && y >= 0 && (x as usize) < thin.width && (y as usize) < thin.height {
                 let cell = &mut thin.share[y as usize * thin.width + x as usize];
                 *cell = cell.max(share);
@@ -68,13 +79,22 @@ fn embolden(thin: &GlyphCoverage, weight_px: f32) -> GlyphCoverage {
     let reach = weight_px.ceil() as i64;
     let disc: Vec<(i64, i64, f32)> = (-reach..=reach)
         .flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy)))
-        .map(|(dx, dy)| (dx, dy, (weight_px + 0.5 - (dx as f32).hypot(dy as f32)).clamp(0.0, 1.0)))
+        .map(|(dx, dy)| {
+            (
+                dx,
+                dy,
+                (weight_px + 0.5 - (dx as f32).hypot(dy as f32)).clamp(0.0, 1.0),
+            )
+        })
         .filter(|(_, _, share)| *share > 0.0)
         .collect();
     let mut bold = thin.clone();
     for y in 0..thin.height as i64 {
         for x in 0..thin.width as i64 {
-            let share = disc.iter().map(|(dx, dy, share)| share * thin.at(x + dx, y + dy)).fold(0.0, f32::max);
+            let share = disc
+                .iter()
+                .map(|(dx, dy, share)| share * thin.at(x + dx, y + dy))
+                .fold(0.0, f32::max);
             bold.share[y as usize * thin.width + x as usize] = share;
         }
     }
@@ -88,7 +108,10 @@ mod tests {
     #[test]
     fn words_have_ink_and_weight_adds_to_it() {
         let ink = |coverage: &GlyphCoverage| coverage.share.iter().sum::<f32>();
-        let (thin, bold) = (rasterise("TWO POINTS", 30.0, 0.0), rasterise("TWO POINTS", 30.0, 2.0));
+        let (thin, bold) = (
+            rasterise("TWO POINTS", 30.0, 0.0),
+            rasterise("TWO POINTS", 30.0, 2.0),
+        );
         assert!(thin.height >= 30 && thin.height <= 36 && thin.width > 100);
         assert!(ink(&thin) > 200.0 && ink(&bold) > 1.5 * ink(&thin));
         assert_eq!(rasterise("", 30.0, 1.0).share.iter().sum::<f32>(), 0.0);

@@ -1,4 +1,5 @@
-//! A picture in the world, prefiltered so that it neither aliases nor blurs when seen from far or askew.
+//! A picture in the world, prefiltered so that it neither aliases nor blurs when seen from far or
+//! askew.
 
 use super::colour::{Light, mix};
 
@@ -21,9 +22,18 @@ const MAX_TAPS: f32 = 12.0;
 impl Texture {
     /// A texture of `width` × `height` texels given by their centres.
     pub fn paint(width: usize, height: usize, texel: impl Fn(usize, usize) -> Light) -> Self {
-        let texels = (0..width * height).map(|index| texel(index % width, index / width)).collect();
-        let mut levels = vec![Level { width, height, texels }];
-        while let Some(last) = levels.last().filter(|level| level.width > 1 || level.height > 1) {
+        let texels = (0..width * height)
+            .map(|index| texel(index % width, index / width))
+            .collect();
+        let mut levels = vec![Level {
+            width,
+            height,
+            texels,
+        }];
+        while let Some(last) = levels
+            .last()
+            .filter(|level| level.width > 1 || level.height > 1)
+        {
             let half = last.halved();
             levels.push(half);
         }
@@ -33,15 +43,22 @@ impl Texture {
     /// The mean over a pixel's footprint: centre (x, y) and extents along both axes in texels.
     pub fn sample(&self, x: f32, y: f32, reach_x: f32, reach_y: f32) -> Light {
         let (reach_x, reach_y) = (reach_x.max(1e-3), reach_y.max(1e-3));
-        let (short, long) = if reach_x < reach_y { (reach_x, reach_y) } else { (reach_y, reach_x) };
+        let (short, long) = if reach_x < reach_y {
+            (reach_x, reach_y)
+        } else {
+            (reach_y, reach_x)
+        };
         let taps = (long / short).min(MAX_TAPS).ceil();
         let step = long / taps;
         let level = short.max(step).log2().max(0.0);
         let mut sum = Light::zeros();
         for tap in 0..taps as usize {
             let along = (tap as f32 + 0.5) * step - 0.5 * long;
-            sum +=
-                if reach_x < reach_y { self.at_level(x, y + along, level) } else { self.at_level(x + along, y, level) };
+            sum += if reach_x < reach_y {
+                self.at_level(x, y + along, level)
+            } else {
+                self.at_level(x + along, y, level)
+            };
         }
         sum / taps
     }
@@ -53,7 +70,11 @@ impl Texture {
         if lower == last || level == lower as f32 {
             return fine;
         }
-        mix(fine, self.levels[lower + 1].bilinear(x, y, lower + 1), level - lower as f32)
+        mix(
+            fine,
+            self.levels[lower + 1].bilinear(x, y, lower + 1),
+            level - lower as f32,
+        )
     }
 }
 
@@ -69,10 +90,15 @@ impl Level {
         let texels = (0..width * height)
             .map(|index| {
                 let (x, y) = (2 * (index % width) as i64, 2 * (index / width) as i64);
-                (self.at(x, y) + self.at(x + 1, y) + self.at(x, y + 1) + self.at(x + 1, y + 1)) * 0.25
+                (self.at(x, y) + self.at(x + 1, y) + self.at(x, y + 1) + self.at(x + 1, y + 1))
+                    * 0.25
             })
             .collect();
-        Self { width, height, texels }
+        Self {
+            width,
+            height,
+            texels,
+        }
     }
 
     /// Bilinear at a place given in texels of the full picture.
@@ -94,10 +120,14 @@ mod tests {
 
     #[test]
     fn a_checkerboard_is_itself_from_near_and_grey_from_far() {
-        let board = Texture::paint(64, 16, |x, y| Light::repeat(if (x + y) % 2 == 0 { 1.0 } else { 0.0 }));
+        let board = Texture::paint(64, 16, |x, y| {
+            Light::repeat(if (x + y) % 2 == 0 { 1.0 } else { 0.0 })
+        });
         assert!((board.sample(0.5, 0.5, 0.1, 0.1).x - 1.0).abs() < 1e-6);
         assert!((board.sample(30.0, 8.0, 8.0, 8.0).x - 0.5).abs() < 1e-3);
-        let stripes = Texture::paint(64, 16, |x, _| Light::repeat(if x % 2 == 0 { 1.0 } else { 0.0 }));
+        let stripes = Texture::paint(64, 16, |x, _| {
+            Light::repeat(if x % 2 == 0 { 1.0 } else { 0.0 })
+        });
         // Long along x only: the stripes average out; long along y only: they stay.
         assert!((stripes.sample(30.0, 8.0, 8.0, 0.5).x - 0.5).abs() < 0.07);
         assert!(stripes.sample(30.5, 8.0, 0.5, 8.0).x > 0.95);

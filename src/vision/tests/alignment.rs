@@ -17,7 +17,11 @@ const COUNT: usize = 12;
 const SURPLUS: f64 = 5.0;
 
 fn looks(i: usize) -> Ptz {
-    Ptz::from_degrees(-15.0 + 2.5 * i as f64, -10.0 - (i % 2) as f64, 1800.0 + 100.0 * (i % 3) as f64)
+    Ptz::from_degrees(
+        -15.0 + 2.5 * i as f64,
+        -10.0 - (i % 2) as f64,
+        1800.0 + 100.0 * (i % 3) as f64,
+    )
 }
 
 /// A label that is off by so many of its sigmas.
@@ -31,30 +35,51 @@ fn off(ptz: Ptz, by: Vec3) -> Ptz {
 
 /// By how many of a label's sigmas a camera is off.
 fn in_sigmas(found: Ptz, truth: Ptz) -> Vec3 {
-    let (pan, tilt) = (found.pan.turn_from(truth.pan).radians(), (found.tilt - truth.tilt).radians());
-    Vec3::new(pan / SIGMAS[0], tilt / SIGMAS[1], (found.focal_px - truth.focal_px) / SIGMAS[2])
+    let (pan, tilt) = (
+        found.pan.turn_from(truth.pan).radians(),
+        (found.tilt - truth.tilt).radians(),
+    );
+    Vec3::new(
+        pan / SIGMAS[0],
+        tilt / SIGMAS[1],
+        (found.focal_px - truth.focal_px) / SIGMAS[2],
+    )
 }
 
-/// Labels off by so many sigmas, aligned: by how many sigmas they are off then, and the covariance stated of that, in sigmas too.
+/// Labels off by so many sigmas, aligned: by how many sigmas they are off then, and the covariance
+/// stated of that, in sigmas too.
 fn align(rng: &mut Pcg64Mcg, offs: &[Vec3], misfit: Option<Misfit>) -> Vec<(Vec3, Mat3)> {
     let scene = scene(rng);
-    let pictures: Vec<Features> = (0..offs.len()).map(|i| picture(&scene, looks(i), rng)).collect();
+    let pictures: Vec<Features> = (0..offs.len())
+        .map(|i| picture(&scene, looks(i), rng))
+        .collect();
     let references: Vec<Reference> = (0..)
         .zip(pictures.iter().zip(offs))
-        .map(|(i, (features, by))| Reference { features, camera: PtzCamera::new(base(), off(looks(i), *by)) })
+        .map(|(i, (features, by))| Reference {
+            features,
+            camera: PtzCamera::new(base(), off(looks(i), *by)),
+        })
         .collect();
     let covariance = Mat3::from_diagonal(&Vec3::from(SIGMAS.map(|sigma| sigma * sigma)));
     let found = aligned(&references, &vec![Label { covariance, misfit }; offs.len()]);
     let units = Mat3::from_diagonal(&Vec3::from(SIGMAS.map(f64::recip)));
-    (0..).zip(found).map(|(i, (ptz, covariance))| (in_sigmas(ptz, looks(i)), units * covariance * units)).collect()
+    (0..)
+        .zip(found)
+        .map(|(i, (ptz, covariance))| (in_sigmas(ptz, looks(i)), units * covariance * units))
+        .collect()
 }
 
 fn errors(rng: &mut Pcg64Mcg, sigma: f64) -> Vec<Vec3> {
-    (0..COUNT).map(|_| Vec3::from_fn(|_, _| sigma * normal(rng))).collect()
+    (0..COUNT)
+        .map(|_| Vec3::from_fn(|_, _| sigma * normal(rng)))
+        .collect()
 }
 
 /// Clicks that scatter as they are supposed to.
-const USUAL: Option<Misfit> = Some(Misfit { chi_squared: SURPLUS, expected: SURPLUS });
+const USUAL: Option<Misfit> = Some(Misfit {
+    chi_squared: SURPLUS,
+    expected: SURPLUS,
+});
 
 #[test]
 fn aligned_labels_are_better_and_say_by_how_much() {
@@ -71,17 +96,28 @@ fn aligned_labels_are_better_and_say_by_how_much() {
     }
     let stated = (in_stated / (3 * COUNT * draws) as f64).sqrt();
     assert!(after < before / 4.0, "{before} {after}");
-    assert!((0.6..1.3).contains(&stated), "errors are {stated} of what is stated");
+    assert!(
+        (0.6..1.3).contains(&stated),
+        "errors are {stated} of what is stated"
+    );
 }
 
 #[test]
 fn clicks_that_scatter_more_than_usual_are_known_by_it() {
     let mut rng = rng("clicks_that_scatter_more_than_usual_are_known_by_it");
-    let trace = |found: &[(Vec3, Mat3)]| found.iter().map(|(_, covariance)| covariance.trace()).sum::<f64>();
+    let trace = |found: &[(Vec3, Mat3)]| {
+        found
+            .iter()
+            .map(|(_, covariance)| covariance.trace())
+            .sum::<f64>()
+    };
     let offs = errors(&mut rng, 1.0);
     let as_usual = trace(&align(&mut rng.clone(), &offs, USUAL));
     let twice: Vec<Vec3> = offs.iter().map(|off| off * 2.0).collect();
-    let scattered = Some(Misfit { chi_squared: 4.0 * SURPLUS, expected: SURPLUS });
+    let scattered = Some(Misfit {
+        chi_squared: 4.0 * SURPLUS,
+        expected: SURPLUS,
+    });
     let ratio = trace(&align(&mut rng.clone(), &twice, scattered)) / as_usual;
     assert!((2.5..4.5).contains(&ratio), "{ratio}");
     // What rests on no clicks is taken as it says.
@@ -104,24 +140,64 @@ fn a_wrong_label_moves_no_other() {
 #[test]
 fn a_label_without_neighbours_stays_as_it_is() {
     assert_eq!(aligned(&[], &[]), []);
-    let nothing = Features { image_size: SIZE, ..Features::default() };
+    let nothing = Features {
+        image_size: SIZE,
+        ..Features::default()
+    };
     let camera = PtzCamera::new(base(), looks(3));
-    let label = Label { covariance: Mat3::from_diagonal(&Vec3::new(1e-6, 1e-6, 100.0)), misfit: None };
-    let found = aligned(&[Reference { features: &nothing, camera }; 2], &[label; 2]);
+    let label = Label {
+        covariance: Mat3::from_diagonal(&Vec3::new(1e-6, 1e-6, 100.0)),
+        misfit: None,
+    };
+    let found = aligned(
+        &[Reference {
+            features: &nothing,
+            camera,
+        }; 2],
+        &[label; 2],
+    );
     assert_eq!(found.len(), 2);
     for (ptz, covariance) in found {
         assert_eq!(ptz, looks(3));
-        assert!((covariance - label.covariance).norm() < 1e-9 * label.covariance.norm(), "{covariance}");
+        assert!(
+            (covariance - label.covariance).norm() < 1e-9 * label.covariance.norm(),
+            "{covariance}"
+        );
     }
 }
 
 #[test]
 fn labels_that_say_nothing_stay_as_they_are() {
-    let nothing = Features { image_size: SIZE, ..Features::default() };
-    let references = [0, 1].map(|i| Reference { features: &nothing, camera: PtzCamera::new(base(), looks(i)) });
-    for covariance in [Mat3::zeros(), Mat3::repeat(f64::NAN), Mat3::repeat(f64::INFINITY)] {
-        let found = aligned(&references, &[Label { covariance, misfit: USUAL }; 2]);
-        assert_eq!([found[0].0, found[1].0], [looks(0), looks(1)], "{covariance}");
-        assert!(found.iter().all(|(_, stated)| stated.norm().total_cmp(&covariance.norm()).is_eq()), "{covariance}");
+    let nothing = Features {
+        image_size: SIZE,
+        ..Features::default()
+    };
+    let references = [0, 1].map(|i| Reference {
+        features: &nothing,
+        camera: PtzCamera::new(base(), looks(i)),
+    });
+    for covariance in [
+        Mat3::zeros(),
+        Mat3::repeat(f64::NAN),
+        Mat3::repeat(f64::INFINITY),
+    ] {
+        let found = aligned(
+            &references,
+            &[Label {
+                covariance,
+                misfit: USUAL,
+            }; 2],
+        );
+        assert_eq!(
+            [found[0].0, found[1].0],
+            [looks(0), looks(1)],
+            "{covariance}"
+        );
+        assert!(
+            found
+                .iter()
+                .all(|(_, stated)| stated.norm().total_cmp(&covariance.norm()).is_eq()),
+            "{covariance}"
+        );
     }
 }

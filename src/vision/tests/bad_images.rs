@@ -5,12 +5,15 @@ use image::{ImageFormat, RgbImage};
 use std::path::Path;
 use touchline_core::geometry::ImageSize;
 use touchline_vision::media::{
-    ImageLimits, MediaError, Picture, image_size, list_images, load_image, load_image_within, sha256_of_file,
+    ImageLimits, MediaError, Picture, image_size, list_images, load_image, load_image_within,
+    sha256_of_file,
 };
 
 /// A picture with detail, so that its file has a body to break.
 fn card(width: u32, height: u32) -> RgbImage {
-    RgbImage::from_fn(width, height, |x, y| image::Rgb([(7 * x + y) as u8, (x * y) as u8, (x ^ (5 * y)) as u8]))
+    RgbImage::from_fn(width, height, |x, y| {
+        image::Rgb([(7 * x + y) as u8, (x * y) as u8, (x ^ (5 * y)) as u8])
+    })
 }
 
 fn encoded(picture: &RgbImage, format: ImageFormat) -> Vec<u8> {
@@ -27,12 +30,22 @@ fn png() -> Vec<u8> {
 fn chunk(kind: [u8; 4], data: &[u8]) -> Vec<u8> {
     let body = [kind.as_slice(), data].concat();
     let crc = crc32fast::hash(&body);
-    [&(data.len() as u32).to_be_bytes(), body.as_slice(), &crc.to_be_bytes()].concat()
+    [
+        &(data.len() as u32).to_be_bytes(),
+        body.as_slice(),
+        &crc.to_be_bytes(),
+    ]
+    .concat()
 }
 
 /// A PNG that states a size and holds next to nothing.
 fn png_stating(width: u32, height: u32) -> Vec<u8> {
-    let header = [&width.to_be_bytes(), &height.to_be_bytes(), [8, 2, 0, 0, 0].as_slice()].concat();
+    let header = [
+        &width.to_be_bytes(),
+        &height.to_be_bytes(),
+        [8, 2, 0, 0, 0].as_slice(),
+    ]
+    .concat();
     [
         b"\x89PNG\r\n\x1a\n".to_vec(),
         chunk(*b"IHDR", &header),
@@ -63,7 +76,11 @@ fn with_byte_flipped(mut bytes: Vec<u8>, at: usize) -> Vec<u8> {
 /// What a loader says behind the file's path; what a success is called otherwise.
 fn said(folder: &Path, name: &str, result: Result<Picture, MediaError>) -> String {
     match result {
-        Ok(picture) => format!("read, {} × {} px", picture.size().width, picture.size().height),
+        Ok(picture) => format!(
+            "read, {} × {} px",
+            picture.size().width,
+            picture.size().height
+        ),
         Err(error) => behind_path(folder, name, &error),
     }
 }
@@ -74,7 +91,8 @@ fn each_broken_image_has_its_message() {
     let folder = folder.path();
     std::fs::create_dir(folder.join("folder.png")).unwrap();
     let jpeg = encoded(&card(64, 48), ImageFormat::Jpeg);
-    let damaged = |reason: &str| format!("the image is damaged ({reason}); copy it again from where it came");
+    let damaged =
+        |reason: &str| format!("the image is damaged ({reason}); copy it again from where it came");
     let missing = "there is no such file; check whether it was moved or renamed";
     let not_an_image = "not a PNG, JPEG, TIFF, BMP or WebP image; convert it to one of these";
     let whole = "read, 64 × 48 px";
@@ -166,30 +184,53 @@ fn odd_names_and_odd_files() {
     let folder = folder.path();
     let path = folder.join(std::ffi::OsStr::from_bytes(b"\xff.png"));
     std::fs::write(&path, png()).unwrap();
-    assert_eq!(load_image(&path).unwrap().size(), ImageSize::new(64, 48), "a name need not be UTF-8 to be read");
+    assert_eq!(
+        load_image(&path).unwrap().size(),
+        ImageSize::new(64, 48),
+        "a name need not be UTF-8 to be read"
+    );
     std::os::unix::fs::symlink(folder.join("nowhere"), folder.join("link.png")).unwrap();
     assert_eq!(
         said(folder, "link.png", load_image(&folder.join("link.png"))),
         "there is no such file; check whether it was moved or renamed"
     );
     std::os::unix::fs::symlink("loop.png", folder.join("loop.png")).unwrap();
-    assert!(said(folder, "loop.png", load_image(&folder.join("loop.png"))).starts_with("could not be read ("));
+    assert!(
+        said(folder, "loop.png", load_image(&folder.join("loop.png")))
+            .starts_with("could not be read (")
+    );
     assert_eq!(
         said(folder, "/dev/null", load_image(Path::new("/dev/null"))),
         "this is not a file; give the path of an image or a video"
     );
-    assert!(matches!(sha256_of_file(&folder.join("none")), Err(MediaError::Missing { .. })));
-    assert!(matches!(list_images(&folder.join("none")), Err(MediaError::Missing { .. })));
+    assert!(matches!(
+        sha256_of_file(&folder.join("none")),
+        Err(MediaError::Missing { .. })
+    ));
+    assert!(matches!(
+        list_images(&folder.join("none")),
+        Err(MediaError::Missing { .. })
+    ));
 }
 
-/// Whatever the bytes, there is a picture or an error: each format cut at many lengths and broken at many bytes.
+/// Whatever the bytes, there is a picture or an error: each format cut at many lengths and broken
+/// at many bytes.
 #[test]
 fn no_bytes_bring_it_down() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("any");
-    let limits = ImageLimits { max_side_px: 1000, max_megapixels: 1 };
+    let limits = ImageLimits {
+        max_side_px: 1000,
+        max_megapixels: 1,
+    };
     let mut refused = 0;
-    for format in [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Tiff, ImageFormat::Bmp, ImageFormat::WebP] {
+    for format in [
+        ImageFormat::Png,
+        ImageFormat::Jpeg,
+        ImageFormat::Tiff,
+        ImageFormat::Bmp,
+        ImageFormat::WebP,
+    ] {
         let whole = encoded(&card(8, 6), format);
         for at in (0..whole.len()).step_by(3) {
             for bytes in [cut(&whole, at), with_byte_flipped(whole.clone(), at)] {

@@ -10,13 +10,18 @@ pub const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 /// Where the camera stands.
 pub fn base() -> CameraBase {
-    CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+    CameraBase::new(
+        Vec3::new(0.0, -60.0, 18.0),
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    )
 }
 
 /// Points by their descriptors and rays.
 pub fn scene(rng: &mut Pcg64Mcg) -> Vec<(Descriptor, PanTilt)> {
     let point = |rng: &mut Pcg64Mcg| {
-        let ray = PanTilt::from_degrees(rng.random_range(-30.0..30.0), rng.random_range(-20.0..-2.0));
+        let ray =
+            PanTilt::from_degrees(rng.random_range(-30.0..30.0), rng.random_range(-20.0..-2.0));
         let bytes: [u8; DESCRIPTOR_BYTES] =
             std::array::from_fn(|_| (rng.random_range(0.0..1.0f64).powi(4) * 135.0) as u8);
         (Descriptor(bytes), ray)
@@ -27,12 +32,23 @@ pub fn scene(rng: &mut Pcg64Mcg) -> Vec<(Descriptor, PanTilt)> {
 /// What a camera sees of the scene.
 pub fn picture(scene: &[(Descriptor, PanTilt)], ptz: Ptz, rng: &mut Pcg64Mcg) -> Features {
     let camera = PtzCamera::new(base(), ptz);
-    let mut features = Features { image_size: SIZE, ..Features::default() };
+    let mut features = Features {
+        image_size: SIZE,
+        ..Features::default()
+    };
     for (descriptor, ray) in scene {
-        let Ok(point) = camera.image_from_ray(*ray) else { continue };
+        let Ok(point) = camera.image_from_ray(*ray) else {
+            continue;
+        };
         if SIZE.contains(point) {
-            features.keypoints.push(Keypoint { point, size_px: 3.0, strength: 1.0 });
-            let noisy = descriptor.0.map(|byte| (i16::from(byte) + rng.random_range(-4..=4)).clamp(0, 255) as u8);
+            features.keypoints.push(Keypoint {
+                point,
+                size_px: 3.0,
+                strength: 1.0,
+            });
+            let noisy = descriptor
+                .0
+                .map(|byte| (i16::from(byte) + rng.random_range(-4..=4)).clamp(0, 255) as u8);
             features.descriptors.push(Descriptor(noisy));
         }
     }

@@ -40,7 +40,8 @@ fn textured(width: u32, height: u32) -> (Picture, Picture) {
     (picture(&|x| x), picture(&|x| width - 1 - x))
 }
 
-/// The median of x + x′ − width over keypoints of a picture and their mirror images: twice the bias to the right.
+/// The median of x + x′ − width over keypoints of a picture and their mirror images: twice the bias
+/// to the right.
 fn mirror_bias(options: &FeatureOptions) -> f64 {
     let (picture, mirrored) = textured(320, 240);
     let one = extract(&picture, &[], options).unwrap();
@@ -50,10 +51,11 @@ fn mirror_bias(options: &FeatureOptions) -> f64 {
         .iter()
         .filter_map(|a| {
             let image = ImagePoint::new(320.0 - a.point.x, a.point.y);
-            let nearest = other
-                .keypoints
-                .iter()
-                .min_by(|b, c| b.point.distance_px(image).total_cmp(&c.point.distance_px(image)))?;
+            let nearest = other.keypoints.iter().min_by(|b, c| {
+                b.point
+                    .distance_px(image)
+                    .total_cmp(&c.point.distance_px(image))
+            })?;
             (nearest.point.distance_px(image) < 1.5).then_some(a.point.x + nearest.point.x - 320.0)
         })
         .collect();
@@ -66,52 +68,118 @@ fn mirror_bias(options: &FeatureOptions) -> f64 {
 fn a_mirrored_picture_has_its_features_mirrored() {
     let bias = mirror_bias(&FeatureOptions::default());
     assert!(bias.abs() < 0.04, "{bias} px at full size");
-    let bias = mirror_bias(&FeatureOptions { max_width_px: 160, ..FeatureOptions::default() });
+    let bias = mirror_bias(&FeatureOptions {
+        max_width_px: 160,
+        ..FeatureOptions::default()
+    });
     assert!(bias.abs() < 0.08, "{bias} px at half size");
 }
 
 #[test]
 fn other_detectors_are_as_unbiased_and_find_their_features_again() {
     for (detector, limit_px) in [(Detector::Orb, 0.3), (Detector::Akaze, 0.1)] {
-        let options = FeatureOptions { detector, ..FeatureOptions::default() };
+        let options = FeatureOptions {
+            detector,
+            ..FeatureOptions::default()
+        };
         let bias = mirror_bias(&options);
         assert!(bias.abs() < limit_px, "{detector:?}: {bias} px");
         let (picture, _) = textured(320, 240);
-        let darker = picture.rgba().iter().map(|&value| (f32::from(value) * 0.9) as u8).collect();
+        let darker = picture
+            .rgba()
+            .iter()
+            .map(|&value| (f32::from(value) * 0.9) as u8)
+            .collect();
         let darker = Picture::new(picture.size(), darker).unwrap();
-        let [one, other] = [&picture, &darker].map(|picture| extract(picture, &[], &options).unwrap());
+        let [one, other] =
+            [&picture, &darker].map(|picture| extract(picture, &[], &options).unwrap());
         let near = |at: usize| {
-            let distances = other.descriptors.iter().map(|known| one.descriptors[at].squared_distance(known));
-            let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
-            nearest.1 < 0.2 && one.keypoints[at].point.distance_px(other.keypoints[nearest.0].point) < 2.0
+            let distances = other
+                .descriptors
+                .iter()
+                .map(|known| one.descriptors[at].squared_distance(known));
+            let nearest = distances
+                .enumerate()
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .unwrap();
+            nearest.1 < 0.2
+                && one.keypoints[at]
+                    .point
+                    .distance_px(other.keypoints[nearest.0].point)
+                    < 2.0
         };
         let again = (0..one.len()).filter(|&at| near(at)).count();
-        assert!(again * 2 > one.len(), "{detector:?}: {again} of {}", one.len());
+        assert!(
+            again * 2 > one.len(),
+            "{detector:?}: {again} of {}",
+            one.len()
+        );
     }
 }
 
 #[test]
 fn masks_and_the_cap_are_kept() {
     let (picture, _) = textured(320, 240);
-    let mask = PixelBox { x: 0.0, y: 0.0, width: 160.0, height: 240.0 };
+    let mask = PixelBox {
+        x: 0.0,
+        y: 0.0,
+        width: 160.0,
+        height: 240.0,
+    };
     let uncapped = extract(&picture, &[mask], &FeatureOptions::default()).unwrap();
-    assert!(uncapped.keypoints.iter().all(|keypoint| keypoint.point.x >= 160.0));
-    // What a mask covers is made up for elsewhere: half as many as there are can still be had in full.
+    assert!(
+        uncapped
+            .keypoints
+            .iter()
+            .all(|keypoint| keypoint.point.x >= 160.0)
+    );
+    // What a mask covers is made up for elsewhere: half as many as there are can still be had in
+    // full.
     let max_count = uncapped.len() as u32 / 2;
-    let options = FeatureOptions { max_count, ..FeatureOptions::default() };
+    let options = FeatureOptions {
+        max_count,
+        ..FeatureOptions::default()
+    };
     let features = extract(&picture, &[mask], &options).unwrap();
-    assert_eq!((features.len(), features.descriptors.len()), (max_count as usize, max_count as usize));
-    assert!(features.keypoints.iter().all(|keypoint| keypoint.point.x >= 160.0));
-    let everything = PixelBox { width: 320.0, ..mask };
-    assert!(extract(&picture, &[everything], &options).unwrap().is_empty());
+    assert_eq!(
+        (features.len(), features.descriptors.len()),
+        (max_count as usize, max_count as usize)
+    );
+    assert!(
+        features
+            .keypoints
+            .iter()
+            .all(|keypoint| keypoint.point.x >= 160.0)
+    );
+    let everything = PixelBox {
+        width: 320.0,
+        ..mask
+    };
+    assert!(
+        extract(&picture, &[everything], &options)
+            .unwrap()
+            .is_empty()
+    );
 }
 
 #[test]
 fn a_blank_picture_and_a_tiny_one_have_no_features() {
     for (width, height) in [(64, 64), (1, 1), (3, 200)] {
         let blank = Picture::filled(ImageSize::new(width, height), [80, 80, 80, 255]);
-        assert!(extract(&blank, &[], &FeatureOptions::default()).unwrap().is_empty(), "{width} × {height}");
+        assert!(
+            extract(&blank, &[], &FeatureOptions::default())
+                .unwrap()
+                .is_empty(),
+            "{width} × {height}"
+        );
     }
-    let narrow = FeatureOptions { max_width_px: 1, ..FeatureOptions::default() };
-    assert!(extract(&Picture::filled(ImageSize::new(8, 2), [0; 4]), &[], &narrow).unwrap().is_empty());
+    let narrow = FeatureOptions {
+        max_width_px: 1,
+        ..FeatureOptions::default()
+    };
+    assert!(
+        extract(&Picture::filled(ImageSize::new(8, 2), [0; 4]), &[], &narrow)
+            .unwrap()
+            .is_empty()
+    );
 }

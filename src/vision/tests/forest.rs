@@ -1,4 +1,5 @@
-//! The pan-tilt forest from outside: the same bytes on any number of threads, stopping, damaged files.
+//! The pan-tilt forest from outside: the same bytes on any number of threads, stopping, damaged
+//! files.
 
 use crate::seeded::rng;
 use rand::RngExt;
@@ -11,8 +12,8 @@ use touchline_core::geometry::Angle;
 use touchline_core::progress::Progress;
 use touchline_vision::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
 use touchline_vision::relocalize::{
-    CameraForest, FOREST_VERSION, Forest, ForestFileError, ForestModel, PredictOptions, Samples, Search, SeenRange,
-    Stopped, TrainOptions, TrainProgress, train, train_without,
+    CameraForest, FOREST_VERSION, Forest, ForestFileError, ForestModel, PredictOptions, Samples,
+    Search, SeenRange, Stopped, TrainOptions, TrainProgress, train, train_without,
 };
 
 fn descriptor(rng: &mut Pcg64Mcg) -> Descriptor {
@@ -26,14 +27,19 @@ fn descriptor(rng: &mut Pcg64Mcg) -> Descriptor {
 }
 
 fn disturbed(descriptor: &Descriptor, by: i16, rng: &mut Pcg64Mcg) -> Descriptor {
-    Descriptor(descriptor.0.map(|byte| (i16::from(byte) + rng.random_range(-by..=by)).clamp(0, 255) as u8))
+    Descriptor(
+        descriptor
+            .0
+            .map(|byte| (i16::from(byte) + rng.random_range(-by..=by)).clamp(0, 255) as u8),
+    )
 }
 
 /// Scene points: what each looks like and where it is.
 fn scene(points: usize, rng: &mut Pcg64Mcg) -> Vec<(Descriptor, PanTilt)> {
     (0..points)
         .map(|_| {
-            let ray = PanTilt::from_degrees(rng.random_range(-40.0..40.0), rng.random_range(-25.0..0.0));
+            let ray =
+                PanTilt::from_degrees(rng.random_range(-40.0..40.0), rng.random_range(-25.0..0.0));
             (descriptor(rng), ray)
         })
         .collect()
@@ -43,7 +49,11 @@ fn scene(points: usize, rng: &mut Pcg64Mcg) -> Vec<(Descriptor, PanTilt)> {
 fn samples(scene: &[(Descriptor, PanTilt)], frames: usize, rng: &mut Pcg64Mcg) -> Samples {
     let mut samples = Samples::new();
     for _ in 0..frames {
-        samples.add_frame(scene.iter().map(|(descriptor, ray)| (disturbed(descriptor, 5, rng), *ray)));
+        samples.add_frame(
+            scene
+                .iter()
+                .map(|(descriptor, ray)| (disturbed(descriptor, 5, rng), *ray)),
+        );
     }
     samples
 }
@@ -59,11 +69,27 @@ fn model(forest: Forest) -> ForestModel {
         focal_px: 1500.0..=4000.0,
         references: 3,
         cameras: Vec::new(),
-        labels: vec![touchline_core::geometry::Mat3::new(4.0, 1.0, 2.0, 1.0, 5.0, 3.0, 2.0, 3.0, 6.0); 3],
-        shown: touchline_vision::relocalize::Shown { certain: 8, right: 7 },
+        labels: vec![
+            touchline_core::geometry::Mat3::new(
+                4.0, 1.0, 2.0, 1.0, 5.0, 3.0, 2.0, 3.0, 6.0
+            );
+            3
+        ],
+        shown: touchline_vision::relocalize::Shown {
+            certain: 8,
+            right: 7,
+        },
     };
-    let cameras = vec![CameraForest { camera: "main".to_owned(), seen, forest }];
-    ForestModel { document: "{}".to_owned(), features: FeatureOptions::default(), cameras }
+    let cameras = vec![CameraForest {
+        camera: "main".to_owned(),
+        seen,
+        forest,
+    }];
+    ForestModel {
+        document: "{}".to_owned(),
+        features: FeatureOptions::default(),
+        cameras,
+    }
 }
 
 #[test]
@@ -74,17 +100,37 @@ fn a_disturbed_descriptor_finds_its_ray() {
     assert_eq!(forest.trees(), 3);
     let (mut search, mut candidates) = (Search::default(), Vec::new());
     for (leaves_per_tree, share) in [(1, 0.9), (4, 0.98)] {
-        let options = PredictOptions { leaves_per_tree, ..PredictOptions::default() };
+        let options = PredictOptions {
+            leaves_per_tree,
+            ..PredictOptions::default()
+        };
         let mut found = 0;
         for (descriptor, ray) in &scene {
-            forest.predict(&disturbed(descriptor, 5, &mut rng), &options, &mut search, &mut candidates);
+            forest.predict(
+                &disturbed(descriptor, 5, &mut rng),
+                &options,
+                &mut search,
+                &mut candidates,
+            );
             assert!(candidates.is_sorted_by(|a, b| a.squared_distance <= b.squared_distance));
             assert!(candidates.len() <= 5);
-            found += usize::from(candidates.first().is_some_and(|best| best.ray.angle_to(*ray).degrees() < 0.01));
+            found += usize::from(
+                candidates
+                    .first()
+                    .is_some_and(|best| best.ray.angle_to(*ray).degrees() < 0.01),
+            );
         }
-        assert!(f64::from(found as u32) > share * 2000.0, "{leaves_per_tree} leaves: {found} of 2000");
+        assert!(
+            f64::from(found as u32) > share * 2000.0,
+            "{leaves_per_tree} leaves: {found} of 2000"
+        );
     }
-    forest.predict(&Descriptor([0; DESCRIPTOR_BYTES]), &PredictOptions::default(), &mut search, &mut candidates);
+    forest.predict(
+        &Descriptor([0; DESCRIPTOR_BYTES]),
+        &PredictOptions::default(),
+        &mut search,
+        &mut candidates,
+    );
     assert!(candidates.is_empty(), "nothing looks like this");
 }
 
@@ -92,38 +138,65 @@ fn a_disturbed_descriptor_finds_its_ray() {
 fn descriptors_asked_together_get_what_each_gets_alone() {
     let mut rng = rng("descriptors_asked_together_get_what_each_gets_alone");
     let scene = scene(500, &mut rng);
-    let forest = trained(&samples(&scene, 2, &mut rng), &TrainOptions { leaf_samples: 8, ..TrainOptions::default() });
+    let forest = trained(
+        &samples(&scene, 2, &mut rng),
+        &TrainOptions {
+            leaf_samples: 8,
+            ..TrainOptions::default()
+        },
+    );
     // Some more than full groups, outliers among them.
-    let mut asked: Vec<Descriptor> = scene.iter().take(67).map(|(known, _)| disturbed(known, 20, &mut rng)).collect();
+    let mut asked: Vec<Descriptor> = scene
+        .iter()
+        .take(67)
+        .map(|(known, _)| disturbed(known, 20, &mut rng))
+        .collect();
     asked.insert(5, Descriptor([0; DESCRIPTOR_BYTES]));
     let (mut search, mut alone) = (Search::default(), Vec::new());
     for leaves_per_tree in [1, 3] {
-        let options = PredictOptions { leaves_per_tree, ..PredictOptions::default() };
+        let options = PredictOptions {
+            leaves_per_tree,
+            ..PredictOptions::default()
+        };
         let (mut next, mut found) = (0, 0);
         forest.predict_all(&asked, &options, |number, together| {
             assert_eq!(number, next);
             forest.predict(&asked[number], &options, &mut search, &mut alone);
-            assert_eq!(together, alone, "descriptor {number}, {leaves_per_tree} leaves");
+            assert_eq!(
+                together, alone,
+                "descriptor {number}, {leaves_per_tree} leaves"
+            );
             (next, found) = (next + 1, found + usize::from(!together.is_empty()));
         });
         assert_eq!(next, asked.len());
         assert!(found > 20, "{found} found");
     }
-    forest.predict_all(&[], &PredictOptions::default(), |number, _| panic!("nobody asked for {number}"));
+    forest.predict_all(&[], &PredictOptions::default(), |number, _| {
+        panic!("nobody asked for {number}")
+    });
 }
 
 #[test]
 fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
     let mut rng = rng("the_same_seed_gives_the_same_bytes_on_any_number_of_threads");
     let samples = samples(&scene(1500, &mut rng), 4, &mut rng);
-    let options = TrainOptions { frames_per_tree: Some(3), ..TrainOptions::default() };
+    let options = TrainOptions {
+        frames_per_tree: Some(3),
+        ..TrainOptions::default()
+    };
     let bytes = |threads: usize, options: &TrainOptions| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
         model(pool.install(|| trained(&samples, options))).to_bytes()
     };
     let one = bytes(1, &options);
     assert!(one == bytes(4, &options), "four threads");
-    assert!(one != bytes(1, &TrainOptions { seed: 1, ..options }), "another seed");
+    assert!(
+        one != bytes(1, &TrainOptions { seed: 1, ..options }),
+        "another seed"
+    );
 }
 
 #[test]
@@ -131,7 +204,12 @@ fn without_some_frames_it_is_the_forest_of_the_others() {
     let mut rng = rng("without_some_frames_it_is_the_forest_of_the_others");
     let scene = scene(700, &mut rng);
     let pictures: Vec<Vec<(Descriptor, PanTilt)>> = (0..5)
-        .map(|_| scene.iter().map(|(descriptor, ray)| (disturbed(descriptor, 5, &mut rng), *ray)).collect())
+        .map(|_| {
+            scene
+                .iter()
+                .map(|(descriptor, ray)| (disturbed(descriptor, 5, &mut rng), *ray))
+                .collect()
+        })
         .collect();
     let of = |frames: &[usize]| {
         let mut samples = Samples::new();
@@ -141,12 +219,25 @@ fn without_some_frames_it_is_the_forest_of_the_others() {
         samples
     };
     for options in [TrainOptions::default(), TrainOptions::published()] {
-        let options = TrainOptions { frames_per_tree: options.frames_per_tree.map(|_| 2), ..options };
-        let without =
-            train_without(&of(&[0, 1, 2, 3, 4]), &BTreeSet::from([1, 3]), &options, &Progress::default()).unwrap();
+        let options = TrainOptions {
+            frames_per_tree: options.frames_per_tree.map(|_| 2),
+            ..options
+        };
+        let without = train_without(
+            &of(&[0, 1, 2, 3, 4]),
+            &BTreeSet::from([1, 3]),
+            &options,
+            &Progress::default(),
+        )
+        .unwrap();
         assert!(model(without).to_bytes() == model(trained(&of(&[0, 2, 4]), &options)).to_bytes());
     }
-    let none = train_without(&of(&[0, 1]), &BTreeSet::from([0, 1]), &TrainOptions::default(), &Progress::default());
+    let none = train_without(
+        &of(&[0, 1]),
+        &BTreeSet::from([0, 1]),
+        &TrainOptions::default(),
+        &Progress::default(),
+    );
     assert_eq!(none, Err(Stopped::NoSamples { frames: 2 }));
 }
 
@@ -154,24 +245,74 @@ fn without_some_frames_it_is_the_forest_of_the_others() {
 fn options_shape_the_forest() {
     let mut rng = rng("options_shape_the_forest");
     let samples = samples(&scene(300, &mut rng), 4, &mut rng);
-    // Samples are only put together where their rays agree: not at all within nothing, by place within a little.
-    let apart = TrainOptions { merge_within: Angle::ZERO, ..TrainOptions::default() };
+    // Samples are only put together where their rays agree: not at all within nothing, by place
+    // within a little.
+    let apart = TrainOptions {
+        merge_within: Angle::ZERO,
+        ..TrainOptions::default()
+    };
     for leaf_samples in [1, 8, 100] {
-        let forest = trained(&samples, &TrainOptions { leaf_samples, ..apart });
-        assert_eq!(forest.means(), 3 * 1200, "all samples are held, {leaf_samples} a leaf at most");
+        let forest = trained(
+            &samples,
+            &TrainOptions {
+                leaf_samples,
+                ..apart
+            },
+        );
+        assert_eq!(
+            forest.means(),
+            3 * 1200,
+            "all samples are held, {leaf_samples} a leaf at most"
+        );
         assert!(forest.leaves() >= 3 * 1200 / leaf_samples as usize);
     }
-    let frames = TrainOptions { frames_per_tree: Some(1), ..apart };
-    assert_eq!(trained(&samples, &frames).means(), 3 * 300, "those of one frame");
-    let one_leaf = TrainOptions { max_depth: 0, ..TrainOptions::default() };
+    let frames = TrainOptions {
+        frames_per_tree: Some(1),
+        ..apart
+    };
+    assert_eq!(
+        trained(&samples, &frames).means(),
+        3 * 300,
+        "those of one frame"
+    );
+    let one_leaf = TrainOptions {
+        max_depth: 0,
+        ..TrainOptions::default()
+    };
     let forest = trained(&samples, &one_leaf);
-    assert_eq!((forest.leaves(), forest.means()), (3, 3 * 300), "each place once");
-    let mean = trained(&samples, &TrainOptions { merge_within: Angle::from_degrees(180.0), ..one_leaf });
+    assert_eq!(
+        (forest.leaves(), forest.means()),
+        (3, 3 * 300),
+        "each place once"
+    );
+    let mean = trained(
+        &samples,
+        &TrainOptions {
+            merge_within: Angle::from_degrees(180.0),
+            ..one_leaf
+        },
+    );
     assert_eq!(mean.means(), 3, "one mean of everything");
 
-    // Splits that leave each side three tenths: after three of them a leaf holds 32 samples of 8 places at least.
-    let shallow = trained(&samples, &TrainOptions { trees: 2, max_depth: 3, ..TrainOptions::default() });
-    assert_eq!((shallow.trees(), shallow.leaves(), shallow.mixed_leaves(0.01)), (2, 16, 16), "far rays share leaves");
+    // Splits that leave each side three tenths: after three of them a leaf holds 32 samples of 8
+    // places at least.
+    let shallow = trained(
+        &samples,
+        &TrainOptions {
+            trees: 2,
+            max_depth: 3,
+            ..TrainOptions::default()
+        },
+    );
+    assert_eq!(
+        (
+            shallow.trees(),
+            shallow.leaves(),
+            shallow.mixed_leaves(0.01)
+        ),
+        (2, 16, 16),
+        "far rays share leaves"
+    );
     let zero = TrainOptions {
         trees: 0,
         max_depth: 0,
@@ -182,8 +323,18 @@ fn options_shape_the_forest() {
         frames_per_tree: Some(0),
         ..TrainOptions::published()
     };
-    assert_eq!((trained(&samples, &zero).leaves(), trained(&samples, &zero).means()), (1, 1));
-    let large_leaves = TrainOptions { min_leaf: 3, leaf_samples: 1, ..TrainOptions::default() };
+    assert_eq!(
+        (
+            trained(&samples, &zero).leaves(),
+            trained(&samples, &zero).means()
+        ),
+        (1, 1)
+    );
+    let large_leaves = TrainOptions {
+        min_leaf: 3,
+        leaf_samples: 1,
+        ..TrainOptions::default()
+    };
     assert!(trained(&samples, &large_leaves).leaves() <= 3 * 400);
 }
 
@@ -192,18 +343,47 @@ fn the_published_forest_is_there() {
     let mut rng = rng("the_published_forest_is_there");
     let scene = scene(300, &mut rng);
     let samples = samples(&scene, 4, &mut rng);
-    let forest = trained(&samples, &TrainOptions { max_depth: 200, ..TrainOptions::published() });
-    assert_eq!((forest.trees(), forest.leaves(), forest.means()), (5, 5 * 1200, 5 * 1200), "a leaf for each sample");
+    let forest = trained(
+        &samples,
+        &TrainOptions {
+            max_depth: 200,
+            ..TrainOptions::published()
+        },
+    );
+    assert_eq!(
+        (forest.trees(), forest.leaves(), forest.means()),
+        (5, 5 * 1200, 5 * 1200),
+        "a leaf for each sample"
+    );
     assert_eq!(forest.mixed_leaves(1e-6), 0);
-    let mixing = trained(&samples, &TrainOptions { max_depth: 1, ..TrainOptions::published() });
-    assert_eq!((mixing.leaves(), mixing.means()), (10, 10), "a mean for each leaf");
+    let mixing = trained(
+        &samples,
+        &TrainOptions {
+            max_depth: 1,
+            ..TrainOptions::published()
+        },
+    );
+    assert_eq!(
+        (mixing.leaves(), mixing.means()),
+        (10, 10),
+        "a mean for each leaf"
+    );
     let (mut search, mut candidates) = (Search::default(), Vec::new());
-    let anything = PredictOptions { max_squared_distance: 2.0, ..PredictOptions::default() };
+    let anything = PredictOptions {
+        max_squared_distance: 2.0,
+        ..PredictOptions::default()
+    };
     mixing.predict(&scene[0].0, &anything, &mut search, &mut candidates);
-    assert!(candidates.is_empty(), "means that mix places are no match, however near");
+    assert!(
+        candidates.is_empty(),
+        "means that mix places are no match, however near"
+    );
     mixing.predict(
         &scene[0].0,
-        &PredictOptions { max_spread: Angle::from_degrees(180.0), ..anything },
+        &PredictOptions {
+            max_spread: Angle::from_degrees(180.0),
+            ..anything
+        },
         &mut search,
         &mut candidates,
     );
@@ -221,7 +401,10 @@ fn one_sample_and_many_equal_ones_are_a_leaf() {
         samples.add_frame([point]);
     }
     let forest = trained(&samples, &TrainOptions::default());
-    assert_eq!((forest.leaves(), forest.means(), forest.mixed_leaves(1e-6)), (3, 3, 0));
+    assert_eq!(
+        (forest.leaves(), forest.means(), forest.mixed_leaves(1e-6)),
+        (3, 3, 0)
+    );
 }
 
 #[test]
@@ -229,9 +412,15 @@ fn leaves_mix_places_alike_on_either_side_of_the_seam() {
     let mixed = |centre_deg: f64| {
         let mut rng = rng("leaves_mix_places_alike_on_either_side_of_the_seam");
         let mut samples = Samples::new();
-        let turned =
-            |ray: PanTilt| PanTilt { pan: (ray.pan * 0.01 + Angle::from_degrees(centre_deg)).wrapped(), ..ray };
-        samples.add_frame(scene(600, &mut rng).into_iter().map(|(descriptor, ray)| (descriptor, turned(ray))));
+        let turned = |ray: PanTilt| PanTilt {
+            pan: (ray.pan * 0.01 + Angle::from_degrees(centre_deg)).wrapped(),
+            ..ray
+        };
+        samples.add_frame(
+            scene(600, &mut rng)
+                .into_iter()
+                .map(|(descriptor, ray)| (descriptor, turned(ray))),
+        );
         let forest = trained(&samples, &TrainOptions::default());
         [1e-3, 1e-2, 0.1, 0.3, 1.0].map(|spread| forest.mixed_leaves(spread))
     };
@@ -252,35 +441,62 @@ fn training_can_be_stopped_and_counts_honestly() {
     });
     train(&samples, &TrainOptions::default(), &counted).unwrap();
     assert_eq!(most.load(Ordering::Relaxed), 12_000);
-    let stopped = train(&samples, &TrainOptions::default(), &Progress::new(|_| ControlFlow::Break(())));
+    let stopped = train(
+        &samples,
+        &TrainOptions::default(),
+        &Progress::new(|_| ControlFlow::Break(())),
+    );
     assert_eq!(stopped.unwrap_err(), Stopped::Asked);
     let mut nothing = Samples::new();
     nothing.add_frame([]);
     let error = train(&nothing, &TrainOptions::default(), &Progress::default()).unwrap_err();
-    assert_eq!(error.to_string(), "1 references give no features to learn from");
+    assert_eq!(
+        error.to_string(),
+        "1 references give no features to learn from"
+    );
 }
 
 #[test]
 fn a_file_comes_back_and_damage_is_named() {
     let mut rng = rng("a_file_comes_back_and_damage_is_named");
-    let forest =
-        trained(&samples(&scene(40, &mut rng), 2, &mut rng), &TrainOptions { trees: 2, ..TrainOptions::default() });
+    let forest = trained(
+        &samples(&scene(40, &mut rng), 2, &mut rng),
+        &TrainOptions {
+            trees: 2,
+            ..TrainOptions::default()
+        },
+    );
     let model = model(forest);
     let bytes = model.to_bytes();
     assert_eq!(ForestModel::from_bytes(&bytes).unwrap(), model);
-    assert_eq!(ForestModel::from_bytes(b"{\"format\": \"touchline\"}").unwrap_err(), ForestFileError::NotAForest);
-    assert_eq!(ForestModel::from_bytes(&[]).unwrap_err(), ForestFileError::NotAForest);
+    assert_eq!(
+        ForestModel::from_bytes(b"{\"format\": \"touchline\"}").unwrap_err(),
+        ForestFileError::NotAForest
+    );
+    assert_eq!(
+        ForestModel::from_bytes(&[]).unwrap_err(),
+        ForestFileError::NotAForest
+    );
     let mut newer = bytes.clone();
     newer[8] = FOREST_VERSION as u8 + 1;
     assert_eq!(
         ForestModel::from_bytes(&newer).unwrap_err(),
-        ForestFileError::Newer { version: FOREST_VERSION + 1, newest: FOREST_VERSION }
+        ForestFileError::Newer {
+            version: FOREST_VERSION + 1,
+            newest: FOREST_VERSION
+        }
     );
     newer[8] = 1;
-    assert_eq!(ForestModel::from_bytes(&newer).unwrap_err(), ForestFileError::Older { version: 1 });
+    assert_eq!(
+        ForestModel::from_bytes(&newer).unwrap_err(),
+        ForestFileError::Older { version: 1 }
+    );
     for length in (8..bytes.len()).step_by(97) {
         let error = ForestModel::from_bytes(&bytes[..length]).unwrap_err();
-        assert!(matches!(error, ForestFileError::Damaged { .. }), "{length} bytes: {error}");
+        assert!(
+            matches!(error, ForestFileError::Damaged { .. }),
+            "{length} bytes: {error}"
+        );
     }
     let mut longer = bytes.clone();
     longer.push(0);
@@ -289,7 +505,13 @@ fn a_file_comes_back_and_damage_is_named() {
         let mut altered = bytes.clone();
         let at = rng.random_range(12..altered.len());
         altered[at] ^= 1 << rng.random_range(0..8);
-        assert!(matches!(ForestModel::from_bytes(&altered), Err(ForestFileError::Damaged { .. })), "byte {at}");
+        assert!(
+            matches!(
+                ForestModel::from_bytes(&altered),
+                Err(ForestFileError::Damaged { .. })
+            ),
+            "byte {at}"
+        );
     }
 }
 
@@ -297,7 +519,13 @@ fn a_file_comes_back_and_damage_is_named() {
 fn a_forged_file_with_a_fitting_checksum_never_panics_or_loops() {
     let mut rng = rng("a_forged_file_with_a_fitting_checksum_never_panics_or_loops");
     let scene = scene(60, &mut rng);
-    let forest = trained(&samples(&scene, 1, &mut rng), &TrainOptions { trees: 1, ..TrainOptions::default() });
+    let forest = trained(
+        &samples(&scene, 1, &mut rng),
+        &TrainOptions {
+            trees: 1,
+            ..TrainOptions::default()
+        },
+    );
     let bytes = model(forest).to_bytes();
     let (mut search, mut candidates) = (Search::default(), Vec::new());
     for _ in 0..2000 {
@@ -310,7 +538,12 @@ fn a_forged_file_with_a_fitting_checksum_never_panics_or_loops() {
         forged[20..24].copy_from_slice(&checksum.to_le_bytes());
         if let Ok(model) = ForestModel::from_bytes(&forged) {
             for camera in &model.cameras {
-                camera.forest.predict(&scene[0].0, &PredictOptions::default(), &mut search, &mut candidates);
+                camera.forest.predict(
+                    &scene[0].0,
+                    &PredictOptions::default(),
+                    &mut search,
+                    &mut candidates,
+                );
             }
         }
     }

@@ -1,12 +1,13 @@
-//! The drawn match is what it says: the same bytes always, and paint, people and posts exactly where the camera has them.
+//! The drawn match is what it says: the same bytes always, and paint, people and posts exactly
+//! where the camera has them.
 
 use image::RgbImage;
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::{FieldLine, FieldModel, LineId, builtin};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 use touchline_vision::synthetic::{
-    ClickOptions, ClickTarget, FrameOptions, Graphics, Moment, Preset, Stadium, StadiumOptions, camera_path,
-    drawn_clicks, stadium,
+    ClickOptions, ClickTarget, FrameOptions, Graphics, Moment, Preset, Stadium, StadiumOptions,
+    camera_path, drawn_clicks, stadium,
 };
 
 const SMALL: ImageSize = ImageSize::new(320, 180);
@@ -22,16 +23,26 @@ fn scene(seed: u64) -> Stadium {
 }
 
 fn bare() -> FrameOptions {
-    FrameOptions { players: false, graphics: Graphics::NONE, ..FrameOptions::default() }
+    FrameOptions {
+        players: false,
+        graphics: Graphics::NONE,
+        ..FrameOptions::default()
+    }
 }
 
 #[test]
 fn the_same_seed_gives_the_same_bytes_at_any_number_of_threads() {
     let hard = Preset::Hard.shoot();
     let draw = |threads: usize, seed: u64| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
         pool.install(|| {
-            let scene = stadium(&StadiumOptions { daylight: hard.daylight, ..StadiumOptions::new(field(0.1), seed) });
+            let scene = stadium(&StadiumOptions {
+                daylight: hard.daylight,
+                ..StadiumOptions::new(field(0.1), seed)
+            });
             let base = hard.main_camera(SMALL);
             let step = camera_path(&scene, &base, SMALL, &hard, 3)[2];
             let options = hard.frame(2, &step, SMALL, seed);
@@ -61,8 +72,17 @@ fn blue(picture: &RgbImage, at: ImagePoint) -> f64 {
 const REACH_PX: f64 = 7.0;
 
 /// The image of a place on a line and the direction across it.
-fn crossing(camera: &PtzCamera, field: &FieldModel, line: &FieldLine, t: f64) -> Option<(ImagePoint, Vec2)> {
-    let image = |t: f64| camera.image_from_world(field.world_from_nominal(line.paint_centre.point_at(t))).ok();
+fn crossing(
+    camera: &PtzCamera,
+    field: &FieldModel,
+    line: &FieldLine,
+    t: f64,
+) -> Option<(ImagePoint, Vec2)> {
+    let image = |t: f64| {
+        camera
+            .image_from_world(field.world_from_nominal(line.paint_centre.point_at(t)))
+            .ok()
+    };
     let step = 0.05 / line.curve.length_m();
     let along = image(t + step)?.offset_from(image(t - step)?);
     Some((image(t)?, Vec2::new(-along.y, along.x).normalize()))
@@ -71,13 +91,22 @@ fn crossing(camera: &PtzCamera, field: &FieldModel, line: &FieldLine, t: f64) ->
 /// Every painted line as a dense row of image points.
 fn all_paint(camera: &PtzCamera, field: &FieldModel) -> Vec<(LineId, Vec<ImagePoint>)> {
     let images = |line: &FieldLine| {
-        let place = |i: u32| field.world_from_nominal(line.paint_centre.point_at(f64::from(i) / 400.0));
-        (0..=400).filter_map(|i| camera.image_from_world(place(i)).ok()).collect()
+        let place =
+            |i: u32| field.world_from_nominal(line.paint_centre.point_at(f64::from(i) / 400.0));
+        (0..=400)
+            .filter_map(|i| camera.image_from_world(place(i)).ok())
+            .collect()
     };
-    field.lines.iter().filter(|line| line.painted).map(|line| (line.id.clone(), images(line))).collect()
+    field
+        .lines
+        .iter()
+        .filter(|line| line.painted)
+        .map(|line| (line.id.clone(), images(line)))
+        .collect()
 }
 
-/// How far from where the camera has it the paint is found, px; none where the line is not seen alone.
+/// How far from where the camera has it the paint is found, px; none where the line is not seen
+/// alone.
 fn paint_offset(
     picture: &RgbImage,
     camera: &PtzCamera,
@@ -89,31 +118,54 @@ fn paint_offset(
     let (centre, _) = crossing(camera, field, line, t)?;
     let (width, height) = (f64::from(picture.width()), f64::from(picture.height()));
     let margin = REACH_PX + 12.0;
-    if !((margin..width - margin).contains(&centre.x) && (margin..height - margin).contains(&centre.y)) {
+    if !((margin..width - margin).contains(&centre.x)
+        && (margin..height - margin).contains(&centre.y))
+    {
         return None;
     }
     // Alone: no other paint within reach.
     let others = all_paint.iter().filter(|(id, _)| *id != line.id);
-    if others.flat_map(|(_, images)| images).any(|image| image.distance_px(centre) < 3.0 * REACH_PX) {
+    if others
+        .flat_map(|(_, images)| images)
+        .any(|image| image.distance_px(centre) < 3.0 * REACH_PX)
+    {
         return None;
     }
-    // The mean profile over a stretch of the line, so that it does not matter how the pixels' raster falls on it.
+    // The mean profile over a stretch of the line, so that it does not matter how the pixels'
+    // raster falls on it.
     let metres_per_px = camera.base().position_m.norm() / camera.ptz().focal_px;
     let crossings: Vec<(ImagePoint, Vec2)> = (-8..=8)
-        .filter_map(|i| crossing(camera, field, line, t + f64::from(i) * metres_per_px / line.curve.length_m()))
+        .filter_map(|i| {
+            crossing(
+                camera,
+                field,
+                line,
+                t + f64::from(i) * metres_per_px / line.curve.length_m(),
+            )
+        })
         .collect();
     let profile: Vec<(f64, f64)> = (-28..=28)
         .map(|i| f64::from(i) * REACH_PX / 28.0)
         .map(|offset| {
-            let level = |(centre, across): &(ImagePoint, Vec2)| blue(picture, centre.moved(across * offset));
-            (offset, crossings.iter().map(level).sum::<f64>() / crossings.len() as f64)
+            let level = |(centre, across): &(ImagePoint, Vec2)| {
+                blue(picture, centre.moved(across * offset))
+            };
+            (
+                offset,
+                crossings.iter().map(level).sum::<f64>() / crossings.len() as f64,
+            )
         })
         .collect();
-    let ends = |range: std::ops::Range<usize>| range.clone().map(|i| profile[i].1).sum::<f64>() / range.len() as f64;
+    let ends = |range: std::ops::Range<usize>| {
+        range.clone().map(|i| profile[i].1).sum::<f64>() / range.len() as f64
+    };
     let (left, right) = (ends(0..6), ends(51..57));
-    let rise = |(offset, level): &(f64, f64)| level - (left + (right - left) * (offset + REACH_PX) / (2.0 * REACH_PX));
+    let rise = |(offset, level): &(f64, f64)| {
+        level - (left + (right - left) * (offset + REACH_PX) / (2.0 * REACH_PX))
+    };
     let peak = profile.iter().map(rise).fold(0.0, f64::max);
-    // The grain of the grass stays below a quarter of the paint's peak; a line that does not reach far above is left out.
+    // The grain of the grass stays below a quarter of the paint's peak; a line that does not reach
+    // far above is left out.
     let sums = profile.iter().fold((0.0, 0.0), |sums, sample| {
         let weight = (rise(sample) - 0.25 * peak).max(0.0);
         (sums.0 + weight * sample.0, sums.1 + weight)
@@ -123,7 +175,8 @@ fn paint_offset(
 
 #[test]
 fn at_another_moment_people_and_boards_change_and_the_pitch_does_not() {
-    // Level: stands fill the picture; 16° down: grass and lines do; between them the boards are in the picture.
+    // Level: stands fill the picture; 16° down: grass and lines do; between them the boards are in
+    // the picture.
     const LEVEL: f64 = -2.0;
     const PITCH: f64 = -16.0;
     const BOARDS: f64 = -9.0;
@@ -136,21 +189,55 @@ fn at_another_moment_people_and_boards_change_and_the_pitch_does_not() {
     };
     let changed = |moment: &Moment, tilt_deg: f64| {
         let (first, then) = (taken(&Moment::default(), tilt_deg), taken(moment, tilt_deg));
-        let count = first.pixels().zip(then.pixels()).filter(|(a, b)| a != b).count();
+        let count = first
+            .pixels()
+            .zip(then.pixels())
+            .filter(|(a, b)| a != b)
+            .count();
         count as f64 / f64::from(SMALL.width * SMALL.height)
     };
-    let restless = Moment { instant: 5, restlessness: 1.0, ..Moment::default() };
-    let others = Moment { occasion: 2, people_changed: 0.5, ..Moment::default() };
-    let boards = Moment { occasion: 2, boards_changed: 0.5, ..Moment::default() };
+    let restless = Moment {
+        instant: 5,
+        restlessness: 1.0,
+        ..Moment::default()
+    };
+    let others = Moment {
+        occasion: 2,
+        people_changed: 0.5,
+        ..Moment::default()
+    };
+    let boards = Moment {
+        occasion: 2,
+        boards_changed: 0.5,
+        ..Moment::default()
+    };
     assert!(changed(&Moment::default(), LEVEL) == 0.0);
-    assert!(changed(&restless, LEVEL) > 0.3, "{}", changed(&restless, LEVEL));
-    assert!((0.15..0.8).contains(&changed(&others, LEVEL)), "{}", changed(&others, LEVEL));
-    assert!(changed(&boards, BOARDS) > 0.005, "{}", changed(&boards, BOARDS));
+    assert!(
+        changed(&restless, LEVEL) > 0.3,
+        "{}",
+        changed(&restless, LEVEL)
+    );
+    assert!(
+        (0.15..0.8).contains(&changed(&others, LEVEL)),
+        "{}",
+        changed(&others, LEVEL)
+    );
+    assert!(
+        changed(&boards, BOARDS) > 0.005,
+        "{}",
+        changed(&boards, BOARDS)
+    );
     for moment in [restless, others, boards] {
         assert!(changed(&moment, PITCH) == 0.0, "{moment:?}");
     }
-    let another = Moment { instant: 6, ..restless };
-    assert!(taken(&another, LEVEL) != taken(&restless, LEVEL) && taken(&another, LEVEL) == taken(&another, LEVEL));
+    let another = Moment {
+        instant: 6,
+        ..restless
+    };
+    assert!(
+        taken(&another, LEVEL) != taken(&restless, LEVEL)
+            && taken(&another, LEVEL) == taken(&another, LEVEL)
+    );
 }
 
 #[test]
@@ -159,13 +246,29 @@ fn paint_lies_where_the_exact_camera_has_it() {
         let field = field(crown_m);
         let scene = stadium(&StadiumOptions::new(field.clone(), 3));
         let mut offsets = Vec::new();
-        for (pan, tilt, focal) in [(-25.0, -13.0, 1700.0), (3.0, -14.0, 1500.0), (28.0, -12.0, 2200.0)] {
-            let base = CameraBase { distortion: FocalCurve::constant(k1), ..Preset::Easy.shoot().main_camera(FULL) };
+        for (pan, tilt, focal) in [
+            (-25.0, -13.0, 1700.0),
+            (3.0, -14.0, 1500.0),
+            (28.0, -12.0, 2200.0),
+        ] {
+            let base = CameraBase {
+                distortion: FocalCurve::constant(k1),
+                ..Preset::Easy.shoot().main_camera(FULL)
+            };
             let camera = PtzCamera::new(base, Ptz::from_degrees(pan, tilt, focal));
             let picture = scene.render(&camera, FULL, &bare()).image;
             let all_paint = all_paint(&camera, &field);
             for line in field.lines.iter().filter(|line| line.painted) {
-                let offset = |i: u32| paint_offset(&picture, &camera, &field, &all_paint, line, f64::from(i) / 41.0);
+                let offset = |i: u32| {
+                    paint_offset(
+                        &picture,
+                        &camera,
+                        &field,
+                        &all_paint,
+                        line,
+                        f64::from(i) / 41.0,
+                    )
+                };
                 offsets.extend((1..41).filter_map(offset));
             }
         }
@@ -180,7 +283,12 @@ fn paint_lies_where_the_exact_camera_has_it() {
         );
         assert!(offsets.len() > 150, "only {} samples", offsets.len());
         assert!(at(0.5).abs() < 0.01, "median {}", at(0.5));
-        assert!(at(0.01) > -0.08 && at(0.99) < 0.08, "{} to {}", at(0.01), at(0.99));
+        assert!(
+            at(0.01) > -0.08 && at(0.99) < 0.08,
+            "{} to {}",
+            at(0.01),
+            at(0.99)
+        );
     }
 }
 
@@ -190,24 +298,53 @@ fn the_mask_holds_every_pixel_of_every_mover() {
     let shoot = Preset::Easy.shoot();
     let base = shoot.main_camera(FULL);
     let size = ImageSize::new(640, 360);
-    let camera =
-        PtzCamera::new(CameraBase { principal_point: size.centre(), ..base }, Ptz::from_degrees(10.0, -13.0, 800.0));
-    let empty = scene.render(&camera, size, &FrameOptions { time_s: 30.0, ..bare() });
-    let full = scene.render(&camera, size, &FrameOptions { time_s: 30.0, players: true, ..bare() });
+    let camera = PtzCamera::new(
+        CameraBase {
+            principal_point: size.centre(),
+            ..base
+        },
+        Ptz::from_degrees(10.0, -13.0, 800.0),
+    );
+    let empty = scene.render(
+        &camera,
+        size,
+        &FrameOptions {
+            time_s: 30.0,
+            ..bare()
+        },
+    );
+    let full = scene.render(
+        &camera,
+        size,
+        &FrameOptions {
+            time_s: 30.0,
+            players: true,
+            ..bare()
+        },
+    );
     assert!(full.movers.len() >= 10, "{} movers", full.movers.len());
     assert!(empty.movers.is_empty() && empty.mover_mask.pixels().all(|pixel| pixel.0[0] == 0));
     for (x, y, mask) in full.mover_mask.enumerate_pixels() {
         let at = ImagePoint::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let boxed = full.movers.iter().any(|mover| mover.area.contains(at));
-        assert!(mask.0[0] == 0 || boxed, "({x}, {y}) is masked, but in nobody's box");
+        assert!(
+            mask.0[0] == 0 || boxed,
+            "({x}, {y}) is masked, but in nobody's box"
+        );
         // Outside the mask movers only throw shadows, or cover less than a tenth.
         let (with, without) = (full.image.get_pixel(x, y).0, empty.image.get_pixel(x, y).0);
-        let brighter = (0..3).any(|channel| i16::from(with[channel]) > i16::from(without[channel]) + 40);
-        assert!(mask.0[0] == 255 || !brighter, "({x}, {y}) went from {without:?} to {with:?} outside the mask");
+        let brighter =
+            (0..3).any(|channel| i16::from(with[channel]) > i16::from(without[channel]) + 40);
+        assert!(
+            mask.0[0] == 255 || !brighter,
+            "({x}, {y}) went from {without:?} to {with:?} outside the mask"
+        );
     }
     for mover in &full.movers {
         assert!(mover.area.width >= 1.0 && mover.area.height >= 1.0);
-        assert!(mover.area.x + mover.area.width <= 640.0 && mover.area.y + mover.area.height <= 360.0);
+        assert!(
+            mover.area.x + mover.area.width <= 640.0 && mover.area.y + mover.area.height <= 360.0
+        );
     }
 }
 
@@ -217,15 +354,24 @@ fn goals_stand_on_their_landmarks() {
     let base = Preset::Easy.shoot().main_camera(FULL);
     let camera = PtzCamera::new(base, Ptz::from_degrees(36.0, -11.5, 3000.0));
     let picture = scene.render(&camera, FULL, &bare()).image;
-    let place = |id: &str| camera.image_from_world(field.landmark_in_world(field.landmark(id).unwrap())).unwrap();
+    let place = |id: &str| {
+        camera
+            .image_from_world(field.landmark_in_world(field.landmark(id).unwrap()))
+            .unwrap()
+    };
     let (base, top) = (place("post_near_right_base"), place("post_near_right_top"));
     // Half-way up the near post the picture is white on the post and not beside it.
     let middle = ImagePoint::new(0.5 * (base.x + top.x), 0.5 * (base.y + top.y));
-    let centroid = (-24..=24).map(|i| f64::from(i) * 0.25).fold((0.0, 0.0), |sums, offset| {
-        let level = (blue(&picture, middle.moved(Vec2::new(offset, 0.0))) - 0.45).max(0.0);
-        (sums.0 + level * offset, sums.1 + level)
-    });
-    assert!(centroid.1 > 1.0 && (centroid.0 / centroid.1).abs() < 1.5, "{centroid:?}");
+    let centroid = (-24..=24)
+        .map(|i| f64::from(i) * 0.25)
+        .fold((0.0, 0.0), |sums, offset| {
+            let level = (blue(&picture, middle.moved(Vec2::new(offset, 0.0))) - 0.45).max(0.0);
+            (sums.0 + level * offset, sums.1 + level)
+        });
+    assert!(
+        centroid.1 > 1.0 && (centroid.0 / centroid.1).abs() < 1.5,
+        "{centroid:?}"
+    );
 }
 
 #[test]
@@ -234,21 +380,36 @@ fn drawn_clicks_are_named_seen_and_as_noisy_as_asked() {
     let shoot = Preset::Paper.shoot();
     let base = shoot.main_camera(FULL);
     let (mut squares, mut count) = (0.0, 0);
-    for (index, step) in camera_path(&scene, &base, FULL, &shoot, 60).iter().enumerate() {
+    for (index, step) in camera_path(&scene, &base, FULL, &shoot, 60)
+        .iter()
+        .enumerate()
+    {
         let camera = PtzCamera::new(base, step.ptz);
-        let options = ClickOptions { landmarks: 4, lines: 1, sigma_px: 1.5, seed: index as u64 };
+        let options = ClickOptions {
+            landmarks: 4,
+            lines: 1,
+            sigma_px: 1.5,
+            seed: index as u64,
+        };
         let clicks = drawn_clicks(&field, &camera, FULL, &[], &options);
         assert_eq!(clicks, drawn_clicks(&field, &camera, FULL, &[], &options));
         assert!(clicks.len() <= 5);
         for click in clicks {
-            let ClickTarget::Landmark(id) = &click.target else { continue };
-            let exact = camera.image_from_world(field.landmark_in_world(field.landmark(id.as_str()).unwrap())).unwrap();
+            let ClickTarget::Landmark(id) = &click.target else {
+                continue;
+            };
+            let exact = camera
+                .image_from_world(field.landmark_in_world(field.landmark(id.as_str()).unwrap()))
+                .unwrap();
             squares += click.image.distance_px(exact).powi(2);
             count += 2;
         }
     }
     let sigma = (squares / f64::from(count)).sqrt();
-    assert!(count > 200 && (sigma - 1.5).abs() < 0.15, "σ {sigma} over {count}");
+    assert!(
+        count > 200 && (sigma - 1.5).abs() < 0.15,
+        "σ {sigma} over {count}"
+    );
 }
 
 /// Features of a picture: where they are and what they look like.
@@ -262,10 +423,16 @@ fn sift(picture: &RgbImage, count: i32) -> (Vec<ImagePoint>, opencv::core::Mat) 
     let view = Mat::new_rows_cols_with_bytes::<u8>(rows, columns, grey.as_raw()).unwrap();
     let mut detector = SIFT::create(count, 3, 0.04, 10.0, 1.6).unwrap();
     let (mut keypoints, mut descriptors) = (Vector::<KeyPoint>::new(), Mat::default());
-    detector.detect_and_compute(&view, &no_array(), &mut keypoints, &mut descriptors, false).unwrap();
+    detector
+        .detect_and_compute(&view, &no_array(), &mut keypoints, &mut descriptors, false)
+        .unwrap();
     // OpenCV's SIFT lies a quarter of a pixel beside its own convention of pixel centres.
-    let place =
-        |keypoint: KeyPoint| ImagePoint::new(f64::from(keypoint.pt().x) + 0.25, f64::from(keypoint.pt().y) + 0.25);
+    let place = |keypoint: KeyPoint| {
+        ImagePoint::new(
+            f64::from(keypoint.pt().x) + 0.25,
+            f64::from(keypoint.pt().y) + 0.25,
+        )
+    };
     (keypoints.iter().map(place).collect(), descriptors)
 }
 
@@ -279,23 +446,42 @@ fn features_of_the_stadium_are_found_again_in_another_frame() {
     let base = Preset::Paper.shoot().main_camera(FULL);
     let take = |pan: f64, focal_px: f64, time_s: f64| {
         let camera = PtzCamera::new(base, Ptz::from_degrees(pan, -11.5, focal_px));
-        let options = FrameOptions { time_s, noise_levels: 1.5, noise_seed: time_s as u64, ..FrameOptions::default() };
+        let options = FrameOptions {
+            time_s,
+            noise_levels: 1.5,
+            noise_seed: time_s as u64,
+            ..FrameOptions::default()
+        };
         (camera, scene.render(&camera, FULL, &options).image)
     };
     let ((from, before), (to, after)) = (take(8.0, 1900.0, 10.0), take(12.0, 2150.0, 14.0));
     let ((places, what), (other_places, other_what)) = (sift(&before, 2000), sift(&after, 2000));
     let mut pairs = Vector::<Vector<DMatch>>::new();
-    BFMatcher::new(NORM_L2, false).unwrap().knn_train_match_def(&what, &other_what, &mut pairs, 2).unwrap();
+    BFMatcher::new(NORM_L2, false)
+        .unwrap()
+        .knn_train_match_def(&what, &other_what, &mut pairs, 2)
+        .unwrap();
     let (mut matched, mut right) = (0, 0);
     for pair in pairs.iter() {
         let (best, second) = (pair.get(0).unwrap(), pair.get(1).unwrap());
         if best.distance < 0.8 * second.distance {
             matched += 1;
-            let ray = from.ray_from_image(places[best.query_idx as usize]).unwrap();
+            let ray = from
+                .ray_from_image(places[best.query_idx as usize])
+                .unwrap();
             let found = other_places[best.train_idx as usize];
-            right += usize::from(to.image_from_ray(ray).is_ok_and(|image| image.distance_px(found) < 2.0));
+            right += usize::from(
+                to.image_from_ray(ray)
+                    .is_ok_and(|image| image.distance_px(found) < 2.0),
+            );
         }
     }
-    println!("{} features, {matched} matched, {right} of them right", places.len());
-    assert!(places.len() >= 1500 && right >= 150 && right * 10 >= matched * 6, "{matched} matched, {right} right");
+    println!(
+        "{} features, {matched} matched, {right} of them right",
+        places.len()
+    );
+    assert!(
+        places.len() >= 1500 && right >= 150 && right * 10 >= matched * 6,
+        "{matched} matched, {right} right"
+    );
 }

@@ -1,4 +1,5 @@
-//! The axis about which a camera pans, from the frames' sideways axes: it is perpendicular to all of them.
+//! The axis about which a camera pans, from the frames' sideways axes: it is perpendicular to all
+//! of them.
 
 use nalgebra::SymmetricEigen;
 use touchline_core::geometry::{Angle, Mat3, Vec3};
@@ -6,15 +7,24 @@ use touchline_core::geometry::{Angle, Mat3, Vec3};
 /// How far down cameras at a field look, where the frames leave it open.
 pub(super) const USUAL_TILT: Angle = Angle::from_degrees(-12.0);
 
-/// The weight of that, as the mean square of the sine of the pan: frames that pan by more than this root (0.6°) decide
-/// themselves.
+/// The weight of that, as the mean square of the sine of the pan: frames that pan by more than this
+/// root (0.6°) decide themselves.
 const WEIGHT: f64 = 1e-4;
 
-/// The rotation into the frame whose y axis is the pan axis, downwards, and whose z axis points where the frames look on
-/// average; none without frames.
+/// The rotation into the frame whose y axis is the pan axis, downwards, and whose z axis points
+/// where the frames look on average; none without frames.
 pub(super) fn upright_from_common(cams_from_common: &[Mat3]) -> Option<Mat3> {
-    let mean = |row: usize| -> Vec3 { cams_from_common.iter().map(|turn| turn.row(row).transpose()).sum() };
-    let (right, down, forward) = (mean(0).try_normalize(1e-9)?, mean(1).try_normalize(1e-9)?, mean(2));
+    let mean = |row: usize| -> Vec3 {
+        cams_from_common
+            .iter()
+            .map(|turn| turn.row(row).transpose())
+            .sum()
+    };
+    let (right, down, forward) = (
+        mean(0).try_normalize(1e-9)?,
+        mean(1).try_normalize(1e-9)?,
+        mean(2),
+    );
     let mut scatter = Mat3::zeros();
     for turn in cams_from_common {
         let sideways = turn.row(0).transpose();
@@ -24,11 +34,18 @@ pub(super) fn upright_from_common(cams_from_common: &[Mat3]) -> Option<Mat3> {
     let level_forward = (right.cross(&down) * cos + down * sin).try_normalize(1e-9)?;
     scatter += level_forward * level_forward.transpose() * WEIGHT;
     let eigen = SymmetricEigen::new(scatter);
-    let axis: Vec3 = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
+    let axis: Vec3 = eigen
+        .eigenvectors
+        .column(eigen.eigenvalues.imin())
+        .into_owned();
     let axis = if axis.dot(&down) < 0.0 { -axis } else { axis };
     let ahead = (forward - axis * forward.dot(&axis)).try_normalize(1e-9)?;
     let sideways = axis.cross(&ahead);
-    Some(Mat3::from_rows(&[sideways.transpose(), axis.transpose(), ahead.transpose()]))
+    Some(Mat3::from_rows(&[
+        sideways.transpose(),
+        axis.transpose(),
+        ahead.transpose(),
+    ]))
 }
 
 #[cfg(test)]
@@ -39,7 +56,9 @@ mod tests {
     fn cams(pans_deg: &[f64], common_from_upright: &Mat3) -> Vec<Mat3> {
         let tilts_deg = [-8.0, -14.0, -11.0, -16.0];
         let turn = |(pan, tilt): (&f64, &f64)| {
-            q_tilt(Angle::from_degrees(*tilt)) * q_pan(Angle::from_degrees(*pan)) * common_from_upright.transpose()
+            q_tilt(Angle::from_degrees(*tilt))
+                * q_pan(Angle::from_degrees(*pan))
+                * common_from_upright.transpose()
         };
         pans_deg.iter().zip(&tilts_deg).map(turn).collect()
     }
@@ -47,7 +66,8 @@ mod tests {
     #[test]
     fn the_axis_is_found_whatever_frame_the_rotations_are_given_in() {
         let common_from_upright = from_rotation_vector(Vec3::new(0.4, -0.7, 0.2));
-        let found = upright_from_common(&cams(&[-30.0, 12.0, 1.0, 25.0], &common_from_upright)).unwrap();
+        let found =
+            upright_from_common(&cams(&[-30.0, 12.0, 1.0, 25.0], &common_from_upright)).unwrap();
         let axis = found.row(1).transpose();
         assert!(axis.dot(&common_from_upright.column(1)) > 1.0 - 1e-7);
         assert!((found.determinant() - 1.0).abs() < 1e-12);
@@ -57,7 +77,10 @@ mod tests {
     fn a_camera_that_does_not_pan_is_taken_to_look_down_as_usual() {
         let found = upright_from_common(&cams(&[5.0, 5.0, 5.0, 5.0], &Mat3::identity())).unwrap();
         // The tilts average 12.25 degrees down.
-        assert!(angle_between(&found, &q_pan(Angle::from_degrees(5.0))).degrees() < 1.0, "{found}");
+        assert!(
+            angle_between(&found, &q_pan(Angle::from_degrees(5.0))).degrees() < 1.0,
+            "{found}"
+        );
         assert!(upright_from_common(&[]).is_none());
     }
 }

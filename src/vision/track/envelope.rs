@@ -2,27 +2,32 @@
 //!
 //! # Why an envelope
 //!
-//! The normal equations A of a clip have one row of 3 × 3 blocks per frame. Two frames have a block in common only if they show one
-//! point, and a point is followed through neighbouring frames: every row is zero up to some column not far left of the diagonal. A row
-//! is stored from that column to the diagonal, zeros in between included; this region is the *envelope* of A. The Cholesky factor has
-//! the same envelope (George and Liu: "Computer Solution of Large Sparse Positive Definite Systems", 1981, chapter 4). So it is
-//! computed in place, without the reordering, symbolic factorisation and index lists of a general sparse solver. For n frames whose
-//! rows are w blocks long this takes about n w²/2 products of blocks; a dense factorisation takes n³/6.
+//! The normal equations A of a clip have one row of 3 × 3 blocks per frame. Two frames have a block
+//! in common only if they show one point, and a point is followed through neighbouring frames:
+//! every row is zero up to some column not far left of the diagonal. A row is stored from that
+//! column to the diagonal, zeros in between included; this region is the *envelope* of A. The
+//! Cholesky factor has the same envelope (George and Liu: "Computer Solution of Large Sparse
+//! Positive Definite Systems", 1981, chapter 4). So it is computed in place, without the
+//! reordering, symbolic factorisation and index lists of a general sparse solver. For n frames
+//! whose rows are w blocks long this takes about n w²/2 products of blocks; a dense factorisation
+//! takes n³/6.
 //!
 //! # Diagonal of the inverse
 //!
-//! The covariance of a frame is a diagonal block of Z = A⁻¹. Z is dense, but its blocks inside the envelope follow from each other
-//! without the rest (Takahashi, Fagan, Chen: "Formation of a sparse bus impedance matrix and its application to short circuit
-//! study", 1973). With A = L Lᵀ, Z L = L⁻ᵀ, whose right side is zero below the diagonal. Column j of this equation, from the last to the
-//! first:
+//! The covariance of a frame is a diagonal block of Z = A⁻¹. Z is dense, but its blocks inside the
+//! envelope follow from each other without the rest (Takahashi, Fagan, Chen: "Formation of a sparse
+//! bus impedance matrix and its application to short circuit study", 1973). With A = L Lᵀ, Z L =
+//! L⁻ᵀ, whose right side is zero below the diagonal. Column j of this equation, from the last to
+//! the first:
 //!
 //! ```text
 //! Z_ij = −Σ_{k>j} Z_ik G_kj                    i > j,   G_kj = L_kj L_jj⁻¹
 //! Z_jj = L_jj⁻ᵀ L_jj⁻¹ − Σ_{k>j} Z_kjᵀ G_kj
 //! ```
 //!
-//! The sums run over the rows k whose envelope reaches to column j. So does that of row i, and therefore `Z_ik`, the block between
-//! two such rows, lies in the envelope too: nothing outside it is ever asked for.
+//! The sums run over the rows k whose envelope reaches to column j. So does that of row i, and
+//! therefore `Z_ik`, the block between two such rows, lies in the envelope too: nothing outside it
+//! is ever asked for.
 
 use touchline_core::geometry::{Mat3, Vec3};
 
@@ -60,8 +65,13 @@ impl Envelope {
         let rows = first_columns
             .iter()
             .enumerate()
-            .map(|(row, &first_column)| Row { first_column, blocks: vec![Mat3::zeros(); row + 1 - first_column] });
-        Self { rows: rows.collect() }
+            .map(|(row, &first_column)| Row {
+                first_column,
+                blocks: vec![Mat3::zeros(); row + 1 - first_column],
+            });
+        Self {
+            rows: rows.collect(),
+        }
     }
 
     pub fn len(&self) -> usize {
@@ -115,7 +125,11 @@ impl Envelope {
             *row.block_mut(i) = lower;
             diagonal_inverses.push(lower.try_inverse()?);
         }
-        Some(CholeskyFactor { lower: self, diagonal_inverses, least_pivot_share })
+        Some(CholeskyFactor {
+            lower: self,
+            diagonal_inverses,
+            least_pivot_share,
+        })
     }
 }
 
@@ -129,8 +143,8 @@ pub(super) struct CholeskyFactor {
 }
 
 impl CholeskyFactor {
-    /// The least `L_kk² / A_kk`: the share of what is known of a parameter that those before it do not take. Nearly 0 where the matrix
-    /// leaves a direction open.
+    /// The least `L_kk² / A_kk`: the share of what is known of a parameter that those before it do
+    /// not take. Nearly 0 where the matrix leaves a direction open.
     pub fn least_pivot_share(&self) -> f64 {
         self.least_pivot_share
     }
@@ -146,8 +160,8 @@ impl CholeskyFactor {
             }
             x[i] = self.diagonal_inverses[i] * value;
         }
-        // Lᵀ x = y, from the last row to the first. Row i of L is column i of Lᵀ: once x_i is known, its part is taken from the
-        // rows above.
+        // Lᵀ x = y, from the last row to the first. Row i of L is column i of Lᵀ: once x_i is
+        // known, its part is taken from the rows above.
         for (i, row) in self.lower.rows.iter().enumerate().rev() {
             let value = self.diagonal_inverses[i].transpose() * x[i];
             x[i] = value;
@@ -161,13 +175,17 @@ impl CholeskyFactor {
     /// The diagonal blocks of A⁻¹, by Takahashi's recursion.
     pub fn diagonal_blocks_of_inverse(&self) -> Vec<Mat3> {
         let num_rows = self.lower.len();
-        let first_columns: Vec<usize> = self.lower.rows.iter().map(|row| row.first_column).collect();
+        let first_columns: Vec<usize> =
+            self.lower.rows.iter().map(|row| row.first_column).collect();
         let rows_reaching = self.rows_reaching_columns();
         let mut inverse = Envelope::zeros(&first_columns);
         for j in (0..num_rows).rev() {
             let diagonal_inverse = &self.diagonal_inverses[j];
             let rows = &rows_reaching[j];
-            let gains: Vec<Mat3> = rows.iter().map(|&k| self.lower.block(k, j) * diagonal_inverse).collect();
+            let gains: Vec<Mat3> = rows
+                .iter()
+                .map(|&k| self.lower.block(k, j) * diagonal_inverse)
+                .collect();
             for &i in rows {
                 let mut block = Mat3::zeros();
                 for (&k, gain) in rows.iter().zip(&gains) {
@@ -216,12 +234,18 @@ mod tests {
         let mut dense = DMatrix::zeros(21, 21);
         for (row, &first_column) in FIRST_COLUMNS.iter().enumerate() {
             for column in first_column..=row {
-                let value = Mat3::from_fn(|i, j| (7.0 * (row + 3 * column) as f64 + 2.3 * i as f64 + j as f64).sin());
+                let value = Mat3::from_fn(|i, j| {
+                    (7.0 * (row + 3 * column) as f64 + 2.3 * i as f64 + j as f64).sin()
+                });
                 let symmetric = value + value.transpose() + Mat3::identity() * 30.0;
                 let value = if row == column { symmetric } else { value };
                 *envelope.block_mut(row, column) = value;
-                dense.fixed_view_mut::<3, 3>(3 * row, 3 * column).copy_from(&value);
-                dense.fixed_view_mut::<3, 3>(3 * column, 3 * row).copy_from(&value.transpose());
+                dense
+                    .fixed_view_mut::<3, 3>(3 * row, 3 * column)
+                    .copy_from(&value);
+                dense
+                    .fixed_view_mut::<3, 3>(3 * column, 3 * row)
+                    .copy_from(&value.transpose());
             }
         }
         (envelope, dense)
@@ -230,7 +254,9 @@ mod tests {
     #[test]
     fn solves_as_a_dense_factorisation_does() {
         let (envelope, dense) = envelope_and_dense();
-        let b: Vec<Vec3> = (0..7).map(|at| Vec3::new(1.0, f64::from(at), -0.5)).collect();
+        let b: Vec<Vec3> = (0..7)
+            .map(|at| Vec3::new(1.0, f64::from(at), -0.5))
+            .collect();
         let x = envelope.cholesky().unwrap().solve(&b);
         let flat = DVector::from_iterator(21, b.iter().flat_map(|block| block.iter().copied()));
         let expected = dense.cholesky().unwrap().solve(&flat);
@@ -245,7 +271,10 @@ mod tests {
         let inverse = dense.try_inverse().unwrap();
         let blocks = envelope.cholesky().unwrap().diagonal_blocks_of_inverse();
         for (row, block) in blocks.iter().enumerate() {
-            assert!((block - inverse.fixed_view::<3, 3>(3 * row, 3 * row)).norm() < 1e-12, "row {row}");
+            assert!(
+                (block - inverse.fixed_view::<3, 3>(3 * row, 3 * row)).norm() < 1e-12,
+                "row {row}"
+            );
         }
     }
 

@@ -7,7 +7,9 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum TrackError {
     /// The program was built without the feature `opencv`.
-    #[error("this touchline was built without OpenCV and cannot tie frames; build it with the feature `opencv`")]
+    #[error(
+        "this touchline was built without OpenCV and cannot tie frames; build it with the feature `opencv`"
+    )]
     WithoutOpenCv,
     /// OpenCV refused.
     #[error("OpenCV could not compare two frames: {reason}")]
@@ -16,7 +18,9 @@ pub enum TrackError {
         reason: String,
     },
     /// Nothing to adjust.
-    #[error("{frames} frames with {ties} ties between them; at least 2 frames that show the same are needed")]
+    #[error(
+        "{frames} frames with {ties} ties between them; at least 2 frames that show the same are needed"
+    )]
     TooFew {
         /// Frames asked for.
         frames: usize,
@@ -41,6 +45,12 @@ pub enum TrackError {
 impl TrackError {
     /// What OpenCV says, on one line.
     pub(super) fn of_opencv(error: &opencv::Error) -> Self {
-        Self::OpenCv { reason: error.to_string().split_whitespace().collect::<Vec<_>>().join(" ") }
+        Self::OpenCv {
+            reason: error
+                .to_string()
+                .split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" "),
+        }
     }
 }

@@ -2,13 +2,16 @@
 
 use super::Tie;
 
-/// The groups of `count` frames that ties lead through, the largest first, each in order; a frame without a tie is a group of
-/// its own.
+/// The groups of `count` frames that ties lead through, the largest first, each in order; a frame
+/// without a tie is a group of its own.
 #[must_use]
 pub fn groups(count: usize, ties: &[Tie]) -> Vec<Vec<usize>> {
     let mut group_of: Vec<usize> = (0..count).collect();
     for tie in ties {
-        let (one, other) = (root(&mut group_of, tie.first), root(&mut group_of, tie.second));
+        let (one, other) = (
+            root(&mut group_of, tie.first),
+            root(&mut group_of, tie.second),
+        );
         group_of[one.max(other)] = one.min(other);
     }
     let mut groups: Vec<Vec<usize>> = vec![Vec::new(); count];

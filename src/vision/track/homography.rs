@@ -1,6 +1,7 @@
 //! The boundary to OpenCV's robust homographies.
 //!
-//! Points keep the corner convention: a homography between two pictures in the same convention needs no conversion.
+//! Points keep the corner convention: a homography between two pictures in the same convention
+//! needs no conversion.
 
 use super::TrackError;
 #[cfg(feature = "opencv")]
@@ -11,8 +12,8 @@ use opencv::core::{Mat, Point2d, Vector};
 use opencv::prelude::*;
 use touchline_core::geometry::{ImagePoint, Mat3};
 
-/// The homography that most pairs agree on within `within_px`, and which do (MAGSAC++, Barath and others, CVPR 2020); none
-/// where no four agree.
+/// The homography that most pairs agree on within `within_px`, and which do (MAGSAC++, Barath and
+/// others, CVPR 2020); none where no four agree.
 #[cfg(feature = "opencv")]
 pub(super) fn robust_homography(
     pairs: &[(ImagePoint, ImagePoint)],
@@ -22,17 +23,34 @@ pub(super) fn robust_homography(
         return Ok(None);
     }
     let side = |of: fn(&(ImagePoint, ImagePoint)) -> ImagePoint| -> Vector<Point2d> {
-        pairs.iter().map(of).map(|point| Point2d::new(point.x, point.y)).collect()
+        pairs
+            .iter()
+            .map(of)
+            .map(|point| Point2d::new(point.x, point.y))
+            .collect()
     };
     let mut agree = Mat::default();
-    let found = find_homography(&side(|pair| pair.0), &side(|pair| pair.1), &mut agree, USAC_MAGSAC, within_px)
-        .map_err(|error| TrackError::of_opencv(&error))?;
+    let found = find_homography(
+        &side(|pair| pair.0),
+        &side(|pair| pair.1),
+        &mut agree,
+        USAC_MAGSAC,
+        within_px,
+    )
+    .map_err(|error| TrackError::of_opencv(&error))?;
     if found.empty() {
         return Ok(None);
     }
-    let values = found.data_typed::<f64>().map_err(|error| TrackError::of_opencv(&error))?;
-    let agree = agree.data_typed::<u8>().map_err(|error| TrackError::of_opencv(&error))?;
-    Ok(Some((Mat3::from_row_slice(values), agree.iter().map(|flag| *flag != 0).collect())))
+    let values = found
+        .data_typed::<f64>()
+        .map_err(|error| TrackError::of_opencv(&error))?;
+    let agree = agree
+        .data_typed::<u8>()
+        .map_err(|error| TrackError::of_opencv(&error))?;
+    Ok(Some((
+        Mat3::from_row_slice(values),
+        agree.iter().map(|flag| *flag != 0).collect(),
+    )))
 }
 
 /// None: this program was built without OpenCV.

@@ -1,5 +1,5 @@
-//! Matched frames of a camera whose base is known: what each frame's own picture says of its pan, tilt and focal length, and what the
-//! matches with its neighbours say, in one adjustment.
+//! Matched frames of a camera whose base is known: what each frame's own picture says of its pan,
+//! tilt and focal length, and what the matches with its neighbours say, in one adjustment.
 
 use super::Tie;
 use super::pose_prior::{PosePrior, by_focal_px};
@@ -9,17 +9,19 @@ use touchline_core::geometry::rotation::{q_pan, q_tilt};
 use touchline_core::geometry::{ImageSize, subsample};
 use touchline_core::solve::{Loss, Stopping, minimise};
 
-/// 1-σ of a match, px at 1920 px width: features scatter by one, and crowds, boards and lenses are not quite still.
+/// 1-σ of a match, px at 1920 px width: features scatter by one, and crowds, boards and lenses are
+/// not quite still.
 const MATCH_SIGMA_PX: f64 = 2.0;
 
 /// At most as many matches of a tie take part: their errors are alike.
 const OF_TIE: usize = 6;
 
-/// Beyond so many sigmas a match hardly counts: at first the neighbours reach for a frame that has strayed.
+/// Beyond so many sigmas a match hardly counts: at first the neighbours reach for a frame that has
+/// strayed.
 const LOSS_SIGMAS: [f64; 3] = [30.0, 8.0, 2.0];
 
-/// Adjusts frames that hang together by matches to what is known of each; none where that leaves one of them open. `start` has the
-/// cameras of all frames, `base` their lens.
+/// Adjusts frames that hang together by matches to what is known of each; none where that leaves
+/// one of them open. `start` has the cameras of all frames, `base` their lens.
 #[must_use]
 pub fn adjust_matched_frames(
     base: &CameraBase,
@@ -30,7 +32,10 @@ pub fn adjust_matched_frames(
 ) -> Option<Vec<AdjustedFrame>> {
     let few: Vec<Tie> = ties
         .iter()
-        .map(|tie| Tie { matches: subsample(&tie.matches, OF_TIE).copied().collect(), ..tie.clone() })
+        .map(|tie| Tie {
+            matches: subsample(&tie.matches, OF_TIE).copied().collect(),
+            ..tie.clone()
+        })
         .collect();
     let mut first: Vec<usize> = (0..start.len()).collect();
     for tie in &few {
@@ -41,39 +46,65 @@ pub fn adjust_matched_frames(
     let problem = |sigmas| PoseProblem {
         bases: vec![base.at_origin(); start.len()],
         points: &[],
-        matches: Some(PairwiseMatches { ties: &few, sigma_px, loss: Loss::Cauchy { c: sigmas } }),
+        matches: Some(PairwiseMatches {
+            ties: &few,
+            sigma_px,
+            loss: Loss::Cauchy { c: sigmas },
+        }),
         priors: priors.to_vec(),
         known_focal_px: vec![None; start.len()],
         first: &first,
         sigma_px: Vec::new(),
         loss: Loss::Squared,
     };
-    let until = Stopping { max_iterations: 10, short_step: 1e-7, small_gain: 1e-6 };
+    let until = Stopping {
+        max_iterations: 10,
+        short_step: 1e-7,
+        small_gain: 1e-6,
+    };
     let [first_sigmas, later @ ..] = LOSS_SIGMAS;
-    let start = PoseState { ptz: start.to_vec(), directions: Vec::new() };
+    let start = PoseState {
+        ptz: start.to_vec(),
+        directions: Vec::new(),
+    };
     let mut found = minimise(&problem(first_sigmas), start, until);
     for sigmas in later {
         found = minimise(&problem(sigmas), found.state, until);
     }
     let covariances = found.equations.covariances()?;
-    let frames = found.state.ptz.into_iter().zip(covariances).map(|(ptz, covariance)| AdjustedFrame {
-        ptz: Ptz { pan: ptz.pan.wrapped(), ..ptz },
-        covariance: by_focal_px(&covariance, ptz.focal_px),
-    });
+    let frames = found
+        .state
+        .ptz
+        .into_iter()
+        .zip(covariances)
+        .map(|(ptz, covariance)| AdjustedFrame {
+            ptz: Ptz {
+                pan: ptz.pan.wrapped(),
+                ..ptz
+            },
+            covariance: by_focal_px(&covariance, ptz.focal_px),
+        });
     Some(frames.collect())
 }
 
-/// Where the frames look from a base, those of which only the turns of the ties are known included; none where no frame's camera
-/// is known.
+/// Where the frames look from a base, those of which only the turns of the ties are known included;
+/// none where no frame's camera is known.
 #[must_use]
 pub fn filled(known: &[Option<Ptz>], turns: &[Ptz], ties: &[Tie]) -> Option<Vec<Ptz>> {
     let nearest = |frame: usize| {
         let beside = ties.iter().filter_map(|tie| {
-            let other = if tie.first == frame { tie.second } else { tie.first };
+            let other = if tie.first == frame {
+                tie.second
+            } else {
+                tie.first
+            };
             let is_of = tie.first == frame || tie.second == frame;
             (is_of && known[other].is_some()).then_some((tie.agreeing, other))
         });
-        beside.max().map(|(_, other)| other).or_else(|| known.iter().position(Option::is_some))
+        beside
+            .max()
+            .map(|(_, other)| other)
+            .or_else(|| known.iter().position(Option::is_some))
     };
     let turn = |ptz: &Ptz| q_tilt(ptz.tilt) * q_pan(ptz.pan);
     (0..known.len())
@@ -86,7 +117,11 @@ pub fn filled(known: &[Option<Ptz>], turns: &[Ptz], ties: &[Tie]) -> Option<Vec<
             let base_from_common = turn(&there).transpose() * turn(&turns[beside]);
             let ahead = base_from_common * turn(&turns[frame]).row(2).transpose();
             let PanTilt { pan, tilt } = PanTilt::from_direction(ahead);
-            Some(Ptz { pan, tilt, focal_px: turns[frame].focal_px * there.focal_px / turns[beside].focal_px })
+            Some(Ptz {
+                pan,
+                tilt,
+                focal_px: turns[frame].focal_px * there.focal_px / turns[beside].focal_px,
+            })
         })
         .collect()
 }
@@ -101,33 +136,56 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     fn base() -> CameraBase {
-        CameraBase::new(Vec3::zeros(), touchline_core::camera::BaseAngles::default().base_from_world(), SIZE.centre())
+        CameraBase::new(
+            Vec3::zeros(),
+            touchline_core::camera::BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        )
     }
 
     fn truth() -> Vec<Ptz> {
-        [(-6.0, -11.0, 2000.0), (2.0, -12.0, 2300.0), (9.0, -10.5, 1900.0)]
-            .map(|(pan, tilt, focal)| Ptz::from_degrees(pan, tilt, focal))
-            .to_vec()
+        [
+            (-6.0, -11.0, 2000.0),
+            (2.0, -12.0, 2300.0),
+            (9.0, -10.5, 1900.0),
+        ]
+        .map(|(pan, tilt, focal)| Ptz::from_degrees(pan, tilt, focal))
+        .to_vec()
     }
 
     fn ties(truth: &[Ptz]) -> Vec<Tie> {
         let tie = |(first, second): (usize, usize)| {
             let [one, other] = [first, second].map(|frame| PtzCamera::new(base(), truth[frame]));
-            let grid =
-                (0..64).map(|at| ImagePoint::new(f64::from(at % 8) * 240.0 + 120.0, f64::from(at / 8) * 135.0 + 67.0));
+            let grid = (0..64).map(|at| {
+                ImagePoint::new(
+                    f64::from(at % 8) * 240.0 + 120.0,
+                    f64::from(at / 8) * 135.0 + 67.0,
+                )
+            });
             let seen = |at: ImagePoint| {
                 let there = other.image_from_ray(one.ray_from_image(at).ok()?).ok()?;
                 SIZE.contains(there).then_some((at, there))
             };
             let matches: Vec<_> = grid.filter_map(seen).collect();
-            Tie { first, second, agreeing: matches.len(), matches, second_from_first: Mat3::identity() }
+            Tie {
+                first,
+                second,
+                agreeing: matches.len(),
+                matches,
+                second_from_first: Mat3::identity(),
+            }
         };
         [(0, 1), (1, 2)].map(tie).to_vec()
     }
 
     fn prior(frame: usize, ptz: Ptz, sigma_deg: f64) -> PosePrior {
         let turn = sigma_deg.to_radians().powi(-2);
-        PosePrior::new(frame, ptz, Mat3::from_diagonal(&Vec3::new(turn, turn, turn)), PriorSource::Person)
+        PosePrior::new(
+            frame,
+            ptz,
+            Mat3::from_diagonal(&Vec3::new(turn, turn, turn)),
+            PriorSource::Person,
+        )
     }
 
     #[test]
@@ -135,17 +193,36 @@ mod tests {
         let truth = truth();
         let ties = ties(&truth);
         let known = [Some(truth[0]), None, None];
-        let turned: Vec<Ptz> =
-            truth.iter().map(|ptz| Ptz { pan: ptz.pan + Angle::from_degrees(20.0), ..*ptz }).collect();
+        let turned: Vec<Ptz> = truth
+            .iter()
+            .map(|ptz| Ptz {
+                pan: ptz.pan + Angle::from_degrees(20.0),
+                ..*ptz
+            })
+            .collect();
         let start = filled(&known, &turned, &ties).unwrap();
         assert!((start[2].pan - truth[2].pan).degrees().abs() < 1e-9);
-        let off = Ptz { pan: start[2].pan + Angle::from_degrees(0.5), ..start[2] };
-        let adjusted =
-            adjust_matched_frames(&base(), &[start[0], start[1], off], &ties, &[prior(0, truth[0], 0.01)], SIZE)
-                .unwrap();
+        let off = Ptz {
+            pan: start[2].pan + Angle::from_degrees(0.5),
+            ..start[2]
+        };
+        let adjusted = adjust_matched_frames(
+            &base(),
+            &[start[0], start[1], off],
+            &ties,
+            &[prior(0, truth[0], 0.01)],
+            SIZE,
+        )
+        .unwrap();
         for (adjusted, exact) in adjusted.iter().zip(&truth) {
-            assert!((adjusted.ptz.pan - exact.pan).degrees().abs() < 1e-3, "{adjusted:?} for {exact:?}");
-            assert!((adjusted.ptz.focal_px / exact.focal_px - 1.0).abs() < 1e-3, "{adjusted:?} for {exact:?}");
+            assert!(
+                (adjusted.ptz.pan - exact.pan).degrees().abs() < 1e-3,
+                "{adjusted:?} for {exact:?}"
+            );
+            assert!(
+                (adjusted.ptz.focal_px / exact.focal_px - 1.0).abs() < 1e-3,
+                "{adjusted:?} for {exact:?}"
+            );
         }
         // The farther from what is known, the less certain.
         assert!(adjusted[2].covariance[(0, 0)] > adjusted[1].covariance[(0, 0)]);
@@ -156,7 +233,14 @@ mod tests {
     fn what_nothing_determines_is_refused() {
         let truth = truth();
         assert!(
-            adjust_matched_frames(&base(), &truth, &ties(&truth)[..1], &[prior(0, truth[0], 0.01)], SIZE).is_none()
+            adjust_matched_frames(
+                &base(),
+                &truth,
+                &ties(&truth)[..1],
+                &[prior(0, truth[0], 0.01)],
+                SIZE
+            )
+            .is_none()
         );
         assert!(filled(&[None, None, None], &truth, &[]).is_none());
     }

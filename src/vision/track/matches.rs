@@ -6,7 +6,8 @@ use nalgebra::DMatrix;
 /// A match counts if the next best is farther by this factor (Lowe, 2004).
 const RATIO: f32 = 0.8;
 
-/// The pairs of features that are each other's most alike, by their numbers, those that have a rival nearly as good left out.
+/// The pairs of features that are each other's most alike, by their numbers, those that have a
+/// rival nearly as good left out.
 pub(super) fn mutual_matches(first: &Described, second: &Described) -> Vec<(usize, usize)> {
     let mut forth = vec![Nearest::NONE; first.lengths.len()];
     let mut back = vec![Nearest::NONE; second.lengths.len()];
@@ -27,7 +28,8 @@ pub(super) fn mutual_matches(first: &Described, second: &Described) -> Vec<(usiz
     forth.iter().enumerate().filter_map(mutual).collect()
 }
 
-/// Descriptors made ready to be compared with many others at once: all distances follow from one product of matrices.
+/// Descriptors made ready to be compared with many others at once: all distances follow from one
+/// product of matrices.
 pub(super) struct Described {
     /// One in each column.
     descriptors: DMatrix<f32>,
@@ -38,9 +40,17 @@ pub(super) struct Described {
 impl Described {
     pub fn of(features: &Features) -> Self {
         let column = |index: usize, row: usize| f32::from(features.descriptors[index].0[row]);
-        let descriptors = DMatrix::from_fn(DESCRIPTOR_BYTES, features.len(), |row, index| column(index, row));
-        let lengths = descriptors.column_iter().map(|column| column.norm_squared()).collect();
-        Self { descriptors, lengths }
+        let descriptors = DMatrix::from_fn(DESCRIPTOR_BYTES, features.len(), |row, index| {
+            column(index, row)
+        });
+        let lengths = descriptors
+            .column_iter()
+            .map(|column| column.norm_squared())
+            .collect();
+        Self {
+            descriptors,
+            lengths,
+        }
     }
 }
 
@@ -53,11 +63,19 @@ struct Nearest {
 }
 
 impl Nearest {
-    const NONE: Self = Self { best: usize::MAX, first: f32::INFINITY, second: f32::INFINITY };
+    const NONE: Self = Self {
+        best: usize::MAX,
+        first: f32::INFINITY,
+        second: f32::INFINITY,
+    };
 
     fn see(&mut self, index: usize, distance: f32) {
         if distance < self.first {
-            *self = Self { best: index, first: distance, second: self.first };
+            *self = Self {
+                best: index,
+                first: distance,
+                second: self.first,
+            };
         } else if distance < self.second {
             self.second = distance;
         }
@@ -76,13 +94,23 @@ mod tests {
     use touchline_core::geometry::{ImagePoint, ImageSize};
 
     fn features(descriptors: Vec<Descriptor>) -> Described {
-        let keypoint = Keypoint { point: ImagePoint::new(0.0, 0.0), size_px: 4.0, strength: 1.0 };
+        let keypoint = Keypoint {
+            point: ImagePoint::new(0.0, 0.0),
+            size_px: 4.0,
+            strength: 1.0,
+        };
         let keypoints = vec![keypoint; descriptors.len()];
-        Described::of(&Features { image_size: ImageSize::new(64, 36), keypoints, descriptors })
+        Described::of(&Features {
+            image_size: ImageSize::new(64, 36),
+            keypoints,
+            descriptors,
+        })
     }
 
     fn descriptor(seed: u32) -> Descriptor {
-        Descriptor(std::array::from_fn(|i| ((seed * 7919 + 13).wrapping_mul(i as u32 * 31 + 17) >> 9) as u8))
+        Descriptor(std::array::from_fn(|i| {
+            ((seed * 7919 + 13).wrapping_mul(i as u32 * 31 + 17) >> 9) as u8
+        }))
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Frames of one camera tied to each other: what the same camera shows in two of its frames, turned and zoomed.
+//! Frames of one camera tied to each other: what the same camera shows in two of its frames, turned
+//! and zoomed.
 //!
 //! | what | where |
 //! |---|---|
@@ -10,8 +11,8 @@
 //! | [`PosePrior`] | what is known of one frame before frames are adjusted together |
 //! | [`adjust_turns`], [`Turns`] | pan, tilt and focal length of every frame of a group, from the ties alone |
 //!
-//! Nothing here knows a field. Where no base is known, pan is counted from the middle of what the frames show, and the axis about which the camera
-//! pans is taken as vertical.
+//! Nothing here knows a field. Where no base is known, pan is counted from the middle of what the
+//! frames show, and the axis about which the camera pans is taken as vertical.
 //!
 //! Frames, signs and units: [`touchline_core::conventions`].
 
@@ -36,8 +37,9 @@ mod tie_residual;
 mod turns;
 
 pub use clip::{
-    AdjustOptions, AdjustedClip, Carried, CarryOptions, CarryStop, ClipCamera, ClipLens, FollowOptions, Jitter,
-    PointFollower, PointTrack, PointTracks, SmoothOptions, Unsmoothed, adjust_clip, carry, smooth,
+    AdjustOptions, AdjustedClip, Carried, CarryOptions, CarryStop, ClipCamera, ClipLens,
+    FollowOptions, Jitter, PointFollower, PointTrack, PointTracks, SmoothOptions, Unsmoothed,
+    adjust_clip, carry, smooth,
 };
 pub use cuts::{CutFinder, FoundCut, Miniature};
 pub use error::TrackError;

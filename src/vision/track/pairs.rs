@@ -16,8 +16,8 @@ const WITHIN_PX: f64 = 6.0;
 /// A tie has at least as many matches.
 const MIN_MATCHES: usize = 15;
 
-/// At least this share of the features that both frames should show has to be matched: boards that say the same in two places
-/// match too, but nothing around them does.
+/// At least this share of the features that both frames should show has to be matched: boards that
+/// say the same in two places match too, but nothing around them does.
 const MIN_SHARE: f64 = 0.06;
 
 /// Between two frames of one camera the focal length changes by this factor at most.
@@ -29,14 +29,18 @@ const MAX_TURN_DEG: f64 = 20.0;
 /// At most as many matches of a tie are kept, spread over the picture.
 const KEPT: usize = 48;
 
-/// Ties every pair of frames that show the same; ties that the others contradict are left out. If `progress` cancels it, what was
-/// found until then is returned. A step counts pairs.
+/// Ties every pair of frames that show the same; ties that the others contradict are left out. If
+/// `progress` cancels it, what was found until then is returned. A step counts pairs.
 ///
 /// # Errors
 /// The program was built without OpenCV, or OpenCV refused.
-pub fn tie_frames(frames: &[Features], progress: &Progress<'_, Share>) -> Result<Vec<Tie>, TrackError> {
-    let pairs: Vec<(usize, usize)> =
-        (0..frames.len()).flat_map(|first| (first + 1..frames.len()).map(move |second| (first, second))).collect();
+pub fn tie_frames(
+    frames: &[Features],
+    progress: &Progress<'_, Share>,
+) -> Result<Vec<Tie>, TrackError> {
+    let pairs: Vec<(usize, usize)> = (0..frames.len())
+        .flat_map(|first| (first + 1..frames.len()).map(move |second| (first, second)))
+        .collect();
     let described: Vec<Described> = frames.par_iter().map(Described::of).collect();
     let done = AtomicUsize::new(0);
     let ties: Vec<Option<Tie>> = pairs
@@ -47,12 +51,17 @@ pub fn tie_frames(frames: &[Features], progress: &Progress<'_, Share>) -> Result
             }
             let tie = tie_pair(frames, &described, first, second);
             // The pairs that follow ask whether it is cancelled.
-            let _ = progress.report(Share { done: done.fetch_add(1, Ordering::Relaxed) + 1, of: pairs.len() });
+            let _ = progress.report(Share {
+                done: done.fetch_add(1, Ordering::Relaxed) + 1,
+                of: pairs.len(),
+            });
             tie
         })
         .collect::<Result<_, _>>()?;
     let ties: Vec<Tie> = ties.into_iter().flatten().collect();
-    Ok(frames.first().map_or_else(Vec::new, |first| uncontradicted(&ties, first.image_size)))
+    Ok(frames
+        .first()
+        .map_or_else(Vec::new, |first| uncontradicted(&ties, first.image_size)))
 }
 
 /// The tie of two frames; none where they do not show the same, or a graphic alone.
@@ -65,13 +74,16 @@ fn tie_pair(
     let (one, other) = (&frames[first], &frames[second]);
     let scale = one.image_size.scale_from_1920();
     let point = |features: &Features, index: usize| features.keypoints[index].point;
-    let mut pairs: Vec<(ImagePoint, ImagePoint)> = mutual_matches(&described[first], &described[second])
-        .into_iter()
-        .map(|(a, b)| (point(one, a), point(other, b)))
-        .collect();
+    let mut pairs: Vec<(ImagePoint, ImagePoint)> =
+        mutual_matches(&described[first], &described[second])
+            .into_iter()
+            .map(|(a, b)| (point(one, a), point(other, b)))
+            .collect();
     if one.image_size == other.image_size {
-        let still = |pair: &(ImagePoint, ImagePoint)| pair.0.distance_px(pair.1) < STANDING_PX * scale;
-        // A camera that stands shows still things everywhere; graphics lie in a few places of the picture.
+        let still =
+            |pair: &(ImagePoint, ImagePoint)| pair.0.distance_px(pair.1) < STANDING_PX * scale;
+        // A camera that stands shows still things everywhere; graphics lie in a few places of the
+        // picture.
         let standing = pairs.iter().filter(|pair| still(pair)).map(|pair| pair.0);
         let all = one.keypoints.iter().map(|keypoint| keypoint.point);
         if place_share(standing, all, one.image_size) < WHOLE_PICTURE {
@@ -81,7 +93,9 @@ fn tie_pair(
     if pairs.len() < MIN_MATCHES {
         return Ok(None);
     }
-    let Some((second_from_first, agree)) = super::homography::robust_homography(&pairs, WITHIN_PX * scale)? else {
+    let Some((second_from_first, agree)) =
+        super::homography::robust_homography(&pairs, WITHIN_PX * scale)?
+    else {
         return Ok(None);
     };
     let mut agreed = agree.into_iter();
@@ -102,20 +116,28 @@ fn tie_pair(
 /// How many features of each frame lie where the other looks: of the frame with fewer.
 fn shown_by_both(one: &Features, other: &Features, other_from_one: &Mat3) -> usize {
     let inside = |from: &Features, to: &Features, to_from: &Mat3| {
-        let seen = |at: ImagePoint| brought(to_from, at).is_some_and(|there| to.image_size.contains(there));
-        from.keypoints.iter().filter(|keypoint| seen(keypoint.point)).count()
+        let seen = |at: ImagePoint| {
+            brought(to_from, at).is_some_and(|there| to.image_size.contains(there))
+        };
+        from.keypoints
+            .iter()
+            .filter(|keypoint| seen(keypoint.point))
+            .count()
     };
-    let back = other_from_one.try_inverse().map_or(0, |one_from_other| inside(other, one, &one_from_other));
+    let back = other_from_one
+        .try_inverse()
+        .map_or(0, |one_from_other| inside(other, one, &one_from_other));
     inside(one, other, other_from_one).min(back)
 }
 
 fn is_of_a_turning_camera(second_from_first: &Mat3, centre: ImagePoint) -> bool {
-    zoom_and_turn(second_from_first, centre)
-        .is_some_and(|(zoom, turn_deg)| (1.0 / MAX_ZOOM..=MAX_ZOOM).contains(&zoom) && turn_deg.abs() < MAX_TURN_DEG)
+    zoom_and_turn(second_from_first, centre).is_some_and(|(zoom, turn_deg)| {
+        (1.0 / MAX_ZOOM..=MAX_ZOOM).contains(&zoom) && turn_deg.abs() < MAX_TURN_DEG
+    })
 }
 
-/// Some of the matches, one after the other from cells of a grid over the first frame: one board's many matches count no
-/// more than a stand's few.
+/// Some of the matches, one after the other from cells of a grid over the first frame: one board's
+/// many matches count no more than a stand's few.
 fn spread(pairs: Vec<(ImagePoint, ImagePoint)>, of: &Features) -> Vec<(ImagePoint, ImagePoint)> {
     const CELLS: (usize, usize) = (12, 7);
     if pairs.len() <= KEPT {
@@ -125,7 +147,8 @@ fn spread(pairs: Vec<(ImagePoint, ImagePoint)>, of: &Features) -> Vec<(ImagePoin
         let along = |position: f64, extent: u32, count: usize| {
             ((position / f64::from(extent.max(1)) * count as f64).max(0.0) as usize).min(count - 1)
         };
-        along(at.y, of.image_size.height, CELLS.1) * CELLS.0 + along(at.x, of.image_size.width, CELLS.0)
+        along(at.y, of.image_size.height, CELLS.1) * CELLS.0
+            + along(at.x, of.image_size.width, CELLS.0)
     };
     let mut taken = vec![0_usize; CELLS.0 * CELLS.1];
     let mut ranked: Vec<(usize, usize)> = pairs

@@ -1,5 +1,5 @@
-//! The normal equations of frames that are adjusted together: three numbers a frame, two a point; the points are eliminated (Schur
-//! complement).
+//! The normal equations of frames that are adjusted together: three numbers a frame, two a point;
+//! the points are eliminated (Schur complement).
 
 use super::envelope::{CholeskyFactor, Envelope};
 use nalgebra::{Matrix2, Matrix2x3, Matrix3x2};
@@ -9,7 +9,8 @@ use touchline_core::solve::{Equations, Loss, NO_VALUE_SIGMAS};
 /// What the sightings of one point say.
 #[derive(Clone, Debug)]
 pub(super) struct PointEquations {
-    /// For each frame that shows it: the frame's row, its own block and gradient, and its block with the point's.
+    /// For each frame that shows it: the frame's row, its own block and gradient, and its block
+    /// with the point's.
     frames: Vec<(usize, Mat3, Vec3, Matrix3x2<f64>)>,
     point: Matrix2<f64>,
     gradient: Vec2,
@@ -19,7 +20,12 @@ pub(super) struct PointEquations {
 impl PointEquations {
     pub fn with_room(sightings: usize) -> Self {
         let frames = Vec::with_capacity(sightings);
-        Self { frames, point: Matrix2::zeros(), gradient: Vec2::zeros(), cost: 0.0 }
+        Self {
+            frames,
+            point: Matrix2::zeros(),
+            gradient: Vec2::zeros(),
+            cost: 0.0,
+        }
     }
 
     pub fn beyond_the_lens(&mut self, loss: Loss) {
@@ -40,7 +46,12 @@ impl PointEquations {
         self.cost += cost;
         let frame_weighted = by_frame.transpose() * (weight * precision);
         let point_weighted = by_point.transpose() * (weight * precision);
-        self.frames.push((row, frame_weighted * by_frame, frame_weighted * value, frame_weighted * by_point));
+        self.frames.push((
+            row,
+            frame_weighted * by_frame,
+            frame_weighted * value,
+            frame_weighted * by_point,
+        ));
         self.point += point_weighted * by_point;
         self.gradient += point_weighted * value;
     }
@@ -50,7 +61,9 @@ impl PointEquations {
         let mut point = self.point;
         point[(0, 0)] *= 1.0 + damping;
         point[(1, 1)] *= 1.0 + damping;
-        point.try_inverse().filter(|inverse| inverse.iter().all(|value| value.is_finite()))
+        point
+            .try_inverse()
+            .filter(|inverse| inverse.iter().all(|value| value.is_finite()))
     }
 }
 
@@ -97,7 +110,13 @@ impl PoseEquations {
     pub fn new(first: Vec<usize>, points: Vec<PointEquations>) -> Self {
         let cost = points.iter().map(|point| point.cost).sum();
         let frames = vec![(Mat3::zeros(), Vec3::zeros()); first.len()];
-        Self { first, frames, pairs: Vec::new(), points, cost }
+        Self {
+            first,
+            frames,
+            pairs: Vec::new(),
+            points,
+            cost,
+        }
     }
 
     /// Adds a residual that has no value.
@@ -107,7 +126,12 @@ impl PoseEquations {
 
     /// Adds a residual between two frames.
     pub fn add_pair(&mut self, residual: &PairResidual, loss: Loss) {
-        let PairResidual { value, rows: [one, other], by_frame: [by_one, by_other], precision } = residual;
+        let PairResidual {
+            value,
+            rows: [one, other],
+            by_frame: [by_one, by_other],
+            precision,
+        } = residual;
         let (cost, weight) = loss.of(value.norm_squared() * precision);
         self.cost += cost;
         for (row, by) in [(one, by_one), (other, by_other)] {
@@ -116,10 +140,17 @@ impl PoseEquations {
             *block += weighted * by;
             *gradient += weighted * value;
         }
-        let ((row, by_row), (column, by_column)) =
-            if one > other { ((*one, by_one), (*other, by_other)) } else { ((*other, by_other), (*one, by_one)) };
+        let ((row, by_row), (column, by_column)) = if one > other {
+            ((*one, by_one), (*other, by_other))
+        } else {
+            ((*other, by_other), (*one, by_one))
+        };
         let block = by_row.transpose() * (weight * precision) * by_column;
-        match self.pairs.last_mut().filter(|last| (last.row, last.column) == (row, column)) {
+        match self
+            .pairs
+            .last_mut()
+            .filter(|last| (last.row, last.column) == (row, column))
+        {
             Some(last) => last.block += block,
             None => self.pairs.push(PairBlock { row, column, block }),
         }
@@ -156,7 +187,9 @@ impl PoseEquations {
             }
         }
         for point in &self.points {
-            let Some(inverse) = point.inverse(damping) else { continue };
+            let Some(inverse) = point.inverse(damping) else {
+                continue;
+            };
             for (place, (row, _, _, cross)) in point.frames.iter().enumerate() {
                 let gain = cross * inverse;
                 gradient[*row] -= gain * point.gradient;
@@ -168,7 +201,8 @@ impl PoseEquations {
         Some((matrix.cholesky()?, gradient))
     }
 
-    /// The covariance of each frame's (pan rad, tilt rad, log of the focal length); none where something is left open.
+    /// The covariance of each frame's (pan rad, tilt rad, log of the focal length); none where
+    /// something is left open.
     pub fn covariances(&self) -> Option<Vec<Mat3>> {
         /// A parameter that is known to no more than this share of what others say of it is open.
         const OPEN: f64 = 1e-12;
@@ -186,10 +220,19 @@ impl Equations for PoseEquations {
 
     fn step(&self, damping: f64) -> Option<PoseStep> {
         let (factor, gradient) = self.reduced(damping)?;
-        let frames: Vec<Vec3> = factor.solve(&gradient).into_iter().map(|step| -step).collect();
+        let frames: Vec<Vec3> = factor
+            .solve(&gradient)
+            .into_iter()
+            .map(|step| -step)
+            .collect();
         let direction = |point: &PointEquations| {
-            let Some(inverse) = point.inverse(damping) else { return Vec2::zeros() };
-            let along = point.frames.iter().map(|(row, _, _, cross)| cross.transpose() * frames[*row]);
+            let Some(inverse) = point.inverse(damping) else {
+                return Vec2::zeros();
+            };
+            let along = point
+                .frames
+                .iter()
+                .map(|(row, _, _, cross)| cross.transpose() * frames[*row]);
             -(inverse * (point.gradient + along.sum::<Vec2>()))
         };
         let directions = self.points.iter().map(direction).collect();
@@ -209,7 +252,11 @@ mod tests {
     #[test]
     fn residuals_between_frames_and_priors_give_the_step_and_the_covariances_of_the_dense_system() {
         let entry = |row: usize, column: usize, seed: f64| {
-            (1.3 + seed + (1.7 * row as f64 + 0.4).powi(2) + 2.9 * row as f64 * column as f64 + column as f64).sin()
+            (1.3 + seed
+                + (1.7 * row as f64 + 0.4).powi(2)
+                + 2.9 * row as f64 * column as f64
+                + column as f64)
+                .sin()
         };
         let mut equations = PoseEquations::new(vec![0, 0, 0], Vec::new());
         let (mut matrix, mut gradient) = (DMatrix::<f64>::zeros(9, 9), DVector::<f64>::zeros(9));
@@ -218,7 +265,15 @@ mod tests {
             let by_one = Mat3::from_fn(|row, column| entry(row, column, seed));
             let by_frame = [by_one, -by_one];
             let value = Vec3::new(0.3 - seed, 0.2, 0.1 * seed);
-            equations.add_pair(&PairResidual { value, rows, by_frame, precision: 4.0 }, Loss::Squared);
+            equations.add_pair(
+                &PairResidual {
+                    value,
+                    rows,
+                    by_frame,
+                    precision: 4.0,
+                },
+                Loss::Squared,
+            );
             let mut by = DMatrix::<f64>::zeros(3, 9);
             for (row, by_one) in rows.into_iter().zip(by_frame) {
                 by.view_mut((0, 3 * row), (3, 3)).copy_from(&by_one);
@@ -226,8 +281,14 @@ mod tests {
             matrix += by.transpose() * &by * 4.0;
             gradient += by.transpose() * value * 4.0;
         }
-        assert!(equations.covariances().is_none(), "nothing says where all of them look");
-        let (offset, information) = (Vec3::new(0.1, -0.2, 0.3), Mat3::from_diagonal(&Vec3::new(2.0, 3.0, 4.0)));
+        assert!(
+            equations.covariances().is_none(),
+            "nothing says where all of them look"
+        );
+        let (offset, information) = (
+            Vec3::new(0.1, -0.2, 0.3),
+            Mat3::from_diagonal(&Vec3::new(2.0, 3.0, 4.0)),
+        );
         equations.add_prior(0, &offset, &information, Loss::Squared);
         let mut own = matrix.view_mut((0, 0), (3, 3));
         own += information;
@@ -235,7 +296,10 @@ mod tests {
         own += information * offset;
         let expected = -matrix.clone().cholesky().unwrap().solve(&gradient);
         let covariance = matrix.cholesky().unwrap().inverse();
-        let (step, covariances) = (equations.step(0.0).unwrap(), equations.covariances().unwrap());
+        let (step, covariances) = (
+            equations.step(0.0).unwrap(),
+            equations.covariances().unwrap(),
+        );
         for (frame, own) in covariances.iter().enumerate() {
             assert!((step.frames[frame] - expected.rows(3 * frame, 3)).norm() < 1e-9);
             assert!((own - covariance.view((3 * frame, 3 * frame), (3, 3))).norm() < 1e-9);

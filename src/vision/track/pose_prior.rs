@@ -4,14 +4,16 @@ use touchline_core::camera::Ptz;
 use touchline_core::geometry::{Angle, Mat3, Vec3};
 use touchline_core::solve::Loss;
 
-/// A camera that is known of one frame before frames are adjusted together: from a person's clicks, a forest or the painted lines.
+/// A camera that is known of one frame before frames are adjusted together: from a person's clicks,
+/// a forest or the painted lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PosePrior {
     /// The frame, by its place among those that are adjusted.
     pub frame: usize,
     /// Its camera.
     pub ptz: Ptz,
-    /// The information on (pan rad, tilt rad, log of the focal length), the base taken as exact. It may leave a direction open.
+    /// The information on (pan rad, tilt rad, log of the focal length), the base taken as exact. It
+    /// may leave a direction open.
     pub information: Mat3,
     /// How a contradiction counts, in multiples of the stated 1-σ.
     pub loss: Loss,
@@ -31,7 +33,8 @@ pub enum PriorSource {
 }
 
 impl PriorSource {
-    /// How a contradiction counts: what a person says pulls less beyond 2 σ, but never lets go; paint and forests do.
+    /// How a contradiction counts: what a person says pulls less beyond 2 σ, but never lets go;
+    /// paint and forests do.
     const fn loss(self) -> Loss {
         match self {
             Self::Person => Loss::Huber { k: 2.0 },
@@ -44,10 +47,17 @@ impl PosePrior {
     /// A prior with the loss of its source.
     #[must_use]
     pub const fn new(frame: usize, ptz: Ptz, information: Mat3, source: PriorSource) -> Self {
-        Self { frame, ptz, information, loss: source.loss(), source }
+        Self {
+            frame,
+            ptz,
+            information,
+            loss: source.loss(),
+            source,
+        }
     }
 
-    /// A prior of which the covariance of (pan rad, tilt rad, focal length px) is known. One that has no inverse says nothing.
+    /// A prior of which the covariance of (pan rad, tilt rad, focal length px) is known. One that
+    /// has no inverse says nothing.
     #[must_use]
     pub fn from_covariance(frame: usize, ptz: Ptz, covariance: &Mat3, source: PriorSource) -> Self {
         let inverse = by_log_focal(covariance, ptz.focal_px).try_inverse();
@@ -73,13 +83,21 @@ impl PosePrior {
         }
         let by = self.offset(ptz);
         let far = by.dot(&(self.information * by)).sqrt();
-        if far <= sigmas { ptz } else { moved(self.ptz, by * (sigmas / far)) }
+        if far <= sigmas {
+            ptz
+        } else {
+            moved(self.ptz, by * (sigmas / far))
+        }
     }
 }
 
 /// From one camera to another: pan rad, tilt rad, log of the focal length.
 pub(super) fn offset(from: Ptz, to: Ptz) -> Vec3 {
-    Vec3::new(to.pan.turn_from(from.pan).radians(), (to.tilt - from.tilt).radians(), (to.focal_px / from.focal_px).ln())
+    Vec3::new(
+        to.pan.turn_from(from.pan).radians(),
+        (to.tilt - from.tilt).radians(),
+        (to.focal_px / from.focal_px).ln(),
+    )
 }
 
 /// A camera moved by (pan rad, tilt rad, log of the focal length).
@@ -91,7 +109,8 @@ pub(super) fn moved(ptz: Ptz, by: Vec3) -> Ptz {
     }
 }
 
-/// A covariance of (pan rad, tilt rad, focal length px) with the logarithm of the focal length instead.
+/// A covariance of (pan rad, tilt rad, focal length px) with the logarithm of the focal length
+/// instead.
 pub(super) fn by_log_focal(covariance: &Mat3, focal_px: f64) -> Mat3 {
     let scale = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, 1.0 / focal_px));
     scale * covariance * scale
@@ -115,7 +134,10 @@ mod tests {
         let near = Ptz::from_degrees(-179.99, -10.0, 2000.0);
         assert_eq!(prior.towards(near, 1.0), near);
         let stopped = prior.towards(Ptz::from_degrees(-179.65, -10.0, 2000.0), 1.0);
-        assert!((stopped.pan.turn_from(ptz.pan).degrees() - 0.1).abs() < 1e-9, "{stopped:?}");
+        assert!(
+            (stopped.pan.turn_from(ptz.pan).degrees() - 0.1).abs() < 1e-9,
+            "{stopped:?}"
+        );
     }
 
     #[test]
@@ -123,6 +145,9 @@ mod tests {
         let ptz = Ptz::from_degrees(3.0, -10.0, 2000.0);
         let prior = PosePrior::from_covariance(0, ptz, &Mat3::zeros(), PriorSource::Paint);
         assert!(!prior.is_informative());
-        assert_eq!(prior.towards(Ptz::from_degrees(4.0, -10.0, 2000.0), 1.0), ptz);
+        assert_eq!(
+            prior.towards(Ptz::from_degrees(4.0, -10.0, 2000.0), 1.0),
+            ptz
+        );
     }
 }

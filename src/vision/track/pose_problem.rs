@@ -1,8 +1,10 @@
-//! The one adjustment of frames whose base is known: pan, tilt and focal length of each, from points that frames show one after the
-//! other, from matches of pairs of frames, and from what is known of single frames.
+//! The one adjustment of frames whose base is known: pan, tilt and focal length of each, from
+//! points that frames show one after the other, from matches of pairs of frames, and from what is
+//! known of single frames.
 //!
-//! A followed point is one direction, which is adjusted with all frames that show it. A match of two frames has no direction of its own:
-//! the two see it in directions that should be the same. Frames of a clip share points, frames sampled from a match share matches.
+//! A followed point is one direction, which is adjusted with all frames that show it. A match of
+//! two frames has no direction of its own: the two see it in directions that should be the same.
+//! Frames of a clip share points, frames sampled from a match share matches.
 
 use super::Tie;
 use super::pose_equations::{PairResidual, PointEquations, PoseEquations, PoseStep};
@@ -14,7 +16,8 @@ use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Mat3, Vec2, Vec3};
 use touchline_core::solve::{Loss, Problem};
 
-/// How exactly a known focal length is kept, as a share of it: a thousandth of a px is 4e-7 of 2400 px, and moves no corner by as much.
+/// How exactly a known focal length is kept, as a share of it: a thousandth of a px is 4e-7 of 2400
+/// px, and moves no corner by as much.
 pub(super) const KNOWN_FOCAL_SIGMA: f64 = 1e-6;
 
 /// A frame as all frames together see it.
@@ -74,39 +77,78 @@ pub(super) fn across(direction: Vec3) -> Matrix3x2<f64> {
 impl PoseProblem<'_> {
     /// The camera of each row.
     pub fn cameras(&self, ptz: &[Ptz]) -> Vec<PtzCamera> {
-        self.bases.iter().zip(ptz).map(|(base, ptz)| PtzCamera::new(*base, *ptz)).collect()
+        self.bases
+            .iter()
+            .zip(ptz)
+            .map(|(base, ptz)| PtzCamera::new(*base, *ptz))
+            .collect()
     }
 
-    /// The distance of each sighting from where the state puts it, px, in the points' order; none beyond the lens.
-    pub fn residuals<'s>(&'s self, at: &'s PoseState) -> impl Iterator<Item = (usize, Option<Vec2>)> + 's {
+    /// The distance of each sighting from where the state puts it, px, in the points' order; none
+    /// beyond the lens.
+    pub fn residuals<'s>(
+        &'s self,
+        at: &'s PoseState,
+    ) -> impl Iterator<Item = (usize, Option<Vec2>)> + 's {
         let cameras = self.cameras(&at.ptz);
-        self.points.iter().zip(&at.directions).flat_map(move |(point, direction)| {
-            let off = |(row, image): &(usize, ImagePoint)| {
-                let here = cameras[*row].image_from_direction_jacobian(*direction).ok();
-                (*row, here.map(|here| here.point.offset_from(*image)))
-            };
-            point.sightings.iter().map(off).collect::<Vec<_>>()
-        })
+        self.points
+            .iter()
+            .zip(&at.directions)
+            .flat_map(move |(point, direction)| {
+                let off = |(row, image): &(usize, ImagePoint)| {
+                    let here = cameras[*row].image_from_direction_jacobian(*direction).ok();
+                    (*row, here.map(|here| here.point.offset_from(*image)))
+                };
+                point.sightings.iter().map(off).collect::<Vec<_>>()
+            })
     }
 
-    fn add_matches(&self, matches: &PairwiseMatches<'_>, at: &PoseState, equations: &mut PoseEquations) {
-        let views: Vec<View> = self.bases.iter().zip(&at.ptz).map(|(base, ptz)| View::of_camera(base, *ptz)).collect();
+    fn add_matches(
+        &self,
+        matches: &PairwiseMatches<'_>,
+        at: &PoseState,
+        equations: &mut PoseEquations,
+    ) {
+        let views: Vec<View> = self
+            .bases
+            .iter()
+            .zip(&at.ptz)
+            .map(|(base, ptz)| View::of_camera(base, *ptz))
+            .collect();
         for tie in matches.ties {
             let rows = [tie.first, tie.second];
-            let (views, lenses) = (rows.map(|row| &views[row]), rows.map(|row| &self.bases[row].distortion));
+            let (views, lenses) = (
+                rows.map(|row| &views[row]),
+                rows.map(|row| &self.bases[row].distortion),
+            );
             for &(first, second) in &tie.matches {
                 let Some(seen) = MatchJacobian::new(views, lenses, [first, second]) else {
                     equations.add_without_value(matches.loss);
                     continue;
                 };
-                let by_frame = seen.by_frame.map(|by| Mat3::from_columns(&[by.pan, by.tilt, by.log_focal]));
+                let by_frame = seen
+                    .by_frame
+                    .map(|by| Mat3::from_columns(&[by.pan, by.tilt, by.log_focal]));
                 let precision = matches.sigma_px.powi(-2);
-                equations.add_pair(&PairResidual { value: seen.value_px, rows, by_frame, precision }, matches.loss);
+                equations.add_pair(
+                    &PairResidual {
+                        value: seen.value_px,
+                        rows,
+                        by_frame,
+                        precision,
+                    },
+                    matches.loss,
+                );
             }
         }
     }
 
-    fn point_equations(&self, cameras: &[PtzCamera], point: &Seen, direction: Vec3) -> PointEquations {
+    fn point_equations(
+        &self,
+        cameras: &[PtzCamera],
+        point: &Seen,
+        direction: Vec3,
+    ) -> PointEquations {
         let tangent = across(direction);
         let mut equations = PointEquations::with_room(point.sightings.len());
         for &(row, image) in &point.sightings {
@@ -119,7 +161,14 @@ impl PoseProblem<'_> {
             let value = here.point.offset_from(image);
             let mut by_frame: Matrix2x3<f64> = here.by_ptz;
             by_frame.column_mut(2).scale_mut(camera.ptz().focal_px);
-            equations.add(row, value, &by_frame, &(here.by_direction * tangent), precision, self.loss);
+            equations.add(
+                row,
+                value,
+                &by_frame,
+                &(here.by_direction * tangent),
+                precision,
+                self.loss,
+            );
         }
         equations
     }
@@ -142,9 +191,15 @@ impl Problem for PoseProblem<'_> {
             self.add_matches(matches, at, &mut equations);
         }
         for prior in &self.priors {
-            equations.add_prior(prior.frame, &prior.offset(at.ptz[prior.frame]), &prior.information, prior.loss);
+            equations.add_prior(
+                prior.frame,
+                &prior.offset(at.ptz[prior.frame]),
+                &prior.information,
+                prior.loss,
+            );
         }
-        // A focal length that is known is one more measurement, which outweighs all points and has no loss to escape by.
+        // A focal length that is known is one more measurement, which outweighs all points and has
+        // no loss to escape by.
         let information = Mat3::from_diagonal(&Vec3::new(0.0, 0.0, KNOWN_FOCAL_SIGMA.powi(-2)));
         for (row, known_px) in self.known_focal_px.iter().enumerate() {
             let Some(known_px) = known_px else { continue };
@@ -155,8 +210,22 @@ impl Problem for PoseProblem<'_> {
     }
 
     fn stepped(&self, from: &PoseState, step: &PoseStep) -> PoseState {
-        let ptz = from.ptz.iter().zip(&step.frames).map(|(ptz, by)| moved(*ptz, *by)).collect();
-        let turned = |(direction, by): (&Vec3, &Vec2)| (direction + across(*direction) * by).normalize();
-        PoseState { ptz, directions: from.directions.iter().zip(&step.directions).map(turned).collect() }
+        let ptz = from
+            .ptz
+            .iter()
+            .zip(&step.frames)
+            .map(|(ptz, by)| moved(*ptz, *by))
+            .collect();
+        let turned =
+            |(direction, by): (&Vec3, &Vec2)| (direction + across(*direction) * by).normalize();
+        PoseState {
+            ptz,
+            directions: from
+                .directions
+                .iter()
+                .zip(&step.directions)
+                .map(turned)
+                .collect(),
+        }
     }
 }

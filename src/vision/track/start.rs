@@ -1,4 +1,5 @@
-//! Rough rotations and focal lengths of tied frames: along the strongest ties from one frame to all others.
+//! Rough rotations and focal lengths of tied frames: along the strongest ties from one frame to all
+//! others.
 
 use super::Tie;
 use super::tie::zoom_and_turn;
@@ -15,43 +16,82 @@ pub(super) struct Step {
     pub zoom: f64,
 }
 
-/// The steps that reach every frame from the first of them, each over the strongest tie to a frame reached before.
+/// The steps that reach every frame from the first of them, each over the strongest tie to a frame
+/// reached before.
 pub(super) fn steps(count: usize, ties: &[Tie], centre: ImagePoint) -> Vec<Step> {
     let mut strength = vec![0_usize; count];
     for tie in ties {
         strength[tie.first] += tie.agreeing;
         strength[tie.second] += tie.agreeing;
     }
-    let Some(root) = (0..count).max_by_key(|&frame| (strength[frame], std::cmp::Reverse(frame))) else {
+    let Some(root) = (0..count).max_by_key(|&frame| (strength[frame], std::cmp::Reverse(frame)))
+    else {
         return Vec::new();
     };
     let mut reached = vec![false; count];
     reached[root] = true;
-    let mut steps = vec![Step { frame: root, from: root, to_from: Mat3::identity(), zoom: 1.0 }];
-    while let Some(tie) =
-        ties.iter().filter(|tie| reached[tie.first] != reached[tie.second]).max_by_key(|tie| tie.agreeing)
+    let mut steps = vec![Step {
+        frame: root,
+        from: root,
+        to_from: Mat3::identity(),
+        zoom: 1.0,
+    }];
+    while let Some(tie) = ties
+        .iter()
+        .filter(|tie| reached[tie.first] != reached[tie.second])
+        .max_by_key(|tie| tie.agreeing)
     {
         let forth = reached[tie.first];
-        let (from, frame) = if forth { (tie.first, tie.second) } else { (tie.second, tie.first) };
+        let (from, frame) = if forth {
+            (tie.first, tie.second)
+        } else {
+            (tie.second, tie.first)
+        };
         reached[frame] = true;
         let to_from = if forth {
             tie.second_from_first
         } else {
-            tie.second_from_first.try_inverse().unwrap_or_else(Mat3::identity)
+            tie.second_from_first
+                .try_inverse()
+                .unwrap_or_else(Mat3::identity)
         };
         let zoom = zoom_and_turn(&to_from, centre).map_or(1.0, |(zoom, _)| zoom);
-        steps.push(Step { frame, from, to_from, zoom });
+        steps.push(Step {
+            frame,
+            from,
+            to_from,
+            zoom,
+        });
     }
     steps
 }
 
-/// The frames as seen if the first of the steps has a focal length; in the common frame it is not turned.
+/// The frames as seen if the first of the steps has a focal length; in the common frame it is not
+/// turned.
 pub(super) fn views(count: usize, steps: &[Step], centre: ImagePoint, focal_px: f64) -> Vec<View> {
-    let start = View { cam_from_common: Mat3::identity(), focal_px, principal_point: centre };
+    let start = View {
+        cam_from_common: Mat3::identity(),
+        focal_px,
+        principal_point: centre,
+    };
     let mut views = vec![start; count];
-    let calibration = |focal_px: f64| Mat3::new(focal_px, 0.0, centre.x, 0.0, focal_px, centre.y, 0.0, 0.0, 1.0);
+    let calibration = |focal_px: f64| {
+        Mat3::new(
+            focal_px, 0.0, centre.x, 0.0, focal_px, centre.y, 0.0, 0.0, 1.0,
+        )
+    };
     let inverse = |focal_px: f64| {
-        Mat3::new(1.0 / focal_px, 0.0, -centre.x / focal_px, 0.0, 1.0 / focal_px, -centre.y / focal_px, 0.0, 0.0, 1.0)
+        Mat3::new(
+            1.0 / focal_px,
+            0.0,
+            -centre.x / focal_px,
+            0.0,
+            1.0 / focal_px,
+            -centre.y / focal_px,
+            0.0,
+            0.0,
+            1.0,
+        )
     };
     for step in steps.iter().skip(1) {
         let from = views[step.from];
@@ -61,8 +101,16 @@ pub(super) fn views(count: usize, steps: &[Step], centre: ImagePoint, focal_px: 
             turn = -turn;
         }
         let scale = turn.determinant().cbrt();
-        let turned = if scale > 0.0 { nearest_rotation(&(turn / scale)) } else { Mat3::identity() };
-        views[step.frame] = View { cam_from_common: turned * from.cam_from_common, focal_px, ..from };
+        let turned = if scale > 0.0 {
+            nearest_rotation(&(turn / scale))
+        } else {
+            Mat3::identity()
+        };
+        views[step.frame] = View {
+            cam_from_common: turned * from.cam_from_common,
+            focal_px,
+            ..from
+        };
     }
     views
 }

@@ -1,4 +1,5 @@
-//! The least-squares problem of frames tied to each other where no base is known: every match is one direction, seen by two frames.
+//! The least-squares problem of frames tied to each other where no base is known: every match is
+//! one direction, seen by two frames.
 
 use super::Tie;
 use super::axis::{USUAL_TILT, upright_from_common};
@@ -67,7 +68,8 @@ impl Problem for Tied<'_> {
             let frames = [tie.first, tie.second];
             let [one, other] = frames.map(|frame| &at.views[frame]);
             for (first, second) in &tie.matches {
-                let seen = MatchJacobian::new([one, other], [&at.lens, &at.lens], [*first, *second]);
+                let seen =
+                    MatchJacobian::new([one, other], [&at.lens, &at.lens], [*first, *second]);
                 let Some(seen) = seen else {
                     equations.add(&Vector1::new(NOWHERE_PX * self.px), self.px, &[], self.loss);
                     continue;
@@ -78,9 +80,13 @@ impl Problem for Tied<'_> {
                     let first = LENS + own * frame;
                     match self.freedom {
                         Freedom::Any => {
-                            by.extend((0..3).map(|axis| (first + axis, by_frame.turn.column(axis).into_owned())));
+                            by.extend((0..3).map(|axis| {
+                                (first + axis, by_frame.turn.column(axis).into_owned())
+                            }));
                         }
-                        Freedom::PanTilt => by.extend([(first, by_frame.pan), (first + 1, by_frame.tilt)]),
+                        Freedom::PanTilt => {
+                            by.extend([(first, by_frame.pan), (first + 1, by_frame.tilt)])
+                        }
                     }
                     by.push((first + own - 1, by_frame.log_focal));
                 }
@@ -93,8 +99,11 @@ impl Problem for Tied<'_> {
 
     fn stepped(&self, from: &TiedState, step: &DVector<f64>) -> TiedState {
         let own = self.freedom.parameters();
-        let lens =
-            FocalCurve { value: from.lens.value + step[0], per_1000_px: from.lens.per_1000_px + step[1], ..from.lens };
+        let lens = FocalCurve {
+            value: from.lens.value + step[0],
+            per_1000_px: from.lens.per_1000_px + step[1],
+            ..from.lens
+        };
         let views = from.views.iter().enumerate().map(|(frame, view)| {
             let first = LENS + own * frame;
             let cam_from_common = match self.freedom {
@@ -104,13 +113,23 @@ impl Problem for Tied<'_> {
                 }
                 Freedom::PanTilt => {
                     let ray = view.ray();
-                    let (pan, tilt) = (Angle::from_radians(step[first]), Angle::from_radians(step[first + 1]));
+                    let (pan, tilt) = (
+                        Angle::from_radians(step[first]),
+                        Angle::from_radians(step[first + 1]),
+                    );
                     q_tilt(ray.tilt + tilt) * q_pan(ray.pan + pan)
                 }
             };
-            View { cam_from_common, focal_px: view.focal_px * step[first + own - 1].clamp(-0.7, 0.7).exp(), ..*view }
+            View {
+                cam_from_common,
+                focal_px: view.focal_px * step[first + own - 1].clamp(-0.7, 0.7).exp(),
+                ..*view
+            }
         });
-        TiedState { views: views.collect(), lens }
+        TiedState {
+            views: views.collect(),
+            lens,
+        }
     }
 }
 
@@ -123,7 +142,10 @@ impl Tied<'_> {
         const SURE: Loss = Loss::Squared;
         let own = self.freedom.parameters();
         let one = Vector1::new(1.0);
-        let off = [at.lens.value - self.expected.value, at.lens.per_1000_px - self.expected.per_1000_px];
+        let off = [
+            at.lens.value - self.expected.value,
+            at.lens.per_1000_px - self.expected.per_1000_px,
+        ];
         for (place, (off, sigma)) in off.into_iter().zip(self.sigma).enumerate() {
             equations.add(&Vector1::new(off), sigma, &[(place, one)], SURE);
         }
@@ -138,12 +160,19 @@ impl Tied<'_> {
             for (frame, view) in at.views.iter().enumerate() {
                 let tilt = view.ray().tilt;
                 let value = Vector1::new((tilt - USUAL_TILT).radians());
-                equations.add(&value, TILT_SIGMA.radians(), &[(LENS + own * frame + 1, one)], SURE);
+                equations.add(
+                    &value,
+                    TILT_SIGMA.radians(),
+                    &[(LENS + own * frame + 1, one)],
+                    SURE,
+                );
             }
         }
         if self.fixed_scale {
             let share = Vector1::new(1.0 / at.views.len() as f64);
-            let of_all: Vec<_> = (0..at.views.len()).map(|frame| (LENS + own * frame + own - 1, share)).collect();
+            let of_all: Vec<_> = (0..at.views.len())
+                .map(|frame| (LENS + own * frame + own - 1, share))
+                .collect();
             equations.add(&Vector1::new(0.0), FIXED, &of_all, SURE);
         }
     }
@@ -163,14 +192,16 @@ impl TiedState {
         self
     }
 
-    /// The same with all focal lengths longer by a factor, and all angles from the middle smaller by it.
+    /// The same with all focal lengths longer by a factor, and all angles from the middle smaller
+    /// by it.
     pub fn scaled(mut self, factor: f64) -> Self {
         let rays: Vec<PanTilt> = self.views.iter().map(View::ray).collect();
         let middle = rays.iter().map(|ray| ray.tilt.radians()).sum::<f64>() / rays.len() as f64;
         for (view, ray) in self.views.iter_mut().zip(rays) {
             let tilt = middle + (ray.tilt.radians() - middle) / factor;
             let pan = ray.pan.radians() / factor;
-            view.cam_from_common = q_tilt(Angle::from_radians(tilt)) * q_pan(Angle::from_radians(pan));
+            view.cam_from_common =
+                q_tilt(Angle::from_radians(tilt)) * q_pan(Angle::from_radians(pan));
             view.focal_px *= factor;
         }
         self
@@ -179,7 +210,11 @@ impl TiedState {
     pub fn ptz(&self) -> Vec<Ptz> {
         let ptz = |view: &View| {
             let PanTilt { pan, tilt } = view.ray();
-            Ptz { pan, tilt, focal_px: view.focal_px }
+            Ptz {
+                pan,
+                tilt,
+                focal_px: view.focal_px,
+            }
         };
         self.views.iter().map(ptz).collect()
     }
@@ -191,7 +226,10 @@ pub(super) fn residual_px(ties: &[Tie], at: &TiedState) -> f64 {
     for tie in ties {
         let (one, other) = (&at.views[tie.first], &at.views[tie.second]);
         distances.extend(tie.matches.iter().filter_map(|(first, second)| {
-            let (here, there) = (one.sight(*first, &at.lens)?, other.sight(*second, &at.lens)?);
+            let (here, there) = (
+                one.sight(*first, &at.lens)?,
+                other.sight(*second, &at.lens)?,
+            );
             let range_px = (one.range_px(*first) * other.range_px(*second)).sqrt();
             Some((here.direction - there.direction).norm() * range_px)
         }));

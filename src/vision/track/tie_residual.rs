@@ -27,7 +27,11 @@ impl View {
     /// A frame of a camera that stands on its base; the common frame is the base's.
     pub fn of_camera(base: &CameraBase, ptz: Ptz) -> Self {
         let cam_from_common = q_tilt(ptz.tilt) * q_pan(ptz.pan);
-        Self { cam_from_common, focal_px: ptz.focal_px, principal_point: base.principal_point }
+        Self {
+            cam_from_common,
+            focal_px: ptz.focal_px,
+            principal_point: base.principal_point,
+        }
     }
 
     /// Where a point of the picture lies in the common frame; none beyond the fold of the lens.
@@ -45,11 +49,15 @@ impl View {
         let across = (Mat3::identity() - unit * unit.transpose()) / length;
         let common_from_cam = self.cam_from_common.transpose();
         let chain: Matrix3x2<f64> = common_from_cam * across.fixed_columns::<2>(0);
-        Some(Sight { direction: common_from_cam * unit, by_log_focal: chain * by_log_focal, by_k1: chain * by_k1 })
+        Some(Sight {
+            direction: common_from_cam * unit,
+            by_log_focal: chain * by_log_focal,
+            by_k1: chain * by_k1,
+        })
     }
 
-    /// How far a point of the picture lies from the eye, px: a direction that is off by an angle is off in the picture by so many times
-    /// that, across the radius.
+    /// How far a point of the picture lies from the eye, px: a direction that is off by an angle is
+    /// off in the picture by so many times that, across the radius.
     ///
     /// A focal length alone would let frames agree about everything by shrinking to nothing.
     pub fn range_px(&self, at: ImagePoint) -> f64 {
@@ -67,14 +75,16 @@ impl View {
     }
 }
 
-/// The direction's change with a turn about each of the common frame's own axes, applied before the frame's rotation.
+/// The direction's change with a turn about each of the common frame's own axes, applied before the
+/// frame's rotation.
 pub(super) fn by_turn(direction: Vec3) -> Mat3 {
     skew(direction)
 }
 
 /// How far apart two frames see the two points of a match, px, and how that changes.
 ///
-/// The difference of the directions is measured at the geometric mean of the two points' distances from the eye.
+/// The difference of the directions is measured at the geometric mean of the two points' distances
+/// from the eye.
 pub(super) struct MatchJacobian {
     pub value_px: Vec3,
     /// By k₁ and by its slope per 1000 px.
@@ -101,9 +111,15 @@ impl MatchJacobian {
         let range_px = (ranges_px[0] * ranges_px[1]).sqrt();
         let value_px = (here.direction - there.direction) * range_px;
         let by_k1 = |view: &View, sight: &Sight, lens: &FocalCurve| {
-            [sight.by_k1, sight.by_k1 * ((view.focal_px - lens.at_focal_px) / 1000.0)]
+            [
+                sight.by_k1,
+                sight.by_k1 * ((view.focal_px - lens.at_focal_px) / 1000.0),
+            ]
         };
-        let (by_here, by_there) = (by_k1(one, &here, lenses[0]), by_k1(other, &there, lenses[1]));
+        let (by_here, by_there) = (
+            by_k1(one, &here, lenses[0]),
+            by_k1(other, &there, lenses[1]),
+        );
         let by_frame = |view: &View, sight: &Sight, own_range_px: f64, weight: f64| {
             let [pan_axis, tilt_axis] = view.pan_and_tilt_axes();
             // The focal length is also part of the measure of the distance.
@@ -118,7 +134,10 @@ impl MatchJacobian {
         Some(Self {
             value_px,
             by_lens: [0, 1].map(|of_lens| (by_here[of_lens] - by_there[of_lens]) * range_px),
-            by_frame: [by_frame(one, &here, ranges_px[0], range_px), by_frame(other, &there, ranges_px[1], -range_px)],
+            by_frame: [
+                by_frame(one, &here, ranges_px[0], range_px),
+                by_frame(other, &there, ranges_px[1], -range_px),
+            ],
         })
     }
 }
@@ -131,12 +150,21 @@ mod tests {
 
     fn view(pan: f64, tilt: f64, log_focal: f64) -> View {
         let cam_from_common = q_tilt(Angle::from_radians(tilt)) * q_pan(Angle::from_radians(pan));
-        View { cam_from_common, focal_px: 1900.0 * log_focal.exp(), principal_point: ImagePoint::new(960.0, 540.0) }
+        View {
+            cam_from_common,
+            focal_px: 1900.0 * log_focal.exp(),
+            principal_point: ImagePoint::new(960.0, 540.0),
+        }
     }
 
     #[test]
     fn a_sight_changes_as_its_derivatives_say() {
-        let lens = FocalCurve { at_focal_px: 2000.0, value: -0.07, per_1000_px: 0.21, ..FocalCurve::NONE };
+        let lens = FocalCurve {
+            at_focal_px: 2000.0,
+            value: -0.07,
+            per_1000_px: 0.21,
+            ..FocalCurve::NONE
+        };
         let at = ImagePoint::new(1700.0, 130.0);
         let here = view(0.3, -0.2, 0.0).sight(at, &lens).unwrap();
         let numeric = |of: &dyn Fn(f64) -> Sight| (of(1e-6).direction - of(-1e-6).direction) / 2e-6;
@@ -144,8 +172,17 @@ mod tests {
         let by_pan = numeric(&|step| view(0.3 + step, -0.2, 0.0).sight(at, &lens).unwrap());
         let by_tilt = numeric(&|step| view(0.3, -0.2 + step, 0.0).sight(at, &lens).unwrap());
         let by_focal = numeric(&|step| view(0.3, -0.2, step).sight(at, &lens).unwrap());
-        let by_k1 =
-            numeric(&|step| view(0.3, -0.2, 0.0).sight(at, &FocalCurve { value: lens.value + step, ..lens }).unwrap());
+        let by_k1 = numeric(&|step| {
+            view(0.3, -0.2, 0.0)
+                .sight(
+                    at,
+                    &FocalCurve {
+                        value: lens.value + step,
+                        ..lens
+                    },
+                )
+                .unwrap()
+        });
         assert!((by_pan - pan_axis.cross(&here.direction)).norm() < 1e-8);
         assert!((by_tilt - tilt_axis.cross(&here.direction)).norm() < 1e-8);
         assert!((by_focal - here.by_log_focal).norm() < 1e-8);
@@ -156,27 +193,64 @@ mod tests {
                 turn[axis] = step;
                 let from = view(0.3, -0.2, 0.0);
                 let turned = from.cam_from_common * from_rotation_vector(turn);
-                View { cam_from_common: turned, ..from }.sight(at, &lens).unwrap()
+                View {
+                    cam_from_common: turned,
+                    ..from
+                }
+                .sight(at, &lens)
+                .unwrap()
             });
-            assert!((by - by_turn(here.direction).column(axis)).norm() < 1e-8, "axis {axis}");
+            assert!(
+                (by - by_turn(here.direction).column(axis)).norm() < 1e-8,
+                "axis {axis}"
+            );
         }
     }
 
     #[test]
     fn a_match_changes_with_lens_and_frames_as_its_derivatives_say() {
-        let lens = FocalCurve { at_focal_px: 2000.0, value: -0.07, per_1000_px: 0.21, ..FocalCurve::NONE };
-        let at = [ImagePoint::new(1700.0, 130.0), ImagePoint::new(640.0, 210.0)];
+        let lens = FocalCurve {
+            at_focal_px: 2000.0,
+            value: -0.07,
+            per_1000_px: 0.21,
+            ..FocalCurve::NONE
+        };
+        let at = [
+            ImagePoint::new(1700.0, 130.0),
+            ImagePoint::new(640.0, 210.0),
+        ];
         let steps = [[0.3, -0.2, 0.0], [0.6, -0.19, 0.15]];
-        let views = |steps: [[f64; 3]; 2]| steps.map(|[pan, tilt, log_focal]| view(pan, tilt, log_focal));
-        let jacobian =
-            |[one, other]: [View; 2], lens: FocalCurve| MatchJacobian::new([&one, &other], [&lens, &lens], at).unwrap();
+        let views =
+            |steps: [[f64; 3]; 2]| steps.map(|[pan, tilt, log_focal]| view(pan, tilt, log_focal));
+        let jacobian = |[one, other]: [View; 2], lens: FocalCurve| {
+            MatchJacobian::new([&one, &other], [&lens, &lens], at).unwrap()
+        };
         let here = jacobian(views(steps), lens);
         let agrees = |analytic: Vec3, of: &dyn Fn(f64) -> MatchJacobian, what: &str| {
             let numeric = (of(1e-6).value_px - of(-1e-6).value_px) / 2e-6;
-            assert!((analytic - numeric).norm() < 1e-4, "{what}: {analytic} is not {numeric}");
+            assert!(
+                (analytic - numeric).norm() < 1e-4,
+                "{what}: {analytic} is not {numeric}"
+            );
         };
-        let with_k1 = |by: f64| jacobian(views(steps), FocalCurve { value: lens.value + by, ..lens });
-        let with_slope = |by: f64| jacobian(views(steps), FocalCurve { per_1000_px: lens.per_1000_px + by, ..lens });
+        let with_k1 = |by: f64| {
+            jacobian(
+                views(steps),
+                FocalCurve {
+                    value: lens.value + by,
+                    ..lens
+                },
+            )
+        };
+        let with_slope = |by: f64| {
+            jacobian(
+                views(steps),
+                FocalCurve {
+                    per_1000_px: lens.per_1000_px + by,
+                    ..lens
+                },
+            )
+        };
         agrees(here.by_lens[0], &with_k1, "k1");
         agrees(here.by_lens[1], &with_slope, "slope of k1");
         for (frame, by) in here.by_frame.iter().enumerate() {
@@ -186,7 +260,11 @@ mod tests {
                     steps[frame][parameter] += step;
                     jacobian(views(steps), lens)
                 };
-                agrees(analytic, &stepped, &format!("frame {frame}, pan, tilt or zoom {parameter}"));
+                agrees(
+                    analytic,
+                    &stepped,
+                    &format!("frame {frame}, pan, tilt or zoom {parameter}"),
+                );
             }
             for axis in 0..3 {
                 let turned = |step: f64| {
@@ -195,7 +273,11 @@ mod tests {
                     views[frame].cam_from_common *= turn;
                     jacobian(views, lens)
                 };
-                agrees(by.turn.column(axis).into_owned(), &turned, &format!("frame {frame}, turn {axis}"));
+                agrees(
+                    by.turn.column(axis).into_owned(),
+                    &turned,
+                    &format!("frame {frame}, turn {axis}"),
+                );
             }
         }
     }

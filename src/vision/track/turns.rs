@@ -1,8 +1,9 @@
 //! Pan, tilt and focal length of tied frames, and the lens, from the ties alone.
 //!
-//! A camera that stands still and turns sees every thing in one direction. Rotations are found freely first; the axis
-//! perpendicular to all frames' sideways axes is the one about which the camera pans, and then only pan, tilt and focal
-//! length stay free, so that the axis follows from all matches.
+//! A camera that stands still and turns sees every thing in one direction. Rotations are found
+//! freely first; the axis perpendicular to all frames' sideways axes is the one about which the
+//! camera pans, and then only pan, tilt and focal length stay free, so that the axis follows from
+//! all matches.
 
 use super::start::{steps, views};
 use super::tie_problem::{Freedom, Tied, TiedState, residual_px};
@@ -20,7 +21,8 @@ pub struct TurnOptions {
     pub k1_sigma: f64,
     /// 1-σ of its change per 1000 px at 1920 px width. Default .1.
     pub slope_sigma: f64,
-    /// All focal lengths are multiplied by this after the ties have found them, and everything else follows; default 1.
+    /// All focal lengths are multiplied by this after the ties have found them, and everything else
+    /// follows; default 1.
     ///
     /// Ties leave the common scale of the focal lengths the least certain.
     pub focal_scale: f64,
@@ -29,7 +31,12 @@ pub struct TurnOptions {
 impl Default for TurnOptions {
     fn default() -> Self {
         Self {
-            lens: FocalCurve { at_focal_px: 2000.0, value: -0.02, per_1000_px: 0.21, ..FocalCurve::NONE },
+            lens: FocalCurve {
+                at_focal_px: 2000.0,
+                value: -0.02,
+                per_1000_px: 0.21,
+                ..FocalCurve::NONE
+            },
             k1_sigma: 0.1,
             slope_sigma: 0.1,
             focal_scale: 1.0,
@@ -55,8 +62,10 @@ impl Turns {
     #[must_use]
     pub fn camera(&self, frame: usize) -> PtzCamera {
         let level = BaseAngles::default().base_from_world();
-        let base =
-            CameraBase { distortion: self.lens, ..CameraBase::new(Vec3::zeros(), level, self.image_size.centre()) };
+        let base = CameraBase {
+            distortion: self.lens,
+            ..CameraBase::new(Vec3::zeros(), level, self.image_size.centre())
+        };
         PtzCamera::new(base, self.ptz[frame])
     }
 }
@@ -80,7 +89,10 @@ pub fn adjust_turns(
     let centre = image_size.centre();
     let along = steps(count, ties, centre);
     if count < 2 || along.len() < count {
-        return Err(TrackError::TooFew { frames: count, ties: ties.len() });
+        return Err(TrackError::TooFew {
+            frames: count,
+            ties: ties.len(),
+        });
     }
     let px = image_size.scale_from_1920();
     let expected = FocalCurve {
@@ -99,12 +111,20 @@ pub fn adjust_turns(
     };
     let start = FOCAL_WIDTHS.iter().map(|widths| {
         let focal_px = widths * f64::from(image_size.width);
-        let start = TiedState { views: views(count, &along, centre, focal_px), lens: expected };
+        let start = TiedState {
+            views: views(count, &along, centre, focal_px),
+            lens: expected,
+        };
         minimise(&problem(Freedom::Any, 20.0, false), start, until(8))
     });
     let cost = |found: &Minimum<Tied<'_>>| Equations::cost(&found.equations);
     let best = start.min_by(|a, b| cost(a).total_cmp(&cost(b)));
-    let Some(best) = best else { return Err(TrackError::TooFew { frames: count, ties: ties.len() }) };
+    let Some(best) = best else {
+        return Err(TrackError::TooFew {
+            frames: count,
+            ties: ties.len(),
+        });
+    };
     let mut state = best.state;
     for loss_px in [20.0, 6.0] {
         state = minimise(&problem(Freedom::Any, loss_px, false), state, until(30)).state;
@@ -120,14 +140,28 @@ pub fn adjust_turns(
         }
     }
     let residual_px = residual_px(ties, &state) / px;
-    if !(residual_px <= NOT_TURNING_PX * options.focal_scale.max(1.0 / options.focal_scale).powi(2)) {
-        return Err(TrackError::NotTurning { frames: count, ties: ties.len(), residual_px });
+    if !(residual_px <= NOT_TURNING_PX * options.focal_scale.max(1.0 / options.focal_scale).powi(2))
+    {
+        return Err(TrackError::NotTurning {
+            frames: count,
+            ties: ties.len(),
+            residual_px,
+        });
     }
-    Ok(Turns { ptz: state.ptz(), lens: state.lens, image_size, residual_px })
+    Ok(Turns {
+        ptz: state.ptz(),
+        lens: state.lens,
+        image_size,
+        residual_px,
+    })
 }
 
 const fn until(max_iterations: usize) -> Stopping {
-    Stopping { max_iterations, short_step: 1e-7, small_gain: 1e-6 }
+    Stopping {
+        max_iterations,
+        short_step: 1e-7,
+        small_gain: 1e-6,
+    }
 }
 
 #[cfg(test)]
@@ -138,7 +172,12 @@ mod tests {
     use touchline_core::geometry::{ImagePoint, Mat3};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
-    const LENS: FocalCurve = FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.15, ..FocalCurve::NONE };
+    const LENS: FocalCurve = FocalCurve {
+        at_focal_px: 2000.0,
+        value: -0.05,
+        per_1000_px: 0.15,
+        ..FocalCurve::NONE
+    };
 
     fn truth() -> Turns {
         let ptz = [
@@ -149,11 +188,19 @@ mod tests {
             (16.0, -12.0, 2300.0),
             (24.0, -10.0, 1900.0),
         ];
-        let ptz = ptz.map(|(pan, tilt, focal_px)| Ptz::from_degrees(pan, tilt, focal_px)).to_vec();
-        Turns { ptz, lens: LENS, image_size: SIZE, residual_px: 0.0 }
+        let ptz = ptz
+            .map(|(pan, tilt, focal_px)| Ptz::from_degrees(pan, tilt, focal_px))
+            .to_vec();
+        Turns {
+            ptz,
+            lens: LENS,
+            image_size: SIZE,
+            residual_px: 0.0,
+        }
     }
 
-    /// The ties of frames that see the same directions, `noise_px` off in a pattern that repeats nowhere.
+    /// The ties of frames that see the same directions, `noise_px` off in a pattern that repeats
+    /// nowhere.
     fn ties(truth: &Turns, noise_px: f64) -> Vec<Tie> {
         let mut ties = Vec::new();
         for first in 0..truth.ptz.len() {
@@ -161,21 +208,39 @@ mod tests {
                 let (one, other) = (truth.camera(first), truth.camera(second));
                 let mut matches = Vec::new();
                 for index in 0..160_u32 {
-                    let at =
-                        ImagePoint::new(f64::from(index % 16) * 120.0 + 60.0, f64::from(index / 16) * 108.0 + 54.0);
-                    let there = one.ray_from_image(at).ok().and_then(|ray| other.image_from_ray(ray).ok());
-                    let Some(there) = there.filter(|there| SIZE.contains(*there)) else { continue };
+                    let at = ImagePoint::new(
+                        f64::from(index % 16) * 120.0 + 60.0,
+                        f64::from(index / 16) * 108.0 + 54.0,
+                    );
+                    let there = one
+                        .ray_from_image(at)
+                        .ok()
+                        .and_then(|ray| other.image_from_ray(ray).ok());
+                    let Some(there) = there.filter(|there| SIZE.contains(*there)) else {
+                        continue;
+                    };
                     let turn = f64::from(index * 37 + first as u32 * 11 + second as u32);
-                    let noise = touchline_core::geometry::Vec2::new(turn.sin(), (1.7 * turn).cos()) * noise_px;
+                    let noise = touchline_core::geometry::Vec2::new(turn.sin(), (1.7 * turn).cos())
+                        * noise_px;
                     matches.push((at, there.moved(noise)));
                 }
                 if matches.len() < 15 {
                     continue;
                 }
-                let vector = |point: ImagePoint| touchline_core::geometry::Vec2::new(point.x, point.y);
-                let pairs: Vec<_> = matches.iter().map(|(a, b)| (vector(*a), vector(*b))).collect();
+                let vector =
+                    |point: ImagePoint| touchline_core::geometry::Vec2::new(point.x, point.y);
+                let pairs: Vec<_> = matches
+                    .iter()
+                    .map(|(a, b)| (vector(*a), vector(*b)))
+                    .collect();
                 let second_from_first = touchline_core::geometry::homography(&pairs).unwrap();
-                ties.push(Tie { first, second, agreeing: matches.len(), matches, second_from_first });
+                ties.push(Tie {
+                    first,
+                    second,
+                    agreeing: matches.len(),
+                    matches,
+                    second_from_first,
+                });
             }
         }
         ties
@@ -184,15 +249,32 @@ mod tests {
     #[test]
     fn exact_ties_give_back_pan_tilt_focal_length_and_lens() {
         let truth = truth();
-        let options = TurnOptions { k1_sigma: 10.0, slope_sigma: 10.0, ..TurnOptions::default() };
+        let options = TurnOptions {
+            k1_sigma: 10.0,
+            slope_sigma: 10.0,
+            ..TurnOptions::default()
+        };
         let found = adjust_turns(6, &ties(&truth, 0.0), SIZE, &options).unwrap();
         let middle = found.ptz[0].pan - truth.ptz[0].pan;
         for (found, exact) in found.ptz.iter().zip(&truth.ptz) {
-            assert!((found.pan - exact.pan - middle).degrees().abs() < 0.02, "{found:?} for {exact:?}");
-            assert!((found.tilt - exact.tilt).degrees().abs() < 0.02, "{found:?} for {exact:?}");
-            assert!((found.focal_px / exact.focal_px - 1.0).abs() < 1e-3, "{found:?} for {exact:?}");
+            assert!(
+                (found.pan - exact.pan - middle).degrees().abs() < 0.02,
+                "{found:?} for {exact:?}"
+            );
+            assert!(
+                (found.tilt - exact.tilt).degrees().abs() < 0.02,
+                "{found:?} for {exact:?}"
+            );
+            assert!(
+                (found.focal_px / exact.focal_px - 1.0).abs() < 1e-3,
+                "{found:?} for {exact:?}"
+            );
         }
-        assert!((found.lens.at(1900.0) - LENS.at(1900.0)).abs() < 2e-3, "{:?}", found.lens);
+        assert!(
+            (found.lens.at(1900.0) - LENS.at(1900.0)).abs() < 2e-3,
+            "{:?}",
+            found.lens
+        );
         assert!(found.residual_px < 0.05, "{}", found.residual_px);
     }
 
@@ -201,26 +283,45 @@ mod tests {
         let truth = truth();
         let mut ties = ties(&truth, 0.7);
         let away = touchline_core::geometry::Vec2::new(400.0, -150.0);
-        let wrong = ties.iter_mut().find(|tie| tie.second == tie.first + 1).unwrap();
+        let wrong = ties
+            .iter_mut()
+            .find(|tie| tie.second == tie.first + 1)
+            .unwrap();
         for (_, there) in &mut wrong.matches {
             *there = there.moved(away);
         }
-        wrong.second_from_first = Mat3::new(1.0, 0.0, 400.0, 0.0, 1.0, -150.0, 0.0, 0.0, 1.0) * wrong.second_from_first;
+        wrong.second_from_first =
+            Mat3::new(1.0, 0.0, 400.0, 0.0, 1.0, -150.0, 0.0, 0.0, 1.0) * wrong.second_from_first;
         let kept = crate::track::cycles::uncontradicted(&ties, SIZE);
-        let names = |ties: &[Tie]| ties.iter().map(|tie| (tie.first, tie.second)).collect::<Vec<_>>();
-        assert_eq!(names(&kept), names(&ties)[1..], "the wrong tie goes, and no right one with it");
+        let names = |ties: &[Tie]| {
+            ties.iter()
+                .map(|tie| (tie.first, tie.second))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            names(&kept),
+            names(&ties)[1..],
+            "the wrong tie goes, and no right one with it"
+        );
         let found = adjust_turns(6, &kept, SIZE, &TurnOptions::default()).unwrap();
         for (found, exact) in found.ptz.iter().zip(&truth.ptz) {
-            assert!((found.focal_px / exact.focal_px - 1.0).abs() < 0.03, "{found:?} for {exact:?}");
+            assert!(
+                (found.focal_px / exact.focal_px - 1.0).abs() < 0.03,
+                "{found:?} for {exact:?}"
+            );
         }
     }
 
     #[test]
     fn asked_for_another_scale_the_ties_stretch() {
-        let options = TurnOptions { focal_scale: 1.06, ..TurnOptions::default() };
+        let options = TurnOptions {
+            focal_scale: 1.06,
+            ..TurnOptions::default()
+        };
         let (usual, longer) = (TurnOptions::default(), options);
         let ties = ties(&truth(), 0.3);
-        let [usual, longer] = [usual, longer].map(|options| adjust_turns(6, &ties, SIZE, &options).unwrap());
+        let [usual, longer] =
+            [usual, longer].map(|options| adjust_turns(6, &ties, SIZE, &options).unwrap());
         let mean = |turns: &Turns| turns.ptz.iter().map(|ptz| ptz.focal_px.ln()).sum::<f64>() / 6.0;
         assert!((mean(&longer) - mean(&usual) - 1.06_f64.ln()).abs() < 1e-3);
         assert!(longer.residual_px > usual.residual_px);
@@ -228,7 +329,10 @@ mod tests {
 
     #[test]
     fn frames_do_not_agree_better_by_shrinking() {
-        let truth = Turns { lens: FocalCurve::NONE, ..truth() };
+        let truth = Turns {
+            lens: FocalCurve::NONE,
+            ..truth()
+        };
         let ties = ties(&truth, 0.7);
         let residual_px = |share: f64| {
             let view = |ptz: &Ptz| View {
@@ -236,7 +340,10 @@ mod tests {
                 focal_px: ptz.focal_px * share,
                 principal_point: SIZE.centre(),
             };
-            let state = TiedState { views: truth.ptz.iter().map(view).collect(), lens: truth.lens };
+            let state = TiedState {
+                views: truth.ptz.iter().map(view).collect(),
+                lens: truth.lens,
+            };
             residual_px(&ties, &state)
         };
         assert!(residual_px(1.0) < 1.5, "{}", residual_px(1.0));
@@ -249,7 +356,13 @@ mod tests {
     fn what_does_not_hang_together_is_refused() {
         let ties = ties(&truth(), 0.0);
         let alone = adjust_turns(7, &ties, SIZE, &TurnOptions::default());
-        assert_eq!(alone, Err(TrackError::TooFew { frames: 7, ties: ties.len() }));
+        assert_eq!(
+            alone,
+            Err(TrackError::TooFew {
+                frames: 7,
+                ties: ties.len()
+            })
+        );
         assert!(adjust_turns(1, &[], SIZE, &TurnOptions::default()).is_err());
     }
 }

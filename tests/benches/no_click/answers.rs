@@ -3,7 +3,9 @@
 use std::fmt;
 use std::path::Path;
 use std::time::Instant;
-use touchline::autocalibrate::{Abstention, AutocalibrationAnswer, camera_from_few_clicks, camera_without_clicks};
+use touchline::autocalibrate::{
+    Abstention, AutocalibrationAnswer, camera_from_few_clicks, camera_without_clicks,
+};
 use touchline::calibrate::{AutocalibratedCamera, record_found};
 use touchline::camera::PtzCamera;
 use touchline::document::{Click, Document};
@@ -13,7 +15,8 @@ use touchline::media::FrameReader;
 use touchline::progress::Progress;
 use touchline::proposals::read_picture;
 
-/// Every answered frame's overlay is at most so far off at the worst place of the ground that it shows, px of the picture.
+/// Every answered frame's overlay is at most so far off at the worst place of the ground that it
+/// shows, px of the picture.
 const RIGHT_PX: f64 = 5.0;
 
 /// Frames that are looked at, as the program does where nothing else is asked for.
@@ -69,47 +72,84 @@ pub enum Way {
 pub fn answer(document: &Document, folder: &Path, way: Way) -> (AutocalibrationAnswer, f64) {
     let start = Instant::now();
     let mut reader = FrameReader::new();
-    let mut picture = |index: usize| read_picture(&mut reader, &document.frames[index], folder).ok();
+    let mut picture =
+        |index: usize| read_picture(&mut reader, &document.frames[index], folder).ok();
     let camera = &document.cameras[0].id;
     let progress = Progress::default();
     let answer = match way {
-        Way::WithoutClicks => camera_without_clicks(document.at(folder), camera, LOOK_AT, &mut picture, &progress),
-        Way::FewClicks => camera_from_few_clicks(document.at(folder), camera, LOOK_AT, &mut picture, &progress),
+        Way::WithoutClicks => camera_without_clicks(
+            document.at(folder),
+            camera,
+            LOOK_AT,
+            &mut picture,
+            &progress,
+        ),
+        Way::FewClicks => camera_from_few_clicks(
+            document.at(folder),
+            camera,
+            LOOK_AT,
+            &mut picture,
+            &progress,
+        ),
     };
     let answer = answer.unwrap();
     (answer, start.elapsed().as_secs_f64())
 }
 
-/// A document with two clicks, on the two landmarks of the ground that lie farthest apart of all that the frames show; people's
-/// clicks scatter.
+/// A document with two clicks, on the two landmarks of the ground that lie farthest apart of all
+/// that the frames show; people's clicks scatter.
 pub fn two_clicked(document: &Document, truth: &[PtzCamera], field: &FieldModel) -> Document {
     const SCATTER_PX: [(f64, f64); 2] = [(1.6, -1.2), (-0.9, 1.8)];
     let mut seen: Vec<(usize, ImagePoint, &Landmark)> = Vec::new();
     for (index, camera) in truth.iter().enumerate() {
         let size = document.frames[index].image_size;
-        for landmark in field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0) {
-            let Ok(image) = camera.image_from_world(field.landmark_in_world(landmark)) else { continue };
+        for landmark in field
+            .landmarks
+            .iter()
+            .filter(|landmark| landmark.nominal_m.z == 0.0)
+        {
+            let Ok(image) = camera.image_from_world(field.landmark_in_world(landmark)) else {
+                continue;
+            };
             if size.contains(image) {
                 seen.push((index, image, landmark));
             }
         }
     }
-    let apart = |(one, other): &(usize, usize)| (seen[*one].2.nominal_m - seen[*other].2.nominal_m).norm();
-    let pairs = (0..seen.len()).flat_map(|one| (one + 1..seen.len()).map(move |other| (one, other)));
+    let apart =
+        |(one, other): &(usize, usize)| (seen[*one].2.nominal_m - seen[*other].2.nominal_m).norm();
+    let pairs =
+        (0..seen.len()).flat_map(|one| (one + 1..seen.len()).map(move |other| (one, other)));
     let farthest = pairs.max_by(|a, b| apart(a).total_cmp(&apart(b)));
     let mut clicked = document.clone();
-    for (place, (dx, dy)) in farthest.map(|(one, other)| [one, other]).into_iter().flatten().zip(SCATTER_PX) {
+    for (place, (dx, dy)) in farthest
+        .map(|(one, other)| [one, other])
+        .into_iter()
+        .flatten()
+        .zip(SCATTER_PX)
+    {
         let (index, image, landmark) = seen[place];
         let at = ImagePoint::new(image.x + dx, image.y + dy);
-        clicked.frames[index].clicks.push(Click::landmark(landmark.id.clone(), at));
+        clicked.frames[index]
+            .clicks
+            .push(Click::landmark(landmark.id.clone(), at));
     }
     clicked
 }
 
-/// Where a place of the real field lies on the field of an answer that assumes a length which the frames do not show: as far from the
-/// end that they show. Its origin, the middle of the field, is then half the difference off, and so is everything that is told from it.
-fn moved_with_the_end_seen(found: &AutocalibratedCamera, truth: &[PtzCamera], field: &FieldModel) -> Vec3 {
-    if !found.sizes.iter().any(|size| size.name == "length_m" && size.is_open) {
+/// Where a place of the real field lies on the field of an answer that assumes a length which the
+/// frames do not show: as far from the end that they show. Its origin, the middle of the field, is
+/// then half the difference off, and so is everything that is told from it.
+fn moved_with_the_end_seen(
+    found: &AutocalibratedCamera,
+    truth: &[PtzCamera],
+    field: &FieldModel,
+) -> Vec3 {
+    if !found
+        .sizes
+        .iter()
+        .any(|size| size.name == "length_m" && size.is_open)
+    {
         return Vec3::zeros();
     }
     let half_m = 0.5 * (found.field.length_m - field.length_m);
@@ -141,9 +181,14 @@ pub fn worst_px(
             )
         });
         let apart = |pixel: ImagePoint| {
-            let on_field = |at: &Vec3| at.x.abs() < 0.5 * field.length_m && at.y.abs() < 0.5 * field.width_m;
+            let on_field =
+                |at: &Vec3| at.x.abs() < 0.5 * field.length_m && at.y.abs() < 0.5 * field.width_m;
             let ground = exact.plane_from_image(pixel, 0.0).filter(on_field)?;
-            Some(found.image_from_world(ground + moved).map_or(f64::INFINITY, |image| image.distance_px(pixel)))
+            Some(
+                found
+                    .image_from_world(ground + moved)
+                    .map_or(f64::INFINITY, |image| image.distance_px(pixel)),
+            )
         };
         let worst = pixels.filter_map(apart).fold(0.0, f64::max);
         Some((index, worst))
@@ -158,18 +203,29 @@ pub fn judged(
     truth: Option<(&[PtzCamera], &FieldModel)>,
 ) -> (String, Tally) {
     let judge = |found: &AutocalibratedCamera| {
-        let Some((truth, field)) = truth else { return (f64::INFINITY, "nothing is right".to_owned()) };
+        let Some((truth, field)) = truth else {
+            return (f64::INFINITY, "nothing is right".to_owned());
+        };
         let frames = worst_px(document, found, truth, field);
         let moved = moved_with_the_end_seen(found, truth, field);
-        let off = |exact: &PtzCamera| (found.base.position_m - exact.base().position_m - moved).norm();
+        let off =
+            |exact: &PtzCamera| (found.base.position_m - exact.base().position_m - moved).norm();
         let off_m = truth.first().map_or(f64::NAN, off);
-        let worst = frames.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY));
+        let worst = frames
+            .iter()
+            .copied()
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((0, f64::INFINITY));
         let says = format!(
             "{off_m:.2} m off (σ {:.2}), size {:+.2} {:+.2} m (σ {:?}), worst {:.1} px (frame {}), {} of {} frames answered, {} snapped, over: {}",
             found.base.sigma.position_m.norm(),
             found.field.length_m - field.length_m,
             found.field.width_m - field.width_m,
-            found.sizes.iter().map(|size| format!("{:.2}", size.sigma_m)).collect::<Vec<_>>(),
+            found
+                .sizes
+                .iter()
+                .map(|size| format!("{:.2}", size.sigma_m))
+                .collect::<Vec<_>>(),
             worst.1,
             worst.0,
             frames.len(),
@@ -183,33 +239,76 @@ pub fn judged(
         AutocalibrationAnswer::Found(found) => {
             let (worst, says) = judge(found);
             let right = worst <= RIGHT_PX;
-            let tally = Tally { right: usize::from(right), wrong: usize::from(!right), ..Tally::default() };
-            (format!("{}: {says}", if right { "right" } else { "WRONG" }), tally)
+            let tally = Tally {
+                right: usize::from(right),
+                wrong: usize::from(!right),
+                ..Tally::default()
+            };
+            (
+                format!("{}: {says}", if right { "right" } else { "WRONG" }),
+                tally,
+            )
         }
-        AutocalibrationAnswer::Two { best, other, deciding } => {
+        AutocalibrationAnswer::Two {
+            best,
+            other,
+            deciding,
+        } => {
             let deciding = deciding.as_ref().map(|deciding| deciding.landmark.as_str());
-            let says = format!("two: {} / {}; deciding {deciding:?}", judge(best).1, judge(other).1);
-            (says, Tally { two: 1, ..Tally::default() })
+            let says = format!(
+                "two: {} / {}; deciding {deciding:?}",
+                judge(best).1,
+                judge(other).1
+            );
+            (
+                says,
+                Tally {
+                    two: 1,
+                    ..Tally::default()
+                },
+            )
         }
         AutocalibrationAnswer::Abstained(why) => {
             let best = match why {
-                Abstention::Uncertain { best: Some(best), .. } => judge(best).1,
+                Abstention::Uncertain {
+                    best: Some(best), ..
+                } => judge(best).1,
                 _ => String::new(),
             };
-            (format!("abstained: {why} [{best}]"), Tally { abstained: 1, ..Tally::default() })
+            (
+                format!("abstained: {why} [{best}]"),
+                Tally {
+                    abstained: 1,
+                    ..Tally::default()
+                },
+            )
         }
     }
 }
 
 /// The frames that are not right.
 fn over(frames: &[(usize, f64)], found: &AutocalibratedCamera) -> String {
-    let is_snapped = |index: usize| found.frames.iter().any(|frame| frame.index == index && frame.snapped.is_some());
+    let is_snapped = |index: usize| {
+        found
+            .frames
+            .iter()
+            .any(|frame| frame.index == index && frame.snapped.is_some())
+    };
     let over: Vec<String> = frames
         .iter()
         .filter(|(_, px)| *px > RIGHT_PX)
-        .map(|(index, px)| format!("{index}{}={px:.1}", if is_snapped(*index) { "s" } else { "" }))
+        .map(|(index, px)| {
+            format!(
+                "{index}{}={px:.1}",
+                if is_snapped(*index) { "s" } else { "" }
+            )
+        })
         .collect();
-    if over.is_empty() { "none".to_owned() } else { over.join(" ") }
+    if over.is_empty() {
+        "none".to_owned()
+    } else {
+        over.join(" ")
+    }
 }
 
 /// What speaks for an answer.

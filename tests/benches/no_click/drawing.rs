@@ -17,16 +17,25 @@ pub const CAMERA: &str = "main";
 /// A document without frames, and a camera of which nothing is known.
 pub fn document(field: FieldSpec, size: ImageSize) -> Document {
     let mut document = Document::new(field);
-    document.cameras.push(Camera::new(CameraId::from(CAMERA), size).into());
+    document
+        .cameras
+        .push(Camera::new(CameraId::from(CAMERA), size).into());
     document
 }
 
 /// Every `stride`-th frame of a video, as a new document.
-pub fn document_of_video(video: &str, info: &VideoInfo, field: FieldSpec, stride: usize) -> Document {
+pub fn document_of_video(
+    video: &str,
+    info: &VideoInfo,
+    field: FieldSpec,
+    stride: usize,
+) -> Document {
     let mut document = document(field, info.size);
     for index in (0..info.decoded_frames).step_by(stride) {
         let frame = VideoFrame::new(video, index as u64, info.pts_s(index));
-        document.frames.push(Frame::from_video(frame, CameraId::from(CAMERA), info.size).into());
+        document
+            .frames
+            .push(Frame::from_video(frame, CameraId::from(CAMERA), info.size).into());
     }
     document
 }
@@ -45,7 +54,13 @@ pub struct Drawn {
 }
 
 /// The pictures that an operator takes with a camera.
-pub fn shots(scene: &Stadium, base: &CameraBase, shoot: &ShootOptions, frames: usize, seed: u64) -> Vec<Shot> {
+pub fn shots(
+    scene: &Stadium,
+    base: &CameraBase,
+    shoot: &ShootOptions,
+    frames: usize,
+    seed: u64,
+) -> Vec<Shot> {
     let path = camera_path(scene, base, SIZE, shoot, frames);
     let shot = |(index, step): (usize, &PathStep)| Shot {
         camera: PtzCamera::new(*base, step.ptz),
@@ -63,11 +78,15 @@ pub fn draw(folder: &Path, scenes: &[(&Stadium, &[Shot])], quality: u8, field: F
         for shot in *shots {
             let name = format!("{:04}.jpg", truth.len());
             let file = folder.join(&name);
-            document.frames.push(Frame::from_image(&name, CameraId::from(CAMERA), SIZE).into());
+            document
+                .frames
+                .push(Frame::from_image(&name, CameraId::from(CAMERA), SIZE).into());
             if !file.exists() {
                 let mut bytes = Vec::new();
                 let drawn = scene.render(&shot.camera, SIZE, &shot.options).image;
-                JpegEncoder::new_with_quality(&mut bytes, quality).encode_image(&drawn).unwrap();
+                JpegEncoder::new_with_quality(&mut bytes, quality)
+                    .encode_image(&drawn)
+                    .unwrap();
                 std::fs::write(&file, bytes).unwrap();
             }
             truth.push(shot.camera);

@@ -1,4 +1,5 @@
-//! What the answers of a section have to reach, so that a change that makes them worse is not taken.
+//! What the answers of a section have to reach, so that a change that makes them worse is not
+//! taken.
 
 use super::answers::Tally;
 
@@ -16,18 +17,29 @@ pub struct Rate {
 impl Rate {
     /// No input needs an answer, but none is wrong.
     pub const fn never_wrong(tried: usize) -> Self {
-        Self { tried, right: 0, wrong: 0 }
+        Self {
+            tried,
+            right: 0,
+            wrong: 0,
+        }
     }
 }
 
-/// Why a tally is below its rate; nothing if it is not. Some inputs of a section may have as many without a right answer as the
-/// whole section may: which of them these are is not known beforehand.
+/// Why a tally is below its rate; nothing if it is not. Some inputs of a section may have as many
+/// without a right answer as the whole section may: which of them these are is not known
+/// beforehand.
 pub fn shortfalls(tally: &Tally, rate: &Rate) -> Vec<String> {
     let (tried, right) = (tally.tried(), rights_needed(tally.tried(), rate));
     [
         (tried == 0, "nothing was asked".to_owned()),
-        (tally.right < right, format!("{} right, at least {right} have to be", tally.right)),
-        (tally.wrong > rate.wrong, format!("{} wrong, at most {} may be", tally.wrong, rate.wrong)),
+        (
+            tally.right < right,
+            format!("{} right, at least {right} have to be", tally.right),
+        ),
+        (
+            tally.wrong > rate.wrong,
+            format!("{} wrong, at most {} may be", tally.wrong, rate.wrong),
+        ),
     ]
     .into_iter()
     .filter_map(|(falls_short, why)| falls_short.then_some(why))
@@ -49,11 +61,17 @@ pub struct Gate {
 impl Gate {
     pub fn compare(&mut self, section: &str, tally: &Tally, rate: &Rate) {
         let shortfalls = shortfalls(tally, rate);
-        let says =
-            if shortfalls.is_empty() { "passed".to_owned() } else { format!("FAILED ({})", shortfalls.join("; ")) };
+        let says = if shortfalls.is_empty() {
+            "passed".to_owned()
+        } else {
+            format!("FAILED ({})", shortfalls.join("; "))
+        };
         self.failed |= !shortfalls.is_empty();
         let right = rights_needed(tally.tried(), rate);
-        self.lines.push(format!("{section}: {says}: {tally} (rate: {right} right, {} wrong)", rate.wrong));
+        self.lines.push(format!(
+            "{section}: {says}: {tally} (rate: {right} right, {} wrong)",
+            rate.wrong
+        ));
     }
 
     /// The lines of all sections, and whether one of them is below its rate.

@@ -1,11 +1,17 @@
-//! The camera without a click, on drawn matches, on inputs that must fail and on real frames: how often it is right, wrong,
-//! undecided or silent. Printed as Markdown.
+//! The camera without a click, on drawn matches, on inputs that must fail and on real frames: how
+//! often it is right, wrong, undecided or silent. Printed as Markdown.
 //!
 //! Not a divan bench: what counts is the share of right answers, the times beside it.
-//! `cargo bench --bench no_click [-- drawn refused spread real clips wild] [--matches N] [--from K] [--frames N] [--keep DIR] [--gate]`; the real frames are those of
-//! `TOUCHLINE_DATA`. With `--two-clicks` drawn matches are found from two clicks each. With `--keep` drawn pictures stay in a folder and are used again.
-//! With `--gate` it fails where a section is below its rate, which is stated beside its inputs.
-#![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, reason = "a bench says what failed by failing")]
+//! `cargo bench --bench no_click [-- drawn refused spread real clips wild] [--matches N] [--from K] [--frames N] [--keep DIR] [--gate]`;
+//! the real frames are those of `TOUCHLINE_DATA`. With `--two-clicks` drawn matches are found from
+//! two clicks each. With `--keep` drawn pictures stay in a folder and are used again. With `--gate`
+//! it fails where a section is below its rate, which is stated beside its inputs.
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a bench says what failed by failing"
+)]
 
 mod answers;
 mod drawing;
@@ -22,20 +28,27 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    let arguments: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|argument| argument != "--bench")
+        .collect();
     let is_set = |flag: &str| arguments.iter().any(|argument| argument == flag);
     let value = |flag: &str| {
         let at = arguments.iter().position(|argument| argument == flag)?;
         arguments.get(at + 1).cloned()
     };
-    let number = |flag: &str, otherwise: usize| value(flag).map_or(otherwise, |text| text.parse().unwrap());
+    let number =
+        |flag: &str, otherwise: usize| value(flag).map_or(otherwise, |text| text.parse().unwrap());
     let sections = ["drawn", "refused", "spread", "real", "clips", "wild"];
     let none_asked = !sections.into_iter().any(is_set);
     let wants = |name: &str| none_asked || is_set(name);
     let kept = value("--keep").map(PathBuf::from);
     let scratch = tempfile::tempdir().unwrap();
     let pictures = kept.as_deref().unwrap_or(scratch.path());
-    let (from, count) = (number("--from", 0), number("--matches", matches::RATE.tried));
+    let (from, count) = (
+        number("--from", 0),
+        number("--matches", matches::RATE.tried),
+    );
 
     let mut all = Tally::default();
     let mut gate = Gate::default();
@@ -50,12 +63,21 @@ fn main() -> ExitCode {
             answered("drawn", &drawn.without_clicks, &matches::RATE);
         }
         if drawn.two_clicks.tried() > 0 {
-            answered("drawn, with two clicks", &drawn.two_clicks, &matches::TWO_CLICKS_RATE);
+            answered(
+                "drawn, with two clicks",
+                &drawn.two_clicks,
+                &matches::TWO_CLICKS_RATE,
+            );
         }
     }
     if wants("refused") {
-        let count = number("--matches", refused::INPUTS.len()).min(refused::INPUTS.len().saturating_sub(from));
-        answered("refused", &refused::refused(pictures, from..from + count), &refused::RATE);
+        let count = number("--matches", refused::INPUTS.len())
+            .min(refused::INPUTS.len().saturating_sub(from));
+        answered(
+            "refused",
+            &refused::refused(pictures, from..from + count),
+            &refused::RATE,
+        );
     }
     if wants("spread") {
         answered("spread", &spread::spread(pictures), &spread::RATE);
@@ -64,7 +86,10 @@ fn main() -> ExitCode {
         None => {
             println!("\nreal frames are skipped: TOUCHLINE_DATA names no folder of them");
             // Who names them wants to know how they are answered.
-            for section in ["real", "clips", "wild"].into_iter().filter(|name| is_set(name)) {
+            for section in ["real", "clips", "wild"]
+                .into_iter()
+                .filter(|name| is_set(name))
+            {
                 answered(section, &Tally::default(), &real::MATCHES_RATE);
             }
         }
@@ -87,5 +112,9 @@ fn main() -> ExitCode {
     }
     let (lines, failed) = gate.verdict();
     println!("\n{lines}");
-    if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+    if failed {
+        ExitCode::FAILURE
+    } else {
+        ExitCode::SUCCESS
+    }
 }

@@ -5,7 +5,9 @@ use super::drawing::document_of_video;
 use super::gate::Rate;
 use std::path::Path;
 use touchline::autocalibrate::{Abstention, AutocalibrationAnswer};
-use touchline::calibrate::{AutocalibratedCamera, BaseProblem, observations, record_found, solve_document};
+use touchline::calibrate::{
+    AutocalibratedCamera, BaseProblem, observations, record_found, solve_document,
+};
 use touchline::document::{CameraId, Clip, Document, FieldSpec, Frame, Frames};
 use touchline::media::FrameSource;
 use touchline::progress::Progress;
@@ -16,18 +18,28 @@ use touchline::store::read;
 const MATCHES: [&str; 3] = ["d82e7a", "08fd33", "42ba34"];
 
 /// Whole matches have frames enough: one that is not found is a loss.
-pub const MATCHES_RATE: Rate = Rate { tried: MATCHES.len(), right: MATCHES.len(), wrong: 0 };
+pub const MATCHES_RATE: Rate = Rate {
+    tried: MATCHES.len(),
+    right: MATCHES.len(),
+    wrong: 0,
+};
 
 /// Videos and mixed frames: nobody has measured the former, and the latter may be refused.
 pub const OTHERS_RATE: Rate = Rate::never_wrong(5);
 
-/// Two clips show too little for an answer: one has two frames, the other no end of the pitch. Those that are right stay right.
-pub const CLIPS_RATE: Rate = Rate { tried: 18, right: 16, wrong: 0 };
+/// Two clips show too little for an answer: one has two frames, the other no end of the pitch.
+/// Those that are right stay right.
+pub const CLIPS_RATE: Rate = Rate {
+    tried: 18,
+    right: 16,
+    wrong: 0,
+};
 
 /// A frame whose clicks have near and far mixed up throughout: nothing can be measured against it.
 const MIRRORED: &str = "42ba34_9_2";
 
-/// An answer is right if it stands so near to the base of the clicks, m, and the median of its distances at them is so small, px.
+/// An answer is right if it stands so near to the base of the clicks, m, and the median of its
+/// distances at them is so small, px.
 pub const RIGHT_M: f64 = 2.0;
 const RIGHT_PX: f64 = 5.0;
 
@@ -44,10 +56,15 @@ impl Clicked {
         let mut clicked = read(&folder.join("clicks.json")).unwrap().1;
         let camera = clicked.cameras[0].id.clone();
         let problem = BaseProblem::of(clicked.at(&folder), &camera).unwrap();
-        problem.estimate(&clicked, &BaseOptions::default(), &Progress::default()).unwrap().write_camera(&mut clicked);
+        problem
+            .estimate(&clicked, &BaseOptions::default(), &Progress::default())
+            .unwrap()
+            .write_camera(&mut clicked);
         solve_document(&mut clicked, &folder, &Progress::default()).unwrap();
         if let Some(clip) = clip {
-            clicked.frames.retain(|frame| frame.clip.as_ref() == Some(clip));
+            clicked
+                .frames
+                .retain(|frame| frame.clip.as_ref() == Some(clip));
         }
         let bare = without_people(&clicked);
         Self { clicked, bare }
@@ -59,21 +76,37 @@ impl Clicked {
         let of_frame = |(frame, clicked): (&Frame, &Frame)| {
             let camera = document.pointed(frame)?;
             let seen = observations(clicked, &field).unwrap();
-            Some((frame.name(), seen.iter().filter_map(|seen| seen.distance_px(&camera)).collect()))
+            Some((
+                frame.name(),
+                seen.iter()
+                    .filter_map(|seen| seen.distance_px(&camera))
+                    .collect(),
+            ))
         };
         let frames = document.frames.iter().zip(&self.clicked.frames);
         let measured = frames.filter(|(frame, _)| !frame.name().contains(MIRRORED));
-        measured.filter_map(|(frame, clicked)| of_frame((frame, clicked))).collect()
+        measured
+            .filter_map(|(frame, clicked)| of_frame((frame, clicked)))
+            .collect()
     }
 
     fn judged(&self, found: &AutocalibratedCamera, folder: &Path) -> (bool, String) {
         let mut recorded = self.bare.clone();
         let camera = recorded.cameras[0].id.clone();
         record_found(&mut recorded, &camera, found);
-        let (found_px, clicked_px) = (self.distances(&recorded, folder), self.distances(&self.clicked, folder));
-        let all = |frames: &[(String, Vec<f64>)]| frames.iter().flat_map(|(_, px)| px.clone()).collect::<Vec<_>>();
+        let (found_px, clicked_px) = (
+            self.distances(&recorded, folder),
+            self.distances(&self.clicked, folder),
+        );
+        let all = |frames: &[(String, Vec<f64>)]| {
+            frames
+                .iter()
+                .flat_map(|(_, px)| px.clone())
+                .collect::<Vec<_>>()
+        };
         let [median, most] = [0.5, 0.9].map(|share| quantile(all(&found_px), share));
-        let [clicked_median, clicked_most] = [0.5, 0.9].map(|share| quantile(all(&clicked_px), share));
+        let [clicked_median, clicked_most] =
+            [0.5, 0.9].map(|share| quantile(all(&clicked_px), share));
         let far: Vec<String> = found_px
             .iter()
             .map(|(name, px)| (name, quantile(px.clone(), 0.5)))
@@ -113,18 +146,27 @@ impl Clicked {
             }
             AutocalibrationAnswer::Two { best, other, .. } => {
                 tally.two = 1;
-                format!("two: {} / {}", self.judged(best, folder).1, self.judged(other, folder).1)
+                format!(
+                    "two: {} / {}",
+                    self.judged(best, folder).1,
+                    self.judged(other, folder).1
+                )
             }
             AutocalibrationAnswer::Abstained(why) => {
                 tally.abstained = 1;
                 let best = match why {
-                    Abstention::Uncertain { best: Some(best), .. } => self.judged(best, folder).1,
+                    Abstention::Uncertain {
+                        best: Some(best), ..
+                    } => self.judged(best, folder).1,
                     _ => String::new(),
                 };
                 format!("abstained: {why} [{best}]")
             }
         };
-        println!("| {name} | {} | {says} | {seconds:.0} |", self.bare.frames.len());
+        println!(
+            "| {name} | {} | {says} | {seconds:.0} |",
+            self.bare.frames.len()
+        );
         tally
     }
 }
@@ -143,10 +185,12 @@ fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
 fn without_people(document: &Document) -> Document {
     let mut bare = Document::new(document.field.clone());
     let camera = &document.cameras[0];
-    bare.cameras.push(touchline::document::Camera::new(camera.id.clone(), camera.image_size).into());
+    bare.cameras
+        .push(touchline::document::Camera::new(camera.id.clone(), camera.image_size).into());
     for frame in &document.frames {
         let image = frame.image.as_deref().unwrap();
-        bare.frames.push(Frame::from_image(image, camera.id.clone(), frame.image_size).into());
+        bare.frames
+            .push(Frame::from_image(image, camera.id.clone(), frame.image_size).into());
     }
     bare
 }
@@ -173,7 +217,12 @@ pub fn clips(data: &Path) -> Tally {
     let mut all = Tally::default();
     for name in MATCHES {
         let whole = Clicked::of(data, name, None);
-        let mut clips: Vec<Clip> = whole.clicked.frames.iter().filter_map(|frame| frame.clip.clone()).collect();
+        let mut clips: Vec<Clip> = whole
+            .clicked
+            .frames
+            .iter()
+            .filter_map(|frame| frame.clip.clone())
+            .collect();
         clips.sort();
         clips.dedup();
         for clip in clips {
@@ -185,28 +234,57 @@ pub fn clips(data: &Path) -> Tally {
     all
 }
 
-/// Videos, and two matches in one folder. Where nothing measures an answer it is printed and not counted.
+/// Videos, and two matches in one folder. Where nothing measures an answer it is printed and not
+/// counted.
 pub fn others(data: &Path) -> Tally {
     heading("other real frames");
     let mut all = Tally::default();
     for (name, video, field, can_be_right) in [
         ("video-soccer", "video-soccer/match.mp4", "soccer", true),
-        ("video-basketball", "video-basketball/clip.mp4", "basketball_nba", true),
-        ("video-basketball as soccer", "video-basketball/clip.mp4", "soccer", false),
-        ("video-soccer as basketball", "video-soccer/match.mp4", "basketball_nba", false),
+        (
+            "video-basketball",
+            "video-basketball/clip.mp4",
+            "basketball_nba",
+            true,
+        ),
+        (
+            "video-basketball as soccer",
+            "video-basketball/clip.mp4",
+            "soccer",
+            false,
+        ),
+        (
+            "video-soccer as basketball",
+            "video-soccer/match.mp4",
+            "basketball_nba",
+            false,
+        ),
     ] {
-        let FrameSource::Video(info) = FrameSource::open(&data.join(video)).unwrap() else { continue };
+        let FrameSource::Video(info) = FrameSource::open(&data.join(video)).unwrap() else {
+            continue;
+        };
         let stride = (info.decoded_frames / 40).max(1);
         let document = document_of_video(video, &info, FieldSpec::new(field), stride);
         let (answer, seconds) = answer(&document, data, Way::WithoutClicks);
         let (says, tally) = judged(&document, &answer, None);
         let says = if let (true, AutocalibrationAnswer::Found(found)) = (can_be_right, &answer) {
-            let at_m: Vec<String> = found.base.position_m.iter().map(|m| format!("{m:.2}")).collect();
-            format!("camera at ({}) m, whose panorama has to be looked at", at_m.join(", "))
+            let at_m: Vec<String> = found
+                .base
+                .position_m
+                .iter()
+                .map(|m| format!("{m:.2}"))
+                .collect();
+            format!(
+                "camera at ({}) m, whose panorama has to be looked at",
+                at_m.join(", ")
+            )
         } else {
             says
         };
-        println!("| {name} | {} | {says} | {seconds:.0} |", document.frames.len());
+        println!(
+            "| {name} | {} | {says} | {seconds:.0} |",
+            document.frames.len()
+        );
         if !(can_be_right && tally.wrong > 0) {
             all.add(&tally);
         }
@@ -217,7 +295,10 @@ pub fn others(data: &Path) -> Tally {
         AutocalibrationAnswer::Found(found) => of_one_match(data, &mixed, found),
         _ => judged(&mixed, &answer, None),
     };
-    println!("| d82e7a and 08fd33 mixed | {} | {says} | {seconds:.0} |", mixed.frames.len());
+    println!(
+        "| d82e7a and 08fd33 mixed | {} | {says} | {seconds:.0} |",
+        mixed.frames.len()
+    );
     all.add(&tally);
     println!("\n{all}");
     all
@@ -228,10 +309,14 @@ fn mixed(data: &Path) -> Document {
     let mut mixed: Option<Document> = None;
     for name in ["d82e7a", "08fd33"] {
         let bare = Clicked::of(data, name, None).bare;
-        let into = mixed.get_or_insert_with(|| Document { frames: Frames::default(), ..bare.clone() });
+        let into = mixed.get_or_insert_with(|| Document {
+            frames: Frames::default(),
+            ..bare.clone()
+        });
         for frame in &bare.frames {
             let image = format!("scouting-{name}/{}", frame.image.as_deref().unwrap());
-            into.frames.push(Frame::from_image(&image, frame.camera.clone(), frame.image_size).into());
+            into.frames
+                .push(Frame::from_image(&image, frame.camera.clone(), frame.image_size).into());
         }
     }
     mixed.unwrap()
@@ -239,12 +324,37 @@ fn mixed(data: &Path) -> Document {
 
 /// An answer to mixed frames is right if its frames are of one match and its base is that match's.
 fn of_one_match(data: &Path, mixed: &Document, found: &AutocalibratedCamera) -> (String, Tally) {
-    let of = |name: &str| found.frames.iter().filter(|frame| mixed.frames[frame.index].name().contains(name)).count();
+    let of = |name: &str| {
+        found
+            .frames
+            .iter()
+            .filter(|frame| mixed.frames[frame.index].name().contains(name))
+            .count()
+    };
     let counts = ["d82e7a", "08fd33"].map(of);
-    let name = if counts[0] >= counts[1] { "d82e7a" } else { "08fd33" };
-    let exact = Clicked::of(data, name, None).clicked.camera(&CameraId::from("main")).unwrap().base().unwrap();
+    let name = if counts[0] >= counts[1] {
+        "d82e7a"
+    } else {
+        "08fd33"
+    };
+    let exact = Clicked::of(data, name, None)
+        .clicked
+        .camera(&CameraId::from("main"))
+        .unwrap()
+        .base()
+        .unwrap();
     let off_m = (found.base.position_m - exact.position_m).norm();
     let right = counts.contains(&0) && off_m <= RIGHT_M;
-    let says = format!("{}: frames of each {counts:?}, {off_m:.2} m off", if right { "right" } else { "WRONG" });
-    (says, Tally { right: usize::from(right), wrong: usize::from(!right), ..Tally::default() })
+    let says = format!(
+        "{}: frames of each {counts:?}, {off_m:.2} m off",
+        if right { "right" } else { "WRONG" }
+    );
+    (
+        says,
+        Tally {
+            right: usize::from(right),
+            wrong: usize::from(!right),
+            ..Tally::default()
+        },
+    )
 }

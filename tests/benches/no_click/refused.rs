@@ -29,20 +29,37 @@ type Draw = fn(&Path) -> Input;
 
 /// The inputs by name.
 pub const INPUTS: [(&str, Draw); 14] = [
-    ("an American football field", |folder| other_sport(folder, "american_football_nfl")),
+    ("an American football field", |folder| {
+        other_sport(folder, "american_football_nfl")
+    }),
     ("a handball court", |folder| other_sport(folder, "handball")),
     ("a crowd without a pitch", crowd),
-    ("a training pitch with a second set of lines across", training),
+    (
+        "a training pitch with a second set of lines across",
+        training,
+    ),
     ("a pitch with boxes of another size", other_boxes),
     ("frames of two cameras", two_cameras),
     ("a camera that moves along the touchline", moving),
     ("ten frames of one view", one_view),
-    ("100 × 64 m, said to be 105 × 68", |folder| pinned(folder, [100.0, 64.0], [105.0, 68.0])),
-    ("100 × 64 m, said to be 110 × 75", |folder| pinned(folder, [100.0, 64.0], [110.0, 75.0])),
-    ("105 × 68 m, said to be 103 × 68", |folder| pinned(folder, [105.0, 68.0], [103.0, 68.0])),
-    ("frames of one end only", |folder| one_end(folder, [105.0, 68.0])),
-    ("frames of one end only, 107.5 × 68 m", |folder| one_end(folder, [107.5, 68.0])),
-    ("frames of one end only, 101 × 66 m", |folder| one_end(folder, [101.0, 66.0])),
+    ("100 × 64 m, said to be 105 × 68", |folder| {
+        pinned(folder, [100.0, 64.0], [105.0, 68.0])
+    }),
+    ("100 × 64 m, said to be 110 × 75", |folder| {
+        pinned(folder, [100.0, 64.0], [110.0, 75.0])
+    }),
+    ("105 × 68 m, said to be 103 × 68", |folder| {
+        pinned(folder, [105.0, 68.0], [103.0, 68.0])
+    }),
+    ("frames of one end only", |folder| {
+        one_end(folder, [105.0, 68.0])
+    }),
+    ("frames of one end only, 107.5 × 68 m", |folder| {
+        one_end(folder, [107.5, 68.0])
+    }),
+    ("frames of one end only, 101 × 66 m", |folder| {
+        one_end(folder, [101.0, 66.0])
+    }),
 ];
 
 /// Silence is as good as a right answer here, and a wrong one is what the inputs are drawn for.
@@ -56,7 +73,10 @@ pub fn refused(pictures: &Path, numbers: Range<usize>) -> Tally {
         let folder = pictures.join(format!("refused-{number:02}"));
         let input = draw(&folder);
         let (answer, seconds) = answer(&input.drawn.document, &folder, Way::WithoutClicks);
-        let truth = input.field.as_ref().map(|field| (&*input.drawn.truth, field));
+        let truth = input
+            .field
+            .as_ref()
+            .map(|field| (&*input.drawn.truth, field));
         let (says, tally) = judged(&input.drawn.document, &answer, truth);
         println!("| {name} | {says} | {seconds:.0} |");
         all.add(&tally);
@@ -69,7 +89,10 @@ const MAIN: Vec3 = Vec3::new(-8.0, -64.0, 17.0);
 
 fn scene(field: &FieldModel) -> Stadium {
     let daylight = PRESET.shoot().daylight;
-    stadium(&StadiumOptions { daylight, ..StadiumOptions::new(field.clone(), SEED) })
+    stadium(&StadiumOptions {
+        daylight,
+        ..StadiumOptions::new(field.clone(), SEED)
+    })
 }
 
 fn quality() -> u8 {
@@ -77,7 +100,15 @@ fn quality() -> u8 {
 }
 
 fn drawn(folder: &Path, scene: &Stadium, shots: &[Shot], truth: Option<FieldModel>) -> Input {
-    Input { drawn: draw(folder, &[(scene, shots)], quality(), FieldSpec::new("soccer")), field: truth }
+    Input {
+        drawn: draw(
+            folder,
+            &[(scene, shots)],
+            quality(),
+            FieldSpec::new("soccer"),
+        ),
+        field: truth,
+    }
 }
 
 fn main_shots(scene: &Stadium) -> Vec<Shot> {
@@ -93,10 +124,21 @@ fn other_sport(folder: &Path, template: &str) -> Input {
 fn crowd(folder: &Path) -> Input {
     let scene = scene(&soccer(105.0, 68.0, 0.1));
     let look = |index: usize| Shot {
-        camera: PtzCamera::new(base(PRESET, MAIN), Ptz::from_degrees(-20.0 + 2.5 * index as f64, 6.0, 1400.0)),
-        options: FrameOptions { time_s: index as f64, ..FrameOptions::default() },
+        camera: PtzCamera::new(
+            base(PRESET, MAIN),
+            Ptz::from_degrees(-20.0 + 2.5 * index as f64, 6.0, 1400.0),
+        ),
+        options: FrameOptions {
+            time_s: index as f64,
+            ..FrameOptions::default()
+        },
     };
-    drawn(folder, &scene, &(0..FRAMES).map(look).collect::<Vec<_>>(), None)
+    drawn(
+        folder,
+        &scene,
+        &(0..FRAMES).map(look).collect::<Vec<_>>(),
+        None,
+    )
 }
 
 /// A second, smaller field painted across the first.
@@ -107,8 +149,16 @@ fn training(folder: &Path) -> Input {
         let mut line = line.clone();
         for curve in [&mut line.curve, &mut line.paint_centre] {
             *curve = match *curve {
-                Curve::Segment { from, to } => Curve::Segment { from: turned(from), to: turned(to) },
-                Curve::Arc { centre, radius_m, start, sweep } => Curve::Arc {
+                Curve::Segment { from, to } => Curve::Segment {
+                    from: turned(from),
+                    to: turned(to),
+                },
+                Curve::Arc {
+                    centre,
+                    radius_m,
+                    start,
+                    sweep,
+                } => Curve::Arc {
                     centre: turned(centre),
                     radius_m: 0.62 * radius_m,
                     start: start + Angle::from_degrees(90.0),
@@ -121,16 +171,26 @@ fn training(folder: &Path) -> Input {
     let others: Vec<_> = others.collect();
     field.lines.extend(others);
     let scene = scene(&field);
-    drawn(folder, &scene, &main_shots(&scene), Some(soccer(105.0, 68.0, 0.0)))
+    drawn(
+        folder,
+        &scene,
+        &main_shots(&scene),
+        Some(soccer(105.0, 68.0, 0.0)),
+    )
 }
 
-/// Everything within the boundary is stretched: penalty areas, circle and goal areas are no soccer field's.
+/// Everything within the boundary is stretched: penalty areas, circle and goal areas are no soccer
+/// field's.
 fn other_boxes(folder: &Path) -> Input {
     let mut field = soccer(105.0, 68.0, 0.0);
     let half_length_m = 0.5 * field.length_m;
     let stretched = |at: Vec3| {
         let from_end = half_length_m - at.x.abs();
-        Vec3::new(at.x.signum() * (half_length_m - 1.3 * from_end).max(0.0), at.y, at.z)
+        Vec3::new(
+            at.x.signum() * (half_length_m - 1.3 * from_end).max(0.0),
+            at.y,
+            at.z,
+        )
     };
     for line in field.lines.iter_mut().filter(|line| line.painted) {
         for curve in [&mut line.curve, &mut line.paint_centre] {
@@ -147,9 +207,21 @@ fn other_boxes(folder: &Path) -> Input {
 fn two_cameras(folder: &Path) -> Input {
     let field = soccer(105.0, 68.0, 0.1);
     let scene = scene(&field);
-    let of = |position_m: Vec3, seed: u64| shots(&scene, &base(PRESET, position_m), &shoot(PRESET), FRAMES, seed);
+    let of = |position_m: Vec3, seed: u64| {
+        shots(
+            &scene,
+            &base(PRESET, position_m),
+            &shoot(PRESET),
+            FRAMES,
+            seed,
+        )
+    };
     let (first, second) = (of(MAIN, 1), of(Vec3::new(38.0, -58.0, 11.0), 2));
-    let mixed: Vec<Shot> = first.into_iter().zip(second).flat_map(|(one, other)| [one, other]).collect();
+    let mixed: Vec<Shot> = first
+        .into_iter()
+        .zip(second)
+        .flat_map(|(one, other)| [one, other])
+        .collect();
     drawn(folder, &scene, &mixed, Some(field))
 }
 
@@ -158,10 +230,20 @@ fn moving(folder: &Path) -> Input {
     let scene = scene(&field);
     let moved = |(index, shot): (usize, Shot)| {
         let position_m = MAIN + Vec3::new(1.5 * index as f64, 0.0, 0.0);
-        let base = CameraBase { position_m, ..*shot.camera.base() };
-        Shot { camera: PtzCamera::new(base, shot.camera.ptz()), ..shot }
+        let base = CameraBase {
+            position_m,
+            ..*shot.camera.base()
+        };
+        Shot {
+            camera: PtzCamera::new(base, shot.camera.ptz()),
+            ..shot
+        }
     };
-    let shots: Vec<Shot> = main_shots(&scene).into_iter().enumerate().map(moved).collect();
+    let shots: Vec<Shot> = main_shots(&scene)
+        .into_iter()
+        .enumerate()
+        .map(moved)
+        .collect();
     drawn(folder, &scene, &shots, None)
 }
 
@@ -175,7 +257,13 @@ fn one_view(folder: &Path) -> Input {
     for (index, shot) in shots.iter_mut().enumerate() {
         let hand = Angle::from_degrees(0.02 * index as f64);
         let ptz = first.ptz();
-        shot.camera = PtzCamera::new(*first.base(), Ptz { pan: ptz.pan + hand, ..ptz });
+        shot.camera = PtzCamera::new(
+            *first.base(),
+            Ptz {
+                pan: ptz.pan + hand,
+                ..ptz
+            },
+        );
     }
     drawn(folder, &scene, &shots, Some(field))
 }
@@ -188,7 +276,10 @@ fn pinned(folder: &Path, [length_m, width_m]: [f64; 2], said: [f64; 2]) -> Input
         spec.params.insert(name.to_owned(), value);
     }
     spec.size = Some(FieldSize::Confirmed);
-    Input { drawn: draw(folder, &[(&scene, &main_shots(&scene))], quality(), spec), field: Some(field) }
+    Input {
+        drawn: draw(folder, &[(&scene, &main_shots(&scene))], quality(), spec),
+        field: Some(field),
+    }
 }
 
 /// The camera stays on one penalty area.
@@ -198,9 +289,20 @@ fn one_end(folder: &Path, [length_m, width_m]: [f64; 2]) -> Input {
     let base = base(PRESET, MAIN);
     let look = |(index, shot): (usize, Shot)| {
         let turn = index as f64;
-        let ptz = Ptz::from_degrees(42.0 + 6.0 * (1.3 * turn).sin(), -12.0 + 1.5 * (0.7 * turn).cos(), 1500.0);
-        Shot { camera: PtzCamera::new(base, ptz), ..shot }
+        let ptz = Ptz::from_degrees(
+            42.0 + 6.0 * (1.3 * turn).sin(),
+            -12.0 + 1.5 * (0.7 * turn).cos(),
+            1500.0,
+        );
+        Shot {
+            camera: PtzCamera::new(base, ptz),
+            ..shot
+        }
     };
-    let shots: Vec<Shot> = main_shots(&scene).into_iter().enumerate().map(look).collect();
+    let shots: Vec<Shot> = main_shots(&scene)
+        .into_iter()
+        .enumerate()
+        .map(look)
+        .collect();
     drawn(folder, &scene, &shots, Some(field))
 }

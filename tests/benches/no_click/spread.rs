@@ -1,4 +1,5 @@
-//! What the answer depends on: drawn matches with fewer frames, of a part of the pitch, and with longer lenses.
+//! What the answer depends on: drawn matches with fewer frames, of a part of the pitch, and with
+//! longer lenses.
 
 use super::answers::{Tally, Way, answer, judged};
 use super::drawing::{SIZE, Shot, draw, shots};
@@ -24,7 +25,8 @@ const FRAMES: usize = 20;
 #[derive(Clone, Copy)]
 enum Varied {
     Frames(usize),
-    /// The frames that look nearest to the middle of all views, as a share of the way between the outermost.
+    /// The frames that look nearest to the middle of all views, as a share of the way between the
+    /// outermost.
     Views(f64),
     /// Focal lengths are so many times as long.
     Lens(f64),
@@ -46,30 +48,58 @@ const VARIED: [Varied; 11] = [
 
 /// Asks every match with everything that differs.
 pub fn spread(pictures: &Path) -> Tally {
-    println!("\n## what the answer depends on, {}x{}\n", SIZE.width, SIZE.height);
-    println!("| match | | frames | of the pitch seen | focal length, px | answer | s |\n|---|---|---|---|---|---|---|");
+    println!(
+        "\n## what the answer depends on, {}x{}\n",
+        SIZE.width, SIZE.height
+    );
+    println!(
+        "| match | | frames | of the pitch seen | focal length, px | answer | s |\n|---|---|---|---|---|---|---|"
+    );
     let mut all = Tally::default();
     for number in MATCHES {
-        let DrawnMatch { field, position_m, preset, seed } = DrawnMatch::of(number);
+        let DrawnMatch {
+            field,
+            position_m,
+            preset,
+            seed,
+        } = DrawnMatch::of(number);
         let shoot = shoot(preset);
-        let options = StadiumOptions { daylight: shoot.daylight, ..StadiumOptions::new(field.clone(), seed) };
+        let options = StadiumOptions {
+            daylight: shoot.daylight,
+            ..StadiumOptions::new(field.clone(), seed)
+        };
         let scene = stadium(&options);
-        let of_frames = |frames: usize| shots(&scene, &base(preset, position_m), &shoot, frames, seed);
+        let of_frames =
+            |frames: usize| shots(&scene, &base(preset, position_m), &shoot, frames, seed);
         for (place, varied) in VARIED.into_iter().enumerate() {
             let (shots, says) = match varied {
                 Varied::Frames(frames) => (of_frames(frames), format!("{frames} frames")),
                 // Of more frames, so that as many remain.
                 Varied::Views(share) => {
                     let asked = (FRAMES as f64 / share) as usize;
-                    (nearest(of_frames(asked)), format!("the middle {:.0} % of the views", 100.0 * share))
+                    (
+                        nearest(of_frames(asked)),
+                        format!("the middle {:.0} % of the views", 100.0 * share),
+                    )
                 }
-                Varied::Lens(times) => (longer(of_frames(FRAMES), times), format!("{times} times the focal length")),
+                Varied::Lens(times) => (
+                    longer(of_frames(FRAMES), times),
+                    format!("{times} times the focal length"),
+                ),
             };
             let folder = pictures.join(format!("spread-{number:02}-{place:02}"));
-            let drawn = draw(&folder, &[(&scene, &shots)], shoot.jpeg_quality, FieldSpec::new("soccer"));
+            let drawn = draw(
+                &folder,
+                &[(&scene, &shots)],
+                shoot.jpeg_quality,
+                FieldSpec::new("soccer"),
+            );
             let (answer, seconds) = answer(&drawn.document, &folder, Way::WithoutClicks);
             let (answered, tally) = judged(&drawn.document, &answer, Some((&drawn.truth, &field)));
-            let mut focal_px: Vec<f64> = shots.iter().map(|shot| shot.camera.ptz().focal_px).collect();
+            let mut focal_px: Vec<f64> = shots
+                .iter()
+                .map(|shot| shot.camera.ptz().focal_px)
+                .collect();
             focal_px.sort_by(f64::total_cmp);
             println!(
                 "| {number} {preset:?} | {says} | {} | {:.0} % | {:.0} to {:.0} | {answered} | {seconds:.0} |",
@@ -94,7 +124,11 @@ fn nearest(shots: Vec<Shot>) -> Vec<Shot> {
     let mut off: Vec<f64> = pans.iter().map(|pan| (pan - middle).abs()).collect();
     off.sort_by(f64::total_cmp);
     let within = off[FRAMES.min(off.len()) - 1];
-    shots.into_iter().filter(|shot| (pan(shot) - middle).abs() <= within).take(FRAMES).collect()
+    shots
+        .into_iter()
+        .filter(|shot| (pan(shot) - middle).abs() <= within)
+        .take(FRAMES)
+        .collect()
 }
 
 fn longer(mut shots: Vec<Shot>, times: f64) -> Vec<Shot> {
@@ -109,11 +143,22 @@ fn longer(mut shots: Vec<Shot>, times: f64) -> Vec<Shot> {
 /// The share of the pitch that the frames show together.
 fn share_seen(cameras: &[PtzCamera], field: &FieldModel) -> f64 {
     let (columns, rows) = (42, 27);
-    let at = |index: usize, of: usize, length_m: f64| ((index as f64 + 0.5) / of as f64 - 0.5) * length_m;
+    let at = |index: usize, of: usize, length_m: f64| {
+        ((index as f64 + 0.5) / of as f64 - 0.5) * length_m
+    };
     let cells = (0..columns * rows).map(|cell| {
-        Vec3::new(at(cell % columns, columns, field.length_m), at(cell / columns, rows, field.width_m), 0.0)
+        Vec3::new(
+            at(cell % columns, columns, field.length_m),
+            at(cell / columns, rows, field.width_m),
+            0.0,
+        )
     });
-    let is_seen =
-        |place: &Vec3| cameras.iter().any(|camera| camera.image_from_world(*place).is_ok_and(|at| SIZE.contains(at)));
+    let is_seen = |place: &Vec3| {
+        cameras.iter().any(|camera| {
+            camera
+                .image_from_world(*place)
+                .is_ok_and(|at| SIZE.contains(at))
+        })
+    };
     cells.filter(is_seen).count() as f64 / (columns * rows) as f64
 }

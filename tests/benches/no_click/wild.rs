@@ -1,7 +1,9 @@
-//! Clips from the wild: broadcasts as people share them, re-encoded, with graphics, boards that change and smoke.
+//! Clips from the wild: broadcasts as people share them, re-encoded, with graphics, boards that
+//! change and smoke.
 //!
-//! Nobody has clicked or measured anything in them. Whether an answer is right is seen by its panorama: paint that stays lies on the
-//! field's lines. The positions of the answers that were seen to be right are written down here, so that they stay right.
+//! Nobody has clicked or measured anything in them. Whether an answer is right is seen by its
+//! panorama: paint that stays lies on the field's lines. The positions of the answers that were
+//! seen to be right are written down here, so that they stay right.
 
 use super::answers::{Tally, Way, answer};
 use super::drawing::document_of_video;
@@ -23,12 +25,19 @@ struct WildClip {
 /// Where the camera of a right answer stands.
 struct SeenRight {
     position_m: [f64; 3],
-    /// Its 1-σ, m: larger than [`RIGHT_M`] where a clip shows one end of the pitch through a long lens.
+    /// Its 1-σ, m: larger than [`RIGHT_M`] where a clip shows one end of the pitch through a long
+    /// lens.
     sigma_m: f64,
 }
 
 const fn right(name: &'static str, position_m: [f64; 3], sigma_m: f64) -> WildClip {
-    WildClip { name, right: Some(SeenRight { position_m, sigma_m }) }
+    WildClip {
+        name,
+        right: Some(SeenRight {
+            position_m,
+            sigma_m,
+        }),
+    }
 }
 
 const fn unanswered(name: &'static str) -> WildClip {
@@ -46,8 +55,13 @@ const CLIPS: [WildClip; 8] = [
     unanswered("behind-goal-tactical"),
 ];
 
-/// Those that are right stay right. The others are not counted: what they answer has to be looked at.
-pub const RATE: Rate = Rate { tried: 5, right: 5, wrong: 0 };
+/// Those that are right stay right. The others are not counted: what they answer has to be looked
+/// at.
+pub const RATE: Rate = Rate {
+    tried: 5,
+    right: 5,
+    wrong: 0,
+};
 
 /// All clips, each as a document of its frames in which nothing is known.
 pub fn clips(data: &Path) -> Tally {
@@ -55,11 +69,16 @@ pub fn clips(data: &Path) -> Tally {
     let mut all = Tally::default();
     for WildClip { name, right } in &CLIPS {
         let video = format!("wild/{name}.mp4");
-        let FrameSource::Video(info) = FrameSource::open(&data.join(&video)).unwrap() else { continue };
+        let FrameSource::Video(info) = FrameSource::open(&data.join(&video)).unwrap() else {
+            continue;
+        };
         let document = document_of_video(&video, &info, FieldSpec::new("soccer"), 1);
         let (answer, seconds) = answer(&document, data, Way::WithoutClicks);
         let (says, tally) = judged(&answer, right.as_ref());
-        println!("| {name} | {} | {says} | {seconds:.0} |", document.frames.len());
+        println!(
+            "| {name} | {} | {says} | {seconds:.0} |",
+            document.frames.len()
+        );
         if right.is_some() {
             all.add(&tally);
         }
@@ -73,7 +92,12 @@ fn judged(answer: &AutocalibrationAnswer, right: Option<&SeenRight>) -> (String,
     let mut tally = Tally::default();
     let says = match answer {
         AutocalibrationAnswer::Found(found) => {
-            let at_m: Vec<String> = found.base.position_m.iter().map(|m| format!("{m:.2}")).collect();
+            let at_m: Vec<String> = found
+                .base
+                .position_m
+                .iter()
+                .map(|m| format!("{m:.2}"))
+                .collect();
             let at = format!(
                 "camera at ({}) m, {} of {} frames snapped",
                 at_m.join(", "),
@@ -86,7 +110,10 @@ fn judged(answer: &AutocalibrationAnswer, right: Option<&SeenRight>) -> (String,
                     let off_m = (found.base.position_m - Vec3::from(right.position_m)).norm();
                     let is_right = off_m <= RIGHT_M.max(right.sigma_m);
                     (tally.right, tally.wrong) = (usize::from(is_right), usize::from(!is_right));
-                    format!("{}: {at}, {off_m:.2} m from where it was", if is_right { "right" } else { "WRONG" })
+                    format!(
+                        "{}: {at}, {off_m:.2} m from where it was",
+                        if is_right { "right" } else { "WRONG" }
+                    )
                 }
             }
         }

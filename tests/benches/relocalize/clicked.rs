@@ -1,4 +1,5 @@
-//! Drawn matches whose references a person clicked: what the references' own errors do to the answers, and whether these state it.
+//! Drawn matches whose references a person clicked: what the references' own errors do to the
+//! answers, and whether these state it.
 
 use super::proposed::proposed;
 use super::set::quantile;
@@ -6,7 +7,9 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use touchline::calibrate::{FrameLookup, calibrate};
 use touchline::camera::PtzCamera;
-use touchline::document::{Camera, CameraId, Click, Document, FieldSpec, Frame, FrameStatus, Target};
+use touchline::document::{
+    Camera, CameraId, Click, Document, FieldSpec, Frame, FrameStatus, Target,
+};
 use touchline::features::FeatureOptions;
 use touchline::field::FieldModel;
 use touchline::geometry::{ImageSize, PixelBox, Vec3};
@@ -48,17 +51,32 @@ impl Drawn {
     fn of(seed: u64) -> Self {
         let spec = FieldSpec::new("soccer");
         let field = spec.model(Path::new("")).unwrap();
-        let shoot = ShootOptions { step_s: STEP_S, ..Preset::Hard.shoot() };
-        let scene = stadium(&StadiumOptions { daylight: shoot.daylight, ..StadiumOptions::new(field.clone(), seed) });
+        let shoot = ShootOptions {
+            step_s: STEP_S,
+            ..Preset::Hard.shoot()
+        };
+        let scene = stadium(&StadiumOptions {
+            daylight: shoot.daylight,
+            ..StadiumOptions::new(field.clone(), seed)
+        });
         let base = shoot.main_camera(SIZE);
         let path = camera_path(&scene, &base, SIZE, &shoot, FRAMES);
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("clicked-{seed}"));
         std::fs::create_dir_all(&folder).unwrap();
         let name = |number: usize| format!("{number:04}.png");
         let hidden = path.par_iter().enumerate().map(|(number, step)| {
-            let drawn = scene.render(&PtzCamera::new(base, step.ptz), SIZE, &shoot.frame(number, step, SIZE, seed));
+            let drawn = scene.render(
+                &PtzCamera::new(base, step.ptz),
+                SIZE,
+                &shoot.frame(number, step, SIZE, seed),
+            );
             drawn.image.save(folder.join(name(number))).unwrap();
-            drawn.movers.iter().map(|mover| mover.area).chain(drawn.graphics.iter().copied()).collect()
+            drawn
+                .movers
+                .iter()
+                .map(|mover| mover.area)
+                .chain(drawn.graphics.iter().copied())
+                .collect()
         });
         let hidden = hidden.collect();
         let mut document = Document::new(spec);
@@ -67,8 +85,18 @@ impl Drawn {
         document.cameras.push(camera.into());
         let frame = |number| Frame::from_image(&name(number), CameraId::from("main"), SIZE).into();
         document.frames.extend((0..FRAMES).map(frame));
-        let truth = path.iter().map(|step| PtzCamera::new(base, step.ptz)).collect();
-        Self { document, field, folder, truth, hidden, store: FeatureStore::in_memory() }
+        let truth = path
+            .iter()
+            .map(|step| PtzCamera::new(base, step.ptz))
+            .collect();
+        Self {
+            document,
+            field,
+            folder,
+            truth,
+            hidden,
+            store: FeatureStore::in_memory(),
+        }
     }
 
     /// With references of four clicks each, off by so much (1-σ, px).
@@ -76,8 +104,19 @@ impl Drawn {
         let mut document = self.document.clone();
         let mut references = Vec::new();
         for number in (0..FRAMES).step_by(REFERENCE_EVERY) {
-            let options = ClickOptions { landmarks: 4, lines: 0, sigma_px, seed: number as u64 };
-            let clicks = drawn_clicks(&self.field, &self.truth[number], SIZE, &self.hidden[number], &options);
+            let options = ClickOptions {
+                landmarks: 4,
+                lines: 0,
+                sigma_px,
+                seed: number as u64,
+            };
+            let clicks = drawn_clicks(
+                &self.field,
+                &self.truth[number],
+                SIZE,
+                &self.hidden[number],
+                &options,
+            );
             let mut frame = Frame::clone(&document.frames[number]);
             frame.clicks = clicks
                 .into_iter()
@@ -89,7 +128,13 @@ impl Drawn {
             if frame.clicks.len() < 3 {
                 continue;
             }
-            let Ok(solved) = calibrate(&document, &FrameLookup::default(), &frame, &self.field, number) else {
+            let Ok(solved) = calibrate(
+                &document,
+                &FrameLookup::default(),
+                &frame,
+                &self.field,
+                number,
+            ) else {
                 continue;
             };
             frame.record(&solved);
@@ -119,13 +164,22 @@ struct Outcome {
 fn asked(drawn: &Drawn, sigma_px: f64) -> Outcome {
     let (document, references) = drawn.labelled(sigma_px);
     let options = FeatureOptions::default();
-    let pictures = FramePictures { document: &document, folder: &drawn.folder, options, store: &drawn.store };
+    let pictures = FramePictures {
+        document: &document,
+        folder: &drawn.folder,
+        options,
+        store: &drawn.store,
+    };
     let mut reader = FrameReader::new();
     let others = (0..FRAMES).filter(|number| document.frames[*number].is_open());
     let others: Vec<usize> = others.step_by(ASKED_EVERY).collect();
     let evidence = LineEvidence::of(document.at(&drawn.folder), &mut reader, false).unwrap();
     let proposals = proposed(&pictures, &mut reader, &evidence, &references, &others).unwrap();
-    let mut outcome = Outcome { references: references.len(), asked: others.len(), ..Outcome::default() };
+    let mut outcome = Outcome {
+        references: references.len(),
+        asked: others.len(),
+        ..Outcome::default()
+    };
     let off = |ptz: touchline::camera::Ptz, number: usize| {
         let truth = drawn.truth[number].ptz();
         Vec3::new(
@@ -137,11 +191,16 @@ fn asked(drawn: &Drawn, sigma_px: f64) -> Outcome {
     for &number in &references {
         let frame = &document.frames[number];
         let covariance = frame.solution.as_ref().unwrap().covariance.unwrap();
-        outcome.labels.extend(squared_sigmas(off(frame.ptz.as_ref().unwrap().ptz(), number), &covariance));
+        outcome.labels.extend(squared_sigmas(
+            off(frame.ptz.as_ref().unwrap().ptz(), number),
+            &covariance,
+        ));
     }
     for proposal in proposals {
         let number = document.frames.position_of(&proposal.frame).unwrap();
-        let Ok(answer) = proposal.outcome else { continue };
+        let Ok(answer) = proposal.outcome else {
+            continue;
+        };
         let camera = PtzCamera::new(*drawn.truth[number].base(), answer.ptz.ptz());
         let error_px = overlay_error_px(&drawn.truth[number], &camera, SIZE);
         let is_wrong = error_px > WRONG_PX;
@@ -151,7 +210,10 @@ fn asked(drawn: &Drawn, sigma_px: f64) -> Outcome {
         outcome.certain_and_wrong += usize::from(answer.confidence >= 0.95 && is_wrong);
         outcome.errors_px.push(error_px);
         outcome.stated_px.push(answer.worst_corner_sigma_px);
-        outcome.squared_sigmas.extend(squared_sigmas(off(camera.ptz(), number), &answer.covariance));
+        outcome.squared_sigmas.extend(squared_sigmas(
+            off(camera.ptz(), number),
+            &answer.covariance,
+        ));
     }
     outcome
 }

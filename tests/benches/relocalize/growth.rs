@@ -1,7 +1,7 @@
 //! How a forest grows with its references: training, memory, prediction.
 //!
-//! Drawn descriptors, so that thousands of references cost no pictures: 40 000 places over a stand, of which each reference
-//! sees 300 around where it looks, every byte disturbed each time.
+//! Drawn descriptors, so that thousands of references cost no pictures: 40 000 places over a stand,
+//! of which each reference sees 300 around where it looks, every byte disturbed each time.
 
 use super::set::grown;
 use super::time::{best_of_passes, threads};
@@ -25,8 +25,10 @@ pub fn growth() {
     let mut places: Vec<Place> = (0..PLACES).map(|_| place(&mut rng)).collect();
     places.sort_by(|a, b| a.1.pan.radians().total_cmp(&b.1.pan.radians()));
     let asked: Vec<Vec<Place>> = (0..ASKED).map(|_| reference(&places, &mut rng)).collect();
-    let descriptors: Vec<Vec<Descriptor>> =
-        asked.iter().map(|frame| frame.iter().map(|place| place.0).collect()).collect();
+    let descriptors: Vec<Vec<Descriptor>> = asked
+        .iter()
+        .map(|frame| frame.iter().map(|place| place.0).collect())
+        .collect();
     println!("\n## growth: {SEEN} features a reference, default forest\n");
     println!(
         "| references | training, both cores, s | means | memory MB | predict 1000 features, ms | rays within 0.5° of all |"
@@ -44,10 +46,18 @@ pub fn growth() {
         let frames: Vec<usize> = (0..ASKED).collect();
         let (right, ms) = best_of_passes(&frames, |frame| {
             let mut named = 0;
-            forest.predict_all(&descriptors[frame], &PredictOptions::default(), |feature, candidates| {
-                let ray = asked[frame][feature].1;
-                named += usize::from(candidates.first().is_some_and(|best| best.ray.angle_to(ray).degrees() < 0.5));
-            });
+            forest.predict_all(
+                &descriptors[frame],
+                &PredictOptions::default(),
+                |feature, candidates| {
+                    let ray = asked[frame][feature].1;
+                    named += usize::from(
+                        candidates
+                            .first()
+                            .is_some_and(|best| best.ray.angle_to(ray).degrees() < 0.5),
+                    );
+                },
+            );
             named
         });
         println!(
@@ -64,7 +74,10 @@ fn place(rng: &mut Pcg64Mcg) -> Place {
     // Mostly small, a few large, about 512 in length, as SIFT is.
     let bytes = std::array::from_fn(|_| (rng.random_range(0.0..1.0f64).powi(4) * 135.0) as u8);
     let edge = PAN_DEG + VIEW_DEG;
-    (Descriptor(bytes), PanTilt::from_degrees(rng.random_range(-edge..edge), rng.random_range(-25.0..0.0)))
+    (
+        Descriptor(bytes),
+        PanTilt::from_degrees(rng.random_range(-edge..edge), rng.random_range(-25.0..0.0)),
+    )
 }
 
 /// What one reference sees: a part of the places around where it looks, each disturbed.
@@ -75,7 +88,8 @@ fn reference(places: &[Place], rng: &mut Pcg64Mcg) -> Vec<Place> {
     (0..SEEN)
         .map(|_| {
             let (descriptor, ray) = places[rng.random_range(first..last)];
-            let disturb = |byte: u8| (i16::from(byte) + rng.random_range(-9..=9)).clamp(0, 255) as u8;
+            let disturb =
+                |byte: u8| (i16::from(byte) + rng.random_range(-9..=9)).clamp(0, 255) as u8;
             (Descriptor(descriptor.0.map(disturb)), ray)
         })
         .collect()

@@ -1,9 +1,15 @@
 //! The figures of relocalization: accuracy and times side by side, printed as Markdown.
 //!
-//! Not a divan bench: what counts is the accuracy over whole sets of frames, the times beside it. Times are those of the
-//! thread's own processor time, as far as the system tells them. Needs the folder of real frames in `TOUCHLINE_DATA`;
+//! Not a divan bench: what counts is the accuracy over whole sets of frames, the times beside it.
+//! Times are those of the thread's own processor time, as far as the system tells them. Needs the
+//! folder of real frames in `TOUCHLINE_DATA`;
 //! `cargo bench --bench relocalize [clicked] [rendered] [frames] [pose] [candidates] [scouting] [unmasked] [trust] [videos] [reliability] [growth]`.
-#![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, reason = "a bench says what failed by failing")]
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a bench says what failed by failing"
+)]
 
 mod clicked;
 mod growth;
@@ -20,7 +26,10 @@ mod videos;
 use std::path::PathBuf;
 
 fn main() {
-    let asked: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    let asked: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|argument| !argument.starts_with('-'))
+        .collect();
     let wants = |name: &str| asked.is_empty() || asked.iter().any(|argument| argument == name);
     if wants("pose") {
         pose::exact();
@@ -55,7 +64,14 @@ fn main() {
         trust::trust(&data);
     }
     if wants("videos") {
-        videos::videos(&data, if asked.iter().any(|argument| argument == "some") { 8 } else { 1 });
+        videos::videos(
+            &data,
+            if asked.iter().any(|argument| argument == "some") {
+                8
+            } else {
+                1
+            },
+        );
     }
     if wants("reliability") {
         reliability::reliability(&data);

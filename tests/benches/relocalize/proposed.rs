@@ -1,9 +1,12 @@
-//! Frames answered as the program answers them: references learnt, every frame proposed, the paint as a second opinion.
+//! Frames answered as the program answers them: references learnt, every frame proposed, the paint
+//! as a second opinion.
 
 use std::ops::ControlFlow;
 use touchline::media::ReadFrames;
 use touchline::progress::Progress;
-use touchline::proposals::{FramePictures, LearnError, LearnOptions, LineEvidence, Proposal, learn, propose, study};
+use touchline::proposals::{
+    FramePictures, LearnError, LearnOptions, LineEvidence, Proposal, learn, propose, study,
+};
 use touchline::relocalize::RelocalizeOptions;
 
 /// The proposals for some frames by others that are references; an error where these teach nothing.
@@ -16,11 +19,21 @@ pub fn proposed(
 ) -> Result<Vec<Proposal>, LearnError> {
     let (document, options) = (pictures.document, RelocalizeOptions::default());
     let studied = study(pictures, reader, references, &Progress::default()).unwrap();
-    let model = learn(document, &studied, &LearnOptions::default(), &Progress::default())?;
+    let model = learn(
+        document,
+        &studied,
+        &LearnOptions::default(),
+        &Progress::default(),
+    )?;
     let proposals = pictures.each(reader, asked, |index, _, found| {
         ControlFlow::Continue(propose(document, index, found, (&model, 0), &options))
     });
     let mut proposals = proposals.unwrap();
-    evidence.judge(document.at(pictures.folder), reader, &mut proposals, options.pose.min_confidence);
+    evidence.judge(
+        document.at(pictures.folder),
+        reader,
+        &mut proposals,
+        options.pose.min_confidence,
+    );
     Ok(proposals)
 }

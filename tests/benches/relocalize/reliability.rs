@@ -1,8 +1,10 @@
-//! What the confidence is worth: the curve that `relocalize` uses is fitted here, and tried on matches it has not seen.
+//! What the confidence is worth: the curve that `relocalize` uses is fitted here, and tried on
+//! matches it has not seen.
 //!
-//! Real frames: every clip of a match answered by 1 to all references of its other clips, so that many answers are wrong.
-//! Drawn ones: exact rays among ever more that are chance, and a picture with one advertising board repeated twenty times.
-//! Right is an overlay within 10 px at 1920 px width: the median of people's clicks, or the root mean square over the picture.
+//! Real frames: every clip of a match answered by 1 to all references of its other clips, so that
+//! many answers are wrong. Drawn ones: exact rays among ever more that are chance, and a picture
+//! with one advertising board repeated twenty times. Right is an overlay within 10 px at 1920 px
+//! width: the median of people's clicks, or the root mean square over the picture.
 
 use super::pose::{SIZE, base, drawn, normal};
 use super::scouting::{Answer, MATCHES, answer, document, unsure, usable};
@@ -15,7 +17,9 @@ use std::path::Path;
 use touchline::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline::features::FeatureOptions;
 use touchline::geometry::{ImagePoint, ImageSize};
-use touchline::relocalize::{Evidence, Pose, RayCandidate, RayMatches, TrainOptions, pose_from_candidates};
+use touchline::relocalize::{
+    Evidence, Pose, RayCandidate, RayMatches, TrainOptions, pose_from_candidates,
+};
 
 const TERMS: usize = Evidence::TERMS;
 type Terms = SVector<f64, TERMS>;
@@ -62,17 +66,36 @@ pub fn reliability(data: &Path) {
     println!("|---|---|---|");
     let mut unseen = Vec::new();
     for set in 0..=MATCHES.len() {
-        let others: Vec<&Example> = examples.iter().filter(|example| example.set != set).collect();
+        let others: Vec<&Example> = examples
+            .iter()
+            .filter(|example| example.set != set)
+            .collect();
         let (curve, built) = (fitted(&others), |example: &Example| example.confidence);
-        let own: Vec<&Example> = examples.iter().filter(|example| example.set == set).collect();
+        let own: Vec<&Example> = examples
+            .iter()
+            .filter(|example| example.set == set)
+            .collect();
         let name = MATCHES.get(set).copied().unwrap_or("drawn");
-        println!("| {name} | {} | {} |", row(&own, |example| probability(&curve, example)), row(&own, built));
-        unseen.extend(own.iter().map(|example| (probability(&curve, example), example.right)));
+        println!(
+            "| {name} | {} | {} |",
+            row(&own, |example| probability(&curve, example)),
+            row(&own, built)
+        );
+        unseen.extend(
+            own.iter()
+                .map(|example| (probability(&curve, example), example.right)),
+        );
     }
-    println!("| all | – | {} |", row(&every, |example| example.confidence));
+    println!(
+        "| all | – | {} |",
+        row(&every, |example| example.confidence)
+    );
     let scores = |p: &dyn Fn(f64) -> f64| {
         let sum = |of: fn(f64, f64) -> f64| {
-            unseen.iter().map(|(given, right)| of(p(*given), f64::from(u8::from(*right)))).sum::<f64>()
+            unseen
+                .iter()
+                .map(|(given, right)| of(p(*given), f64::from(u8::from(*right))))
+                .sum::<f64>()
                 / unseen.len() as f64
         };
         let brier = sum(|p, right| (p - right).powi(2));
@@ -88,21 +111,39 @@ pub fn reliability(data: &Path) {
     println!("\n| confidence, not seen in the fit | answers | stated | right |");
     println!("|---|---|---|---|");
     for &[least, most] in [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99, 0.999, 1.01].array_windows() {
-        let inside: Vec<&(f64, bool)> = unseen.iter().filter(|(p, _)| (least..most).contains(p)).collect();
+        let inside: Vec<&(f64, bool)> = unseen
+            .iter()
+            .filter(|(p, _)| (least..most).contains(p))
+            .collect();
         let count = inside.len();
         let stated = inside.iter().map(|(p, _)| p).sum::<f64>() / count as f64;
         let right = inside.iter().filter(|(_, right)| *right).count() as f64 / count as f64;
-        println!("| {least} – {} | {count} | {stated:.4} | {right:.4} |", f64::min(most, 1.0));
+        println!(
+            "| {least} – {} | {count} | {stated:.4} | {right:.4} |",
+            f64::min(most, 1.0)
+        );
     }
 }
 
 fn row(examples: &[&Example], confidence: impl Fn(&Example) -> f64) -> String {
-    let given: Vec<&&Example> = examples.iter().filter(|example| confidence(example) >= 0.5).collect();
-    let right = examples.iter().filter(|example| example.right).count().max(1);
+    let given: Vec<&&Example> = examples
+        .iter()
+        .filter(|example| confidence(example) >= 0.5)
+        .collect();
+    let right = examples
+        .iter()
+        .filter(|example| example.right)
+        .count()
+        .max(1);
     let kept = given.iter().filter(|example| example.right).count();
     let wrong = given.iter().filter(|example| example.wrong).count();
     let share = 100.0 / given.len().max(1) as f64;
-    format!("{}, {:.1} %, {wrong} ({:.2} %)", given.len(), 100.0 * kept as f64 / right as f64, wrong as f64 * share)
+    format!(
+        "{}, {:.1} %, {wrong} ({:.2} %)",
+        given.len(),
+        100.0 * kept as f64 / right as f64,
+        wrong as f64 * share
+    )
 }
 
 fn real(data: &Path) -> Vec<Example> {
@@ -114,19 +155,28 @@ fn real(data: &Path) -> Vec<Example> {
         let field = set.document.field.model(&folder).unwrap();
         let usable = usable(&set);
         for references in [1, 1, 1, 2, 2, 3, 5, 8, usize::MAX] {
-            let mut clips: Vec<_> = usable.iter().map(|&i| set.document.frames[i].clip.clone()).collect();
+            let mut clips: Vec<_> = usable
+                .iter()
+                .map(|&i| set.document.frames[i].clip.clone())
+                .collect();
             clips.sort();
             clips.dedup();
             for clip in clips {
-                let (asked, mut training_frames): (Vec<usize>, Vec<usize>) =
-                    usable.iter().copied().partition(|&i| set.document.frames[i].clip == clip);
+                let (asked, mut training_frames): (Vec<usize>, Vec<usize>) = usable
+                    .iter()
+                    .copied()
+                    .partition(|&i| set.document.frames[i].clip == clip);
                 training_frames.shuffle(&mut rng);
                 training_frames.truncate(references);
                 let (samples, seen) = set.samples(&training_frames, usize::MAX);
                 let forest = grown(&samples, &TrainOptions::default());
                 for frame in asked {
                     let found = answer(&set, frame, (&forest, &seen), &field, &unsure());
-                    let Answer { relocalized, error_px, .. } = &found;
+                    let Answer {
+                        relocalized,
+                        error_px,
+                        ..
+                    } = &found;
                     if let Ok(pose) = &relocalized.pose {
                         let size = set.features[frame].image_size;
                         examples.push(Example::of(number, pose, size, *error_px));
@@ -154,7 +204,12 @@ fn hard(set: usize) -> Vec<Example> {
             _ => chance(&mut rng),
         };
         if let Ok(pose) = pose_from_candidates(&matches, &base, SIZE, &unsure().pose) {
-            examples.push(Example::of(set, &pose, SIZE, overlay_error_px(&base, truth, pose.ptz)));
+            examples.push(Example::of(
+                set,
+                &pose,
+                SIZE,
+                overlay_error_px(&base, truth, pose.ptz),
+            ));
         }
     }
     examples
@@ -167,8 +222,12 @@ fn chance(rng: &mut Pcg64Mcg) -> (Ptz, RayMatches) {
     for _ in 0..features {
         let at = ImagePoint::new(rng.random_range(0.0..1280.0), rng.random_range(0.0..720.0));
         let anywhere = |rng: &mut Pcg64Mcg| {
-            let ray = PanTilt::from_degrees(rng.random_range(-60.0..60.0), rng.random_range(-35.0..5.0));
-            RayCandidate { ray, squared_distance: 0.1 }
+            let ray =
+                PanTilt::from_degrees(rng.random_range(-60.0..60.0), rng.random_range(-35.0..5.0));
+            RayCandidate {
+                ray,
+                squared_distance: 0.1,
+            }
         };
         let rays: Vec<RayCandidate> = (0..candidates).map(|_| anywhere(rng)).collect();
         matches.push(at, &rays);
@@ -176,8 +235,9 @@ fn chance(rng: &mut Pcg64Mcg) -> (Ptz, RayMatches) {
     (Ptz::from_degrees(0.0, -10.0, 3000.0), matches)
 }
 
-/// One board stands twenty times along the picture, and its features take it for any of its copies; another of 33 features
-/// in a patch of 21 × 8 px says consistently that it is elsewhere. Where `hidden`, next to nothing else is known.
+/// One board stands twenty times along the picture, and its features take it for any of its copies;
+/// another of 33 features in a patch of 21 × 8 px says consistently that it is elsewhere. Where
+/// `hidden`, next to nothing else is known.
 fn boards(base: &CameraBase, hidden: bool, rng: &mut Pcg64Mcg) -> (Ptz, RayMatches) {
     let (truth, mut matches) = drawn(base, if hidden { 1.0 } else { 0.9 }, rng);
     let (camera, (elsewhere, _)) = (PtzCamera::new(*base, truth), drawn(base, 1.0, rng));
@@ -185,20 +245,38 @@ fn boards(base: &CameraBase, hidden: bool, rng: &mut Pcg64Mcg) -> (Ptz, RayMatch
     let mut add = |at: ImagePoint, seen: ImagePoint, camera: &PtzCamera, rng: &mut Pcg64Mcg| {
         let at = ImagePoint::new(at.x + 0.5 * normal(rng), at.y + 0.5 * normal(rng));
         let ray = camera.ray_from_image(seen).unwrap();
-        matches.push(at, &[RayCandidate { ray, squared_distance: 0.05 }]);
+        matches.push(
+            at,
+            &[RayCandidate {
+                ray,
+                squared_distance: 0.05,
+            }],
+        );
     };
     let row_y = rng.random_range(150.0..450.0);
     for copy in 0..20 {
         // All take themselves for the next but some, or each for another.
-        let taken = if rng.random_bool(0.5) { (copy + 3) % 20 } else { rng.random_range(0..20) };
+        let taken = if rng.random_bool(0.5) {
+            (copy + 3) % 20
+        } else {
+            rng.random_range(0..20)
+        };
         for part in 0..4 {
-            let place = |copy: u32| ImagePoint::new(40.0 + 60.0 * f64::from(copy) + 9.0 * f64::from(part), row_y);
+            let place = |copy: u32| {
+                ImagePoint::new(40.0 + 60.0 * f64::from(copy) + 9.0 * f64::from(part), row_y)
+            };
             add(place(copy), place(taken), &camera, rng);
         }
     }
-    let corner = ImagePoint::new(rng.random_range(100.0..1100.0), rng.random_range(100.0..600.0));
+    let corner = ImagePoint::new(
+        rng.random_range(100.0..1100.0),
+        rng.random_range(100.0..600.0),
+    );
     for _ in 0..33 {
-        let at = ImagePoint::new(corner.x + rng.random_range(0.0..21.0), corner.y + rng.random_range(0.0..8.0));
+        let at = ImagePoint::new(
+            corner.x + rng.random_range(0.0..21.0),
+            corner.y + rng.random_range(0.0..8.0),
+        );
         add(at, at, &other, rng);
     }
     (truth, matches)
@@ -228,7 +306,9 @@ fn fitted(examples: &[&Example]) -> Terms {
         for example in examples {
             let p = probability(&curve, example);
             gradient += example.terms * (f64::from(u8::from(example.right)) - p) * example.weight;
-            hessian += example.terms * example.terms.transpose() * ((p * (1.0 - p)).max(1e-6) * example.weight);
+            hessian += example.terms
+                * example.terms.transpose()
+                * ((p * (1.0 - p)).max(1e-6) * example.weight);
         }
         let step = hessian.try_inverse().unwrap() * gradient;
         curve += step * (1.0 / step.norm().max(1.0)).max(0.2);

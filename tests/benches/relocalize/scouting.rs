@@ -10,7 +10,9 @@ use touchline::features::{FeatureOptions, extract};
 use touchline::field::FieldModel;
 use touchline::media::load_image;
 use touchline::progress::Progress;
-use touchline::relocalize::{Forest, PoseOptions, RelocalizeOptions, Relocalized, SeenRange, TrainOptions, relocalize};
+use touchline::relocalize::{
+    Forest, PoseOptions, RelocalizeOptions, Relocalized, SeenRange, TrainOptions, relocalize,
+};
 use touchline::solve::base::BaseOptions;
 use touchline::store::read;
 
@@ -23,18 +25,24 @@ pub fn document(data: &Path, name: &str) -> Document {
     let mut document = read(&folder.join("clicks.json")).unwrap().1;
     let camera = document.cameras[0].id.clone();
     let problem = BaseProblem::of(document.at(&folder), &camera).unwrap();
-    let estimate = problem.estimate(&document, &BaseOptions::default(), &Progress::default()).unwrap();
+    let estimate = problem
+        .estimate(&document, &BaseOptions::default(), &Progress::default())
+        .unwrap();
     estimate.write_camera(&mut document);
     solve_document(&mut document, &folder, &Progress::default()).unwrap();
     document
 }
 
-/// A frame whose clicks have near and far mixed up throughout: what it says cannot be measured against.
+/// A frame whose clicks have near and far mixed up throughout: what it says cannot be measured
+/// against.
 const MIRRORED: &str = "42ba34_9_2";
 
 /// The solved frames of a set with clicks that can be believed.
 pub fn usable(set: &Set) -> Vec<usize> {
-    set.all().into_iter().filter(|&frame| is_usable(&set.document.frames[frame])).collect()
+    set.all()
+        .into_iter()
+        .filter(|&frame| is_usable(&set.document.frames[frame]))
+        .collect()
 }
 
 /// Whether a frame is solved and has clicks that can be believed.
@@ -46,23 +54,38 @@ pub fn is_usable(frame: &Frame) -> bool {
 pub struct Answer {
     pub frame: usize,
     pub relocalized: Relocalized,
-    /// The median distance of its clicks from their landmarks, px at 1920 px width; infinite without a camera.
+    /// The median distance of its clicks from their landmarks, px at 1920 px width; infinite
+    /// without a camera.
     pub error_px: f64,
 }
 
 /// Every frame of a set answered by a forest of the other clips.
-pub fn answers(set: &Set, field: &FieldModel, train: &TrainOptions, ask: &RelocalizeOptions) -> Vec<Answer> {
+pub fn answers(
+    set: &Set,
+    field: &FieldModel,
+    train: &TrainOptions,
+    ask: &RelocalizeOptions,
+) -> Vec<Answer> {
     let usable = usable(set);
-    let mut clips: Vec<_> = usable.iter().map(|&i| set.document.frames[i].clip.clone()).collect();
+    let mut clips: Vec<_> = usable
+        .iter()
+        .map(|&i| set.document.frames[i].clip.clone())
+        .collect();
     clips.sort();
     clips.dedup();
     let mut answers = Vec::new();
     for clip in clips {
-        let (asked, training_frames): (Vec<usize>, Vec<usize>) =
-            usable.iter().copied().partition(|&i| set.document.frames[i].clip == clip);
+        let (asked, training_frames): (Vec<usize>, Vec<usize>) = usable
+            .iter()
+            .copied()
+            .partition(|&i| set.document.frames[i].clip == clip);
         let (samples, seen) = set.samples(&training_frames, usize::MAX);
         let forest = grown(&samples, train);
-        answers.extend(asked.into_iter().map(|frame| answer(set, frame, (&forest, &seen), field, ask)));
+        answers.extend(
+            asked
+                .into_iter()
+                .map(|frame| answer(set, frame, (&forest, &seen), field, ask)),
+        );
     }
     answers
 }
@@ -81,8 +104,14 @@ pub fn answer(
         relocalized.predict_time = relocalized.predict_time.min(again.predict_time);
         relocalized.pose_time = relocalized.pose_time.min(again.pose_time);
     }
-    let error_px = relocalized.pose.as_ref().map_or(f64::INFINITY, |pose| click_error_px(set, frame, pose.ptz, field));
-    Answer { frame, relocalized, error_px }
+    let error_px = relocalized.pose.as_ref().map_or(f64::INFINITY, |pose| {
+        click_error_px(set, frame, pose.ptz, field)
+    });
+    Answer {
+        frame,
+        relocalized,
+        error_px,
+    }
 }
 
 /// The median distance of a frame's clicks from their landmarks in a camera, px at 1920 px width.
@@ -93,7 +122,11 @@ pub fn click_error_px(set: &Set, frame: usize, ptz: Ptz, field: &FieldModel) -> 
         .iter()
         .filter_map(|observation| {
             let at = observation.shape.point()?;
-            Some(camera.image_from_world(at).map_or(f64::INFINITY, |image| image.distance_px(observation.image)))
+            Some(
+                camera
+                    .image_from_world(at)
+                    .map_or(f64::INFINITY, |image| image.distance_px(observation.image)),
+            )
         })
         .collect();
     quantile(&mut distances, 0.5) / set.features[frame].image_size.scale_from_1920()
@@ -108,14 +141,30 @@ pub fn accuracy(data: &Path) {
     );
     println!("|---|---|---|---|---|---|---|---|");
     let documents = MATCHES.map(|name| document(data, name));
-    for (max_width_px, max_count) in [(960, 300), (960, 600), (960, 1000), (640, 600), (640, 1000), (1920, 1000)] {
-        let options = FeatureOptions { max_width_px, max_count, ..FeatureOptions::default() };
+    for (max_width_px, max_count) in [
+        (960, 300),
+        (960, 600),
+        (960, 1000),
+        (640, 600),
+        (640, 1000),
+        (1920, 1000),
+    ] {
+        let options = FeatureOptions {
+            max_width_px,
+            max_count,
+            ..FeatureOptions::default()
+        };
         let (mut all, mut features_time_ms) = (Vec::new(), 0.0);
         for (number, name) in MATCHES.iter().enumerate() {
             let folder = data.join(format!("scouting-{name}"));
             let set = Set::from_document(documents[number].clone(), &folder, &options);
             let field = set.document.field.model(&folder).unwrap();
-            let found = answers(&set, &field, &TrainOptions::default(), &RelocalizeOptions::default());
+            let found = answers(
+                &set,
+                &field,
+                &TrainOptions::default(),
+                &RelocalizeOptions::default(),
+            );
             let label = format!("{max_count} at {max_width_px} px");
             let features_ms = features_ms(&set, &folder, &options);
             features_time_ms += features_ms;
@@ -136,14 +185,24 @@ pub fn accuracy(data: &Path) {
             }
             all.extend(found);
         }
-        row(&format!("{max_count} at {max_width_px} px"), "**all**", &all, features_time_ms / MATCHES.len() as f64);
+        row(
+            &format!("{max_count} at {max_width_px} px"),
+            "**all**",
+            &all,
+            features_time_ms / MATCHES.len() as f64,
+        );
     }
 }
 
-/// Accuracy without any mask: as built, and with what stands still on the screen taken for any feature.
+/// Accuracy without any mask: as built, and with what stands still on the screen taken for any
+/// feature.
 pub fn unmasked(data: &Path) {
-    println!("\n## unmasked: every clip answered by the others, no masks; all references, and only two\n");
-    println!("| | match | frames | answered | within 10 px of all / of answered | wrong (> 20 px) | median px |");
+    println!(
+        "\n## unmasked: every clip answered by the others, no masks; all references, and only two\n"
+    );
+    println!(
+        "| | match | frames | answered | within 10 px of all / of answered | wrong (> 20 px) | median px |"
+    );
     println!("|---|---|---|---|---|---|---|");
     for (keeps_standing, label) in [(true, "standing features kept"), (false, "as built")] {
         for name in MATCHES {
@@ -151,7 +210,12 @@ pub fn unmasked(data: &Path) {
             let mut set = Set::unmasked(document(data, name), &folder, &FeatureOptions::default());
             set.keeps_standing = keeps_standing;
             let field = set.document.field.model(&folder).unwrap();
-            let found = answers(&set, &field, &TrainOptions::default(), &RelocalizeOptions::default());
+            let found = answers(
+                &set,
+                &field,
+                &TrainOptions::default(),
+                &RelocalizeOptions::default(),
+            );
             unmasked_row(label, name, &set, &found);
             let few = answers_of_two(&set, &field);
             unmasked_row(&format!("{label}, two references"), name, &set, &few);
@@ -163,7 +227,10 @@ fn unmasked_row(label: &str, name: &str, set: &Set, answers: &[Answer]) {
     let mut errors: Vec<f64> = answers.iter().map(|answer| answer.error_px).collect();
     let given = errors.iter().filter(|error| error.is_finite()).count();
     let near = errors.iter().filter(|error| **error <= 10.0).count() as f64;
-    let wrong = errors.iter().filter(|error| error.is_finite() && **error > 20.0).count();
+    let wrong = errors
+        .iter()
+        .filter(|error| error.is_finite() && **error > 20.0)
+        .count();
     println!(
         "| {label} | {name} | {} | {given} | {:.1} / {:.1} % | {wrong} | {:.2} |",
         answers.len(),
@@ -192,11 +259,23 @@ fn answers_of_two(set: &Set, field: &FieldModel) -> Vec<Answer> {
     let clip = |frame: usize| set.document.frames[frame].clip.clone();
     let mut answers = Vec::new();
     for &frame in &usable {
-        let others: Vec<usize> = usable.iter().copied().filter(|&other| clip(other) != clip(frame)).collect();
-        let [first, .., last] = others[..] else { continue };
+        let others: Vec<usize> = usable
+            .iter()
+            .copied()
+            .filter(|&other| clip(other) != clip(frame))
+            .collect();
+        let [first, .., last] = others[..] else {
+            continue;
+        };
         let (samples, seen) = set.samples(&[first, last], usize::MAX);
         let forest = grown(&samples, &TrainOptions::default());
-        answers.push(answer(set, frame, (&forest, &seen), field, &RelocalizeOptions::default()));
+        answers.push(answer(
+            set,
+            frame,
+            (&forest, &seen),
+            field,
+            &RelocalizeOptions::default(),
+        ));
     }
     answers
 }
@@ -204,20 +283,41 @@ fn answers_of_two(set: &Set, field: &FieldModel) -> Vec<Answer> {
 /// What finding the features of a few frames costs on one thread, ms.
 fn features_ms(set: &Set, folder: &Path, options: &FeatureOptions) -> f64 {
     let masks = &set.document.cameras[0].masks;
-    let frames: Vec<_> = set.document.frames.iter().step_by(set.document.frames.len() / 4).collect();
-    let pictures: Vec<_> = frames.iter().map(|frame| load_image(&frame.image_path(folder).unwrap()).unwrap()).collect();
-    let (_, time_s) = seconds(|| pictures.iter().filter(|picture| extract(picture, masks, options).is_ok()).count());
+    let frames: Vec<_> = set
+        .document
+        .frames
+        .iter()
+        .step_by(set.document.frames.len() / 4)
+        .collect();
+    let pictures: Vec<_> = frames
+        .iter()
+        .map(|frame| load_image(&frame.image_path(folder).unwrap()).unwrap())
+        .collect();
+    let (_, time_s) = seconds(|| {
+        pictures
+            .iter()
+            .filter(|picture| extract(picture, masks, options).is_ok())
+            .count()
+    });
     time_s * 1e3 / pictures.len() as f64
 }
 
 fn row(label: &str, name: &str, answers: &[Answer], features_ms: f64) {
     let mut errors: Vec<f64> = answers.iter().map(|answer| answer.error_px).collect();
-    let within = |px: f64| 100.0 * errors.iter().filter(|error| **error <= px).count() as f64 / errors.len() as f64;
+    let within = |px: f64| {
+        100.0 * errors.iter().filter(|error| **error <= px).count() as f64 / errors.len() as f64
+    };
     let given = errors.iter().filter(|error| error.is_finite()).count();
-    let wrong = errors.iter().filter(|error| error.is_finite() && **error > 20.0).count();
+    let wrong = errors
+        .iter()
+        .filter(|error| error.is_finite() && **error > 20.0)
+        .count();
     let within = [within(5.0), within(10.0), within(20.0)];
     let ms = |of: fn(&Relocalized) -> std::time::Duration| {
-        let mut ms: Vec<f64> = answers.iter().map(|answer| of(&answer.relocalized).as_secs_f64() * 1e3).collect();
+        let mut ms: Vec<f64> = answers
+            .iter()
+            .map(|answer| of(&answer.relocalized).as_secs_f64() * 1e3)
+            .collect();
         quantile(&mut ms, 0.5)
     };
     println!(
@@ -235,7 +335,10 @@ fn row(label: &str, name: &str, answers: &[Answer], features_ms: f64) {
 /// Whatever is found, however unsure: what the confidence is fitted to.
 pub fn unsure() -> RelocalizeOptions {
     RelocalizeOptions {
-        pose: PoseOptions { min_confidence: 0.0, ..PoseOptions::default() },
+        pose: PoseOptions {
+            min_confidence: 0.0,
+            ..PoseOptions::default()
+        },
         ..RelocalizeOptions::default()
     }
 }

@@ -18,7 +18,8 @@ pub struct Set {
     pub keeps_standing: bool,
 }
 
-/// As the trainer has it: references that see a point this far apart by their labels, px at 1920 px width, moved.
+/// As the trainer has it: references that see a point this far apart by their labels, px at 1920 px
+/// width, moved.
 const MOVED_PX: f64 = 20.0;
 
 impl Set {
@@ -41,12 +42,18 @@ impl Set {
     /// The features of some frames that stand still on the screen, as the trainer finds them.
     fn burnt_in(&self, frames: &[usize]) -> Vec<Vec<usize>> {
         let pictures: Vec<&Features> = frames.iter().map(|&frame| &self.features[frame]).collect();
-        let camera = |place: usize| self.document.pointed(&self.document.frames[frames[place]]).unwrap();
+        let camera = |place: usize| {
+            self.document
+                .pointed(&self.document.frames[frames[place]])
+                .unwrap()
+        };
         let cameras: Vec<_> = (0..frames.len()).map(camera).collect();
         let moved = |one: usize, other: usize, point| {
             let least_px = MOVED_PX * pictures[one].image_size.scale_from_1920();
             cameras[one].ray_from_image(point).is_ok_and(|ray| {
-                !cameras[other].image_from_ray(ray).is_ok_and(|image| image.distance_px(point) <= least_px)
+                !cameras[other]
+                    .image_from_ray(ray)
+                    .is_ok_and(|image| image.distance_px(point) <= least_px)
             })
         };
         burnt_in(&pictures, &moved).features
@@ -54,8 +61,16 @@ impl Set {
 
     pub fn from_document(document: Document, folder: &Path, options: &FeatureOptions) -> Self {
         let find = |frame| features_of(&document, folder, frame, options);
-        let features = document.frames.par_iter().map(|frame| find(frame)).collect();
-        Self { document, features, keeps_standing: false }
+        let features = document
+            .frames
+            .par_iter()
+            .map(|frame| find(frame))
+            .collect();
+        Self {
+            document,
+            features,
+            keeps_standing: false,
+        }
     }
 
     pub fn truth(&self, frame: usize) -> Ptz {
@@ -64,20 +79,37 @@ impl Set {
 
     pub fn base(&self, frame: usize) -> CameraBase {
         let frame = &self.document.frames[frame];
-        self.document.camera_of(frame).unwrap().base_for(frame).unwrap()
+        self.document
+            .camera_of(frame)
+            .unwrap()
+            .base_for(frame)
+            .unwrap()
     }
 
-    /// The training samples of some frames, each limited to a number of features, and where they looked.
+    /// The training samples of some frames, each limited to a number of features, and where they
+    /// looked.
     pub fn samples(&self, frames: &[usize], features_per_frame: usize) -> (Samples, SeenRange) {
-        let burnt_in = if self.keeps_standing { vec![Vec::new(); frames.len()] } else { self.burnt_in(frames) };
+        let burnt_in = if self.keeps_standing {
+            vec![Vec::new(); frames.len()]
+        } else {
+            self.burnt_in(frames)
+        };
         let mut samples = Samples::new();
         for (&frame, burnt_in) in frames.iter().zip(burnt_in) {
             let camera = self.document.pointed(&self.document.frames[frame]).unwrap();
             let features = &self.features[frame];
-            let rays = features.keypoints.iter().map(|keypoint| camera.ray_from_image(keypoint.point));
-            let pairs = rays.zip(&features.descriptors).enumerate().take(features_per_frame);
+            let rays = features
+                .keypoints
+                .iter()
+                .map(|keypoint| camera.ray_from_image(keypoint.point));
+            let pairs = rays
+                .zip(&features.descriptors)
+                .enumerate()
+                .take(features_per_frame);
             let moving = pairs.filter(|(feature, _)| burnt_in.binary_search(feature).is_err());
-            samples.add_frame(moving.filter_map(|(_, (ray, descriptor))| Some((*descriptor, ray.ok()?))));
+            samples.add_frame(
+                moving.filter_map(|(_, (ray, descriptor))| Some((*descriptor, ray.ok()?))),
+            );
         }
         let seen: Vec<Ptz> = frames.iter().map(|&frame| self.truth(frame)).collect();
         let mut range = SeenRange::of(&seen).unwrap();
@@ -93,8 +125,16 @@ impl Set {
 }
 
 /// The features of a frame, from the cache in the build folder if they are there.
-fn features_of(document: &Document, folder: &Path, frame: &Frame, options: &FeatureOptions) -> Features {
-    let cache = FeatureCache::new(&Path::new(env!("CARGO_TARGET_TMPDIR")).join("features"), 1 << 30);
+fn features_of(
+    document: &Document,
+    folder: &Path,
+    frame: &Frame,
+    options: &FeatureOptions,
+) -> Features {
+    let cache = FeatureCache::new(
+        &Path::new(env!("CARGO_TARGET_TMPDIR")).join("features"),
+        1 << 30,
+    );
     let path = frame.image_path(folder).unwrap();
     let masks = &document.masks_of(frame);
     let key = FeatureKey::new(&sha256_of_file(&path).unwrap(), options, masks);

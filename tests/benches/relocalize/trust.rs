@@ -1,5 +1,6 @@
-//! Proposals as the program makes them, line check included, without a single mask, against people's clicks: how many frames are
-//! answered, how often certain answers are wrong, and whether the stated σ is true.
+//! Proposals as the program makes them, line check included, without a single mask, against
+//! people's clicks: how many frames are answered, how often certain answers are wrong, and whether
+//! the stated σ is true.
 
 use super::proposed::proposed;
 use super::scouting::{MATCHES, document, is_usable};
@@ -14,7 +15,9 @@ use touchline::document::{Document, Fields};
 use touchline::features::FeatureOptions;
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
 use touchline::media::FrameReader;
-use touchline::proposals::{Answer, FeatureStore, FramePictures, LineEvidence, Proposal, WorkFolder};
+use touchline::proposals::{
+    Answer, FeatureStore, FramePictures, LineEvidence, Proposal, WorkFolder,
+};
 use touchline::solve::Uncertainty;
 
 /// χ² with two degrees of freedom of a 68 % region.
@@ -36,9 +39,11 @@ struct Asked {
     name: String,
     /// The answer; none where it was not given.
     answer: Option<Answer>,
-    /// The median distance of its clicks from their landmarks in the answer's camera, px at 1920 px width.
+    /// The median distance of its clicks from their landmarks in the answer's camera, px at 1920 px
+    /// width.
     error_px: f64,
-    /// Of each click: χ² of its distance by the stated covariance and the click's own, and by the former alone.
+    /// Of each click: χ² of its distance by the stated covariance and the click's own, and by the
+    /// former alone.
     chi_squared: Vec<[f64; 2]>,
 }
 
@@ -60,15 +65,27 @@ impl Match {
         for frame in &mut document.frames {
             frame.masks.clear();
         }
-        let usable = (0..document.frames.len()).filter(|&index| is_usable(&document.frames[index])).collect();
+        let usable = (0..document.frames.len())
+            .filter(|&index| is_usable(&document.frames[index]))
+            .collect();
         let beside = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.json"));
         let store = FeatureStore::on_disk(&WorkFolder::beside(&beside));
-        Self { folder: data.join(format!("scouting-{name}")), document, store, usable }
+        Self {
+            folder: data.join(format!("scouting-{name}")),
+            document,
+            store,
+            usable,
+        }
     }
 
     fn pictures(&self) -> FramePictures<'_> {
         let options = FeatureOptions::default();
-        FramePictures { document: &self.document, folder: &self.folder, options, store: &self.store }
+        FramePictures {
+            document: &self.document,
+            folder: &self.folder,
+            options,
+            store: &self.store,
+        }
     }
 
     /// How far the axes of two frames are apart, degrees.
@@ -86,9 +103,15 @@ impl Match {
         let mut rng = Pcg64Mcg::seed_from_u64(1);
         let mut groups: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
         for &frame in self.usable.iter().step_by(every) {
-            let others = self.usable.iter().copied().filter(|&other| clip(other) != clip(frame));
+            let others = self
+                .usable
+                .iter()
+                .copied()
+                .filter(|&other| clip(other) != clip(frame));
             let mut training: Vec<usize> = match references {
-                References::Apart => others.filter(|&other| self.apart_deg(frame, other) >= 8.0).collect(),
+                References::Apart => others
+                    .filter(|&other| self.apart_deg(frame, other) >= 8.0)
+                    .collect(),
                 References::All | References::Few(_) => others.collect(),
             };
             if let References::Few(count) = references {
@@ -106,8 +129,16 @@ impl Match {
         let evidence = LineEvidence::of(at, &mut reader, is_snapped).unwrap();
         let mut all = Vec::new();
         for (asked, training) in groups {
-            let Ok(proposals) = proposed(&self.pictures(), &mut reader, &evidence, &training, &asked) else { continue };
-            all.extend(proposals.into_iter().map(|proposal| self.against_clicks(proposal)));
+            let Ok(proposals) =
+                proposed(&self.pictures(), &mut reader, &evidence, &training, &asked)
+            else {
+                continue;
+            };
+            all.extend(
+                proposals
+                    .into_iter()
+                    .map(|proposal| self.against_clicks(proposal)),
+            );
         }
         all
     }
@@ -119,26 +150,50 @@ impl Match {
             Ok(answer) => answer,
             Err(reason) => {
                 println!("<!-- {name}: {reason} -->");
-                return Asked { name, answer: None, error_px: f64::INFINITY, chi_squared: Vec::new() };
+                return Asked {
+                    name,
+                    answer: None,
+                    error_px: f64::INFINITY,
+                    chi_squared: Vec::new(),
+                };
             }
         };
         let fields = Fields::of(self.document.at(&self.folder)).unwrap();
-        let base = self.document.camera_of(frame).unwrap().base_for(frame).unwrap();
+        let base = self
+            .document
+            .camera_of(frame)
+            .unwrap()
+            .base_for(frame)
+            .unwrap();
         let camera = PtzCamera::new(base, answer.ptz.ptz());
         let stated = Uncertainty::from_own(&camera, &answer.own_covariance, frame.image_size).ok();
         let (mut distances, mut chi_squared) = (Vec::new(), Vec::new());
         for click in observations(frame, fields.of_frame(&self.document, frame)).unwrap() {
-            let Some(at) = click.shape.point() else { continue };
-            let Ok(image) = camera.image_from_world(at) else { continue };
+            let Some(at) = click.shape.point() else {
+                continue;
+            };
+            let Ok(image) = camera.image_from_world(at) else {
+                continue;
+            };
             let off = click.image.offset_from(image);
             distances.push(off.norm());
-            let Some(overlay) = stated.and_then(|stated| stated.overlay_at_world(&camera, at)) else { continue };
+            let Some(overlay) = stated.and_then(|stated| stated.overlay_at_world(&camera, at))
+            else {
+                continue;
+            };
             let noise = nalgebra::Matrix2::identity() * click.sigma_px.powi(2);
-            chi_squared
-                .push([overlay + noise, overlay].map(|covariance| off.dot(&(covariance.try_inverse().unwrap() * off))));
+            chi_squared.push(
+                [overlay + noise, overlay]
+                    .map(|covariance| off.dot(&(covariance.try_inverse().unwrap() * off))),
+            );
         }
         let error_px = quantile(&mut distances, 0.5) / frame.image_size.scale_from_1920();
-        Asked { name, answer: Some(answer), error_px, chi_squared }
+        Asked {
+            name,
+            answer: Some(answer),
+            error_px,
+            chi_squared,
+        }
     }
 }
 
@@ -170,23 +225,46 @@ pub fn trust(data: &Path) {
 }
 
 fn row(label: &str, name: &str, asked: &[&Asked]) {
-    let given: Vec<(&Answer, &Asked)> =
-        asked.iter().filter_map(|asked| Some((asked.answer.as_ref()?, *asked))).collect();
+    let given: Vec<(&Answer, &Asked)> = asked
+        .iter()
+        .filter_map(|asked| Some((asked.answer.as_ref()?, *asked)))
+        .collect();
     let share = |count: usize, of: usize| 100.0 * count as f64 / of.max(1) as f64;
     let near = asked.iter().filter(|asked| asked.error_px <= 10.0).count();
-    let wrong = given.iter().filter(|(answer, asked)| answer.confidence >= 0.5 && asked.error_px > 20.0).count();
-    let certain: Vec<_> = given.iter().filter(|(answer, _)| answer.confidence >= 0.95).collect();
-    let certain_off = certain.iter().filter(|(_, asked)| asked.error_px > 10.0).count();
+    let wrong = given
+        .iter()
+        .filter(|(answer, asked)| answer.confidence >= 0.5 && asked.error_px > 20.0)
+        .count();
+    let certain: Vec<_> = given
+        .iter()
+        .filter(|(answer, _)| answer.confidence >= 0.95)
+        .collect();
+    let certain_off = certain
+        .iter()
+        .filter(|(_, asked)| asked.error_px > 10.0)
+        .count();
     let true_sigma = |which: usize| {
-        let all: Vec<f64> =
-            given.iter().flat_map(|(_, asked)| asked.chi_squared.iter().map(|both| both[which])).collect();
-        let held = all.iter().filter(|chi_squared| **chi_squared <= REGION).count();
+        let all: Vec<f64> = given
+            .iter()
+            .flat_map(|(_, asked)| asked.chi_squared.iter().map(|both| both[which]))
+            .collect();
+        let held = all
+            .iter()
+            .filter(|chi_squared| **chi_squared <= REGION)
+            .count();
         // People's clicks hold a few that are plainly wrong: beyond 5 σ they tell of the click.
-        let usual: Vec<f64> = all.iter().copied().filter(|chi_squared| *chi_squared <= 25.0 || which == 1).collect();
+        let usual: Vec<f64> = all
+            .iter()
+            .copied()
+            .filter(|chi_squared| *chi_squared <= 25.0 || which == 1)
+            .collect();
         let rms = (usual.iter().sum::<f64>() / (2.0 * usual.len() as f64)).sqrt();
         format!("{:.1} %, {rms:.2}", share(held, all.len()))
     };
-    let mut sigmas: Vec<f64> = given.iter().map(|(answer, _)| answer.worst_corner_sigma_px).collect();
+    let mut sigmas: Vec<f64> = given
+        .iter()
+        .map(|(answer, _)| answer.worst_corner_sigma_px)
+        .collect();
     let mut errors: Vec<f64> = given.iter().map(|(_, asked)| asked.error_px).collect();
     println!(
         "| {label} | {name} | {} | {} ({:.1} %) | {:.1} % | {wrong} | {certain_off} of {} ({:.1} %) | {} / {} | {:.1} | {:.2} |",

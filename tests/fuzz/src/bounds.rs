@@ -13,7 +13,8 @@ const MEMORY: usize = 64 << 20;
 const MEMORY_FOR_EACH_BYTE: usize = 20;
 /// How long a reader may work, on all threads, however busy the machine is.
 const TIME: Duration = Duration::from_secs(1);
-/// The longest message, characters, beside names, which are as long as the input has them and longer once escaped.
+/// The longest message, characters, beside names, which are as long as the input has them and
+/// longer once escaped.
 const MESSAGE: usize = 1000;
 
 /// Reads, and fails where it takes too long or too much memory.
@@ -21,7 +22,8 @@ pub fn bounded<T>(input: &[u8], read: impl FnOnce() -> T) -> T {
     bounded_beside(0, input, read)
 }
 
-/// The same where a result of so many bytes is kept beside, as a picture that is as large as it says.
+/// The same where a result of so many bytes is kept beside, as a picture that is as large as it
+/// says.
 pub fn bounded_beside<T>(kept: usize, input: &[u8], read: impl FnOnce() -> T) -> T {
     let before = COUNTED.current_usage();
     COUNTED.reset_peak_usage();

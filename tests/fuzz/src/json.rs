@@ -4,8 +4,8 @@ use crate::json_values::{hostile_values, replaced};
 use serde_json::Value;
 use std::sync::LazyLock;
 
-/// Mutates the first `size` bytes behind `prefix` bytes that stay; the new size. Half of what is JSON is mutated by its values,
-/// everything else by its bytes, which is libFuzzer's part.
+/// Mutates the first `size` bytes behind `prefix` bytes that stay; the new size. Half of what is
+/// JSON is mutated by its values, everything else by its bytes, which is libFuzzer's part.
 pub fn mutated(
     data: &mut [u8],
     prefix: usize,
@@ -33,7 +33,8 @@ pub fn mutated(
     prefix + text.len()
 }
 
-/// Puts a hostile value, or one from elsewhere in the tree, in the place of one; or takes it away, or has it twice.
+/// Puts a hostile value, or one from elsewhere in the tree, in the place of one; or takes it away,
+/// or has it twice.
 fn replace_one(value: &mut Value, random: &mut Random) {
     static HOSTILE: LazyLock<Vec<Value>> = LazyLock::new(hostile_values);
     let share = random.share();

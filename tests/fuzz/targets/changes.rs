@@ -1,4 +1,5 @@
-//! Edits between two states of a document: each leads from the one to the other, and a second time it is refused.
+//! Edits between two states of a document: each leads from the one to the other, and a second time
+//! it is refused.
 #![no_main]
 
 use arbitrary::Arbitrary;

@@ -1,4 +1,5 @@
-//! Every importer: the first byte says which, the rest is the file that most is said of, in the place of a sample's.
+//! Every importer: the first byte says which, the rest is the file that most is said of, in the
+//! place of a sample's.
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};

@@ -1,4 +1,5 @@
-//! A journal beside a document: checksummed lines, some of them damaged. What is not whole is left out and said.
+//! A journal beside a document: checksummed lines, some of them damaged. What is not whole is left
+//! out and said.
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};

@@ -8,7 +8,8 @@ use touchline_fuzz::{Folder, bounded_beside, one_line};
 
 static FOLDER: LazyLock<Folder> = LazyLock::new(Folder::new);
 
-/// A first frame is as large as the container says: 100 megapixels at most, in colour with its opacity.
+/// A first frame is as large as the container says: 100 megapixels at most, in colour with its
+/// opacity.
 const PICTURE: usize = 400_000_000;
 
 fuzz_target!(|data: &[u8]| {

@@ -1,5 +1,6 @@
-//! How legible the sources are, in figures that may only get better: comments among code, closures where functions could be,
-//! crumbs of files, long lines, and words that a newcomer from computer vision does not know.
+//! How legible the sources are, in figures that may only get better: comments among code, closures
+//! where functions could be, crumbs of files, long lines, and words that a newcomer from computer
+//! vision does not know.
 
 use super::growth::Source;
 use std::collections::BTreeMap;
@@ -29,17 +30,39 @@ pub const SHORT_FILE: usize = 40;
 /// Characters of a line that is read without moving the eyes.
 pub const LONG_LINE: usize = 100;
 
-/// Words that the glossary replaces. `hold`, `place`, `row` and `spot` are left out: they are plain English too.
+/// Words that the glossary replaces. `hold`, `place`, `row` and `spot` are left out: they are plain
+/// English too.
 const DIALECT: [&str; 24] = [
-    "rig", "rigs", "tie", "ties", "tied", "turns", "traces", "strokes", "sight", "sighting", "rival", "rivals",
-    "abstained", "told", "asked", "carried", "widened", "bent", "judged", "snapped", "thinned", "offer", "nobody",
+    "rig",
+    "rigs",
+    "tie",
+    "ties",
+    "tied",
+    "turns",
+    "traces",
+    "strokes",
+    "sight",
+    "sighting",
+    "rival",
+    "rivals",
+    "abstained",
+    "told",
+    "asked",
+    "carried",
+    "widened",
+    "bent",
+    "judged",
+    "snapped",
+    "thinned",
+    "offer",
+    "nobody",
     "somebody",
 ];
 
 /// Participles that do not end in `ed`.
 const IRREGULAR: [&str; 14] = [
-    "found", "seen", "held", "taken", "shown", "drawn", "made", "kept", "left", "told", "written", "said", "known",
-    "given",
+    "found", "seen", "held", "taken", "shown", "drawn", "made", "kept", "left", "told", "written",
+    "said", "known", "given",
 ];
 
 /// Words in `ed` that are none.
@@ -47,7 +70,10 @@ const NO_PARTICIPLES: [&str; 6] = ["need", "feed", "seed", "embed", "shed", "spe
 
 impl Counters {
     pub fn count(sources: &[Source]) -> Self {
-        let mut counters = Self { files: sources.len(), ..Self::default() };
+        let mut counters = Self {
+            files: sources.len(),
+            ..Self::default()
+        };
         for (_, text) in sources {
             counters.add_file(text);
         }
@@ -55,7 +81,10 @@ impl Counters {
     }
 
     fn add_file(&mut self, text: &str) {
-        let production = text.split("\n#[cfg(test)]\nmod ").next().unwrap_or_default();
+        let production = text
+            .split("\n#[cfg(test)]\nmod ")
+            .next()
+            .unwrap_or_default();
         self.short_files += usize::from(production.lines().count() < SHORT_FILE);
         for line in production.lines() {
             self.add_line(line);
@@ -66,7 +95,9 @@ impl Counters {
         let line_length = line.chars().count();
         let trimmed = line.trim_start();
         self.long_lines += usize::from(line_length > LONG_LINE);
-        self.dialect += words(line).filter(|word| DIALECT.contains(&word.as_str())).count();
+        self.dialect += words(line)
+            .filter(|word| DIALECT.contains(&word.as_str()))
+            .count();
         if trimmed.starts_with("///") || trimmed.starts_with("//!") || trimmed.is_empty() {
             return;
         }
@@ -82,12 +113,21 @@ impl Counters {
 
     /// Lines of code for one comment within it.
     pub const fn code_lines_per_comment(&self) -> usize {
-        self.code_lines.div_ceil(if self.comment_lines == 0 { 1 } else { self.comment_lines })
+        self.code_lines.div_ceil(if self.comment_lines == 0 {
+            1
+        } else {
+            self.comment_lines
+        })
     }
 
     /// Named closures among ten thousand lines of code.
     pub const fn closures_per_10_000_lines(&self) -> usize {
-        self.named_closures * 10_000 / if self.code_lines == 0 { 1 } else { self.code_lines }
+        self.named_closures * 10_000
+            / if self.code_lines == 0 {
+                1
+            } else {
+                self.code_lines
+            }
     }
 }
 
@@ -111,17 +151,30 @@ impl fmt::Display for Counters {
 
 /// Whether a line is `let name = |…|`.
 fn names_a_closure(line: &str) -> bool {
-    let Some((_, value)) = line.strip_prefix("let ").and_then(|rest| rest.split_once(" = ")) else { return false };
-    let value = value.trim_start_matches("move ").trim_start_matches("&mut ").trim_start_matches('&');
+    let Some((_, value)) = line
+        .strip_prefix("let ")
+        .and_then(|rest| rest.split_once(" = "))
+    else {
+        return false;
+    };
+    let value = value
+        .trim_start_matches("move ")
+        .trim_start_matches("&mut ")
+        .trim_start_matches('&');
     value.starts_with('|')
 }
 
 /// The name of the function that a line begins.
 fn function_name(line: &str) -> Option<&str> {
     let (before, after) = line.split_once("fn ")?;
-    let is_declared = before.split_whitespace().all(|word| word.starts_with("pub") || word.starts_with("in ")
-        || ["const", "async", "unsafe", "crate::app)"].contains(&word));
-    let end = after.find(|letter: char| !letter.is_alphanumeric() && letter != '_').unwrap_or(after.len());
+    let is_declared = before.split_whitespace().all(|word| {
+        word.starts_with("pub")
+            || word.starts_with("in ")
+            || ["const", "async", "unsafe", "crate::app)"].contains(&word)
+    });
+    let end = after
+        .find(|letter: char| !letter.is_alphanumeric() && letter != '_')
+        .unwrap_or(after.len());
     Some(&after[..end]).filter(|name| is_declared && !name.is_empty())
 }
 
@@ -142,18 +195,27 @@ fn words(line: &str) -> impl Iterator<Item = String> {
         was_small = letter.is_lowercase();
         separated.extend(letter.to_lowercase());
     }
-    let words: Vec<String> =
-        separated.split(|letter: char| !letter.is_alphabetic()).map(str::to_owned).collect();
+    let words: Vec<String> = separated
+        .split(|letter: char| !letter.is_alphabetic())
+        .map(str::to_owned)
+        .collect();
     words.into_iter().filter(|word| !word.is_empty())
 }
 
 /// The files that hold most of what is counted by `count`, the worst first.
 pub fn worst(sources: &[Source], count: impl Fn(&Counters) -> usize, most: usize) -> String {
     let counted = sources.iter().map(|source| {
-        (count(&Counters::count(std::slice::from_ref(source))), source.0.display().to_string())
+        (
+            count(&Counters::count(std::slice::from_ref(source))),
+            source.0.display().to_string(),
+        )
     });
     let by_count: BTreeMap<(usize, String), ()> = counted.map(|key| (key, ())).collect();
-    let lines = by_count.keys().rev().take(most).map(|(count, file)| format!("{count} {file}"));
+    let lines = by_count
+        .keys()
+        .rev()
+        .take(most)
+        .map(|(count, file)| format!("{count} {file}"));
     lines.collect::<Vec<_>>().join("\n")
 }
 

@@ -1,5 +1,5 @@
-//! What the application may not grow back into: an operation that many files know, tables of actions too long to read, state
-//! that no owner holds.
+//! What the application may not grow back into: an operation that many files know, tables of
+//! actions too long to read, state that no owner holds.
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,8 +14,17 @@ pub type Source = (PathBuf, String);
 pub type Static = (&'static str, &'static str);
 
 /// Types that change behind a shared reference.
-const CHANGING: [&str; 9] =
-    ["Cell", "RefCell", "UnsafeCell", "OnceCell", "OnceLock", "Once", "Mutex", "RwLock", "Condvar"];
+const CHANGING: [&str; 9] = [
+    "Cell",
+    "RefCell",
+    "UnsafeCell",
+    "OnceCell",
+    "OnceLock",
+    "Once",
+    "Mutex",
+    "RwLock",
+    "Condvar",
+];
 
 /// One operation: its own file or folder, and what it is named by.
 #[derive(Debug, Default)]
@@ -27,23 +36,41 @@ struct Operation {
     fields: BTreeSet<String>,
 }
 
-/// The operations that more than `most` files name. The operation's own file counts, and a folder of its name counts as one.
+/// The operations that more than `most` files name. The operation's own file counts, and a folder
+/// of its name counts as one.
 pub fn widely_named(folder: &Path, sources: &[Source], most: usize) -> Vec<String> {
-    let list = sources.iter().find(|(path, _)| *path == folder.join("mod.rs"));
-    let state = list.map(|(_, text)| fields_of(text, "Operations")).unwrap_or_default();
+    let list = sources
+        .iter()
+        .find(|(path, _)| *path == folder.join("mod.rs"));
+    let state = list
+        .map(|(_, text)| fields_of(text, "Operations"))
+        .unwrap_or_default();
     let mut operations: BTreeMap<String, Operation> = BTreeMap::new();
     for (path, text) in sources {
-        let Some(module) = path.strip_prefix(folder).ok().and_then(first_name).filter(|name| name != "mod") else {
+        let Some(module) = path
+            .strip_prefix(folder)
+            .ok()
+            .and_then(first_name)
+            .filter(|name| name != "mod")
+        else {
             continue;
         };
         let operation = operations.entry(module.clone()).or_default();
         operation.module = module;
         let words = words(text);
-        for three in words.windows(3).filter(|three| three[0] == "Operation" && three[1] == "for") {
+        for three in words
+            .windows(3)
+            .filter(|three| three[0] == "Operation" && three[1] == "for")
+        {
             operation.types.insert(three[2].clone());
         }
         for two in words.windows(2).filter(|two| two[0] == "struct") {
-            operation.fields.extend(state.iter().filter(|(_, of)| *of == two[1]).map(|(name, _)| name.clone()));
+            operation.fields.extend(
+                state
+                    .iter()
+                    .filter(|(_, of)| *of == two[1])
+                    .map(|(name, _)| name.clone()),
+            );
         }
     }
     let mut wide = Vec::new();
@@ -54,8 +81,16 @@ pub fn widely_named(folder: &Path, sources: &[Source], most: usize) -> Vec<Strin
             .map(|(path, _)| folder_of_name(path, &operation.module))
             .collect();
         if places.len() > most {
-            let places: Vec<String> = places.iter().map(|place| place.display().to_string()).collect();
-            wide.push(format!("{} is named in {}: {}", operation.module, places.len(), places.join(", ")));
+            let places: Vec<String> = places
+                .iter()
+                .map(|place| place.display().to_string())
+                .collect();
+            wide.push(format!(
+                "{} is named in {}: {}",
+                operation.module,
+                places.len(),
+                places.join(", ")
+            ));
         }
     }
     wide
@@ -81,7 +116,11 @@ fn first_name(path: &Path) -> Option<String> {
 /// The folder of this name that a file lies in, or the file.
 fn folder_of_name(path: &Path, name: &str) -> PathBuf {
     let is_named = |folder: &&Path| folder.file_name().is_some_and(|last| last == name);
-    path.ancestors().skip(1).find(is_named).unwrap_or(path).to_path_buf()
+    path.ancestors()
+        .skip(1)
+        .find(is_named)
+        .unwrap_or(path)
+        .to_path_buf()
 }
 
 /// The enums of some sources with more than `most` variants.
@@ -89,9 +128,18 @@ pub fn long_enums(sources: &[Source], wanted: impl Fn(&str) -> bool, most: usize
     let mut long = Vec::new();
     for (path, text) in sources {
         for item in items(text) {
-            let Item::Enum(ItemEnum { ident, variants, .. }) = item else { continue };
+            let Item::Enum(ItemEnum {
+                ident, variants, ..
+            }) = item
+            else {
+                continue;
+            };
             if wanted(&ident.to_string()) && variants.len() > most {
-                long.push(format!("{}: {ident} has {} variants, not {most}", path.display(), variants.len()));
+                long.push(format!(
+                    "{}: {ident} has {} variants, not {most}",
+                    path.display(),
+                    variants.len()
+                ));
             }
         }
     }
@@ -104,12 +152,21 @@ pub fn fields_of(text: &str, name: &str) -> Vec<(String, String)> {
         Item::Struct(item) if item.ident == name => Some(item),
         _ => None,
     });
-    let fields = of_name.into_iter().flat_map(|ItemStruct { fields, .. }| fields);
+    let fields = of_name
+        .into_iter()
+        .flat_map(|ItemStruct { fields, .. }| fields);
     let last = |ty: &syn::Type| match ty {
         syn::Type::Path(path) => path.path.segments.last().map(|last| last.ident.to_string()),
         _ => None,
     };
-    fields.filter_map(|field| Some((field.ident.as_ref()?.to_string(), last(&field.ty).unwrap_or_default()))).collect()
+    fields
+        .filter_map(|field| {
+            Some((
+                field.ident.as_ref()?.to_string(),
+                last(&field.ty).unwrap_or_default(),
+            ))
+        })
+        .collect()
 }
 
 /// The statics whose value changes and that are not listed, and listed ones that are not there.
@@ -121,15 +178,21 @@ pub fn unlisted_statics(sources: &[Source], listed: &[Static]) -> Vec<String> {
         statics.visit_file(&parse(text));
         let path = path.display().to_string();
         for name in statics.0 {
-            if let Some(known) = listed.iter().find(|(file, known)| **file == *path && *known == name) {
+            if let Some(known) = listed
+                .iter()
+                .find(|(file, known)| **file == *path && *known == name)
+            {
                 found.insert(*known);
             } else {
-                wrong.push(format!("{path}: the static {name} changes while the program runs"));
+                wrong.push(format!(
+                    "{path}: the static {name} changes while the program runs"
+                ));
             }
         }
     }
     let lost = listed.iter().filter(|known| !found.contains(*known));
-    wrong.extend(lost.map(|(file, name)| format!("{file}: there is no static {name} that changes")));
+    wrong
+        .extend(lost.map(|(file, name)| format!("{file}: there is no static {name} that changes")));
     wrong
 }
 
@@ -139,7 +202,8 @@ struct Statics(Vec<String>);
 
 impl Statics {
     fn note(&mut self, name: String, of: &[String]) {
-        let changes = |word: &String| CHANGING.contains(&word.as_str()) || word.starts_with("Atomic");
+        let changes =
+            |word: &String| CHANGING.contains(&word.as_str()) || word.starts_with("Atomic");
         if of.iter().any(changes) {
             self.0.push(name);
         }
@@ -165,7 +229,9 @@ impl<'a> Visit<'a> for Statics {
     /// `thread_local!` has statics of its own.
     fn visit_macro(&mut self, mac: &'a Macro) {
         let words = flatten(mac.tokens.clone());
-        let starts: Vec<usize> = (0..words.len()).filter(|&at| words[at] == "static").collect();
+        let starts: Vec<usize> = (0..words.len())
+            .filter(|&at| words[at] == "static")
+            .collect();
         for (index, &start) in starts.iter().enumerate() {
             let end = starts.get(index + 1).copied().unwrap_or(words.len());
             if let Some(name) = words.get(start + 1) {
@@ -197,13 +263,22 @@ fn items(text: &str) -> Vec<Item> {
 
 fn is_for_tests(module: &ItemMod) -> bool {
     let is_test = |meta: &Meta| match meta {
-        Meta::List(list) => list.path.is_ident("cfg") && flatten(list.tokens.clone()).iter().any(|word| word == "test"),
+        Meta::List(list) => {
+            list.path.is_ident("cfg")
+                && flatten(list.tokens.clone())
+                    .iter()
+                    .any(|word| word == "test")
+        }
         _ => false,
     };
-    module.attrs.iter().any(|attribute| is_test(&attribute.meta))
+    module
+        .attrs
+        .iter()
+        .any(|attribute| is_test(&attribute.meta))
 }
 
-/// The names in a file in their order, outside its modules for tests. Attributes, and with them comments, are left out.
+/// The names in a file in their order, outside its modules for tests. Attributes, and with them
+/// comments, are left out.
 fn words(text: &str) -> Vec<String> {
     let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
     flatten(code.parse().unwrap())
@@ -234,7 +309,10 @@ mod tests {
     use super::*;
 
     fn sources(files: &[(&str, &str)]) -> Vec<Source> {
-        files.iter().map(|(path, text)| (PathBuf::from(path), (*text).to_owned())).collect()
+        files
+            .iter()
+            .map(|(path, text)| (PathBuf::from(path), (*text).to_owned()))
+            .collect()
     }
 
     #[test]
@@ -245,21 +323,42 @@ mod tests {
             ("ui/panel.rs", "fn f(app: &App) { app.operations.dig.g() }"),
             ("ui/dig/mod.rs", "use crate::ops::Dig;"),
             ("ui/dig/row.rs", "use crate::ops::Dig;"),
-            ("ui/other.rs", "/// Of [`Dig`].\nfn f() { digging() }\n#[cfg(test)]\nmod tests { use super::Dig; }"),
+            (
+                "ui/other.rs",
+                "/// Of [`Dig`].\nfn f() { digging() }\n#[cfg(test)]\nmod tests { use super::Dig; }",
+            ),
         ];
         let files = sources(&files);
         assert_eq!(widely_named(Path::new("ops"), &files, 4), [] as [&str; 0]);
         let found = widely_named(Path::new("ops"), &files, 3);
-        assert_eq!(found, ["dig is named in 4: ops/dig.rs, ops/mod.rs, ui/dig, ui/panel.rs"]);
+        assert_eq!(
+            found,
+            ["dig is named in 4: ops/dig.rs, ops/mod.rs, ui/dig, ui/panel.rs"]
+        );
     }
 
     #[test]
     fn long_enums_and_fields_are_counted() {
-        let files = sources(&[("a.rs", "enum Action { A, B(u8), C { d: u8 } } enum Other { A, B, C, D }")]);
-        assert_eq!(long_enums(&files, |name| name == "Action", 2), ["a.rs: Action has 3 variants, not 2"]);
-        assert_eq!(long_enums(&files, |name| name == "Action", 3), [] as [&str; 0]);
+        let files = sources(&[(
+            "a.rs",
+            "enum Action { A, B(u8), C { d: u8 } } enum Other { A, B, C, D }",
+        )]);
+        assert_eq!(
+            long_enums(&files, |name| name == "Action", 2),
+            ["a.rs: Action has 3 variants, not 2"]
+        );
+        assert_eq!(
+            long_enums(&files, |name| name == "Action", 3),
+            [] as [&str; 0]
+        );
         let fields = fields_of("pub struct Session { pub a: u8, b: Vec<u8> }", "Session");
-        assert_eq!(fields, [("a".to_owned(), "u8".to_owned()), ("b".to_owned(), "Vec".to_owned())]);
+        assert_eq!(
+            fields,
+            [
+                ("a".to_owned(), "u8".to_owned()),
+                ("b".to_owned(), "Vec".to_owned())
+            ]
+        );
     }
 
     #[test]
@@ -273,11 +372,18 @@ mod tests {
         ] {
             let files = sources(&[("a.rs", text)]);
             assert_eq!(unlisted_statics(&files, &[]).len(), 1, "{text}");
-            assert_eq!(unlisted_statics(&files, &[("a.rs", "A")]), [] as [&str; 0], "{text}");
+            assert_eq!(
+                unlisted_statics(&files, &[("a.rs", "A")]),
+                [] as [&str; 0],
+                "{text}"
+            );
         }
         let constants = "static A: LazyLock<u8> = LazyLock::new(|| 1); #[cfg(test)] mod tests { static B: Once = X; }";
         let files = sources(&[("a.rs", constants)]);
         assert_eq!(unlisted_statics(&files, &[]), [] as [&str; 0]);
-        assert_eq!(unlisted_statics(&files, &[("a.rs", "A")]), ["a.rs: there is no static A that changes"]);
+        assert_eq!(
+            unlisted_statics(&files, &[("a.rs", "A")]),
+            ["a.rs: there is no static A that changes"]
+        );
     }
 }

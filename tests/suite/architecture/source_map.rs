@@ -45,7 +45,8 @@ pub struct SourceMap {
 type Reader<'a> = &'a dyn Fn(&Path) -> Option<String>;
 
 impl SourceMap {
-    /// Reads a crate from its root file on. Modules for tests are left out; their files count as read.
+    /// Reads a crate from its root file on. Modules for tests are left out; their files count as
+    /// read.
     pub fn read(root: &Path, reader: Reader<'_>) -> Self {
         let mut map = Self::default();
         map.read_file(root, &[], reader);
@@ -53,22 +54,57 @@ impl SourceMap {
     }
 
     fn read_file(&mut self, file: &Path, path: &[String], reader: Reader<'_>) {
-        let text = reader(file).unwrap_or_else(|| panic!("{}: there is no such file", file.display()));
-        let parsed = syn::parse_file(&text).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        let text =
+            reader(file).unwrap_or_else(|| panic!("{}: there is no such file", file.display()));
+        let parsed =
+            syn::parse_file(&text).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         self.files.push(file.to_path_buf());
-        // The children of `mod.rs`, `lib.rs` and `main.rs` lie beside it, those of `name.rs` in the folder `name`.
-        let owns_folder = file.file_stem().is_some_and(|stem| ["mod", "lib", "main"].iter().any(|own| stem == *own));
-        let folder = if owns_folder { file.parent().unwrap().to_path_buf() } else { file.with_extension("") };
+        // The children of `mod.rs`, `lib.rs` and `main.rs` lie beside it, those of `name.rs` in the
+        // folder `name`.
+        let owns_folder = file
+            .file_stem()
+            .is_some_and(|stem| ["mod", "lib", "main"].iter().any(|own| stem == *own));
+        let folder = if owns_folder {
+            file.parent().unwrap().to_path_buf()
+        } else {
+            file.with_extension("")
+        };
         self.read_items(&parsed.items, file, &folder, path, reader);
     }
 
-    fn read_items(&mut self, items: &[Item], file: &Path, folder: &Path, path: &[String], reader: Reader<'_>) {
-        let children: Vec<&ItemMod> =
-            items.iter().filter_map(|item| if let Item::Mod(module) = item { Some(module) } else { None }).collect();
+    fn read_items(
+        &mut self,
+        items: &[Item],
+        file: &Path,
+        folder: &Path,
+        path: &[String],
+        reader: Reader<'_>,
+    ) {
+        let children: Vec<&ItemMod> = items
+            .iter()
+            .filter_map(|item| {
+                if let Item::Mod(module) = item {
+                    Some(module)
+                } else {
+                    None
+                }
+            })
+            .collect();
         let items_named = items.iter().filter_map(name_of).collect();
-        let mut module = Module { file: file.to_path_buf(), items: items_named, ..Module::default() };
-        let names = children.iter().map(|child| child.ident.to_string()).collect();
-        let mut reading = Reading { path, children: names, module: &mut module };
+        let mut module = Module {
+            file: file.to_path_buf(),
+            items: items_named,
+            ..Module::default()
+        };
+        let names = children
+            .iter()
+            .map(|child| child.ident.to_string())
+            .collect();
+        let mut reading = Reading {
+            path,
+            children: names,
+            module: &mut module,
+        };
         for item in items {
             match item {
                 Item::Mod(_) => {}
@@ -83,10 +119,16 @@ impl SourceMap {
             let for_tests = is_for_tests(&child.attrs);
             match &child.content {
                 Some(_) if for_tests => {}
-                Some((_, items)) => self.read_items(items, file, &folder.join(&name), &below, reader),
+                Some((_, items)) => {
+                    self.read_items(items, file, &folder.join(&name), &below, reader)
+                }
                 None => {
-                    let beside = [folder.join(format!("{name}.rs")), folder.join(&name).join("mod.rs")];
-                    let stated = path_attribute(&child.attrs).map(|name| file.parent().unwrap().join(name));
+                    let beside = [
+                        folder.join(format!("{name}.rs")),
+                        folder.join(&name).join("mod.rs"),
+                    ];
+                    let stated =
+                        path_attribute(&child.attrs).map(|name| file.parent().unwrap().join(name));
                     let file = stated
                         .or_else(|| beside.into_iter().find(|file| reader(file).is_some()))
                         .unwrap_or_else(|| panic!("{}: no file for `mod {name}`", file.display()));
@@ -100,7 +142,8 @@ impl SourceMap {
         }
     }
 
-    /// The module in which the thing that a path names is written, behind every import and re-export.
+    /// The module in which the thing that a path names is written, behind every import and
+    /// re-export.
     pub fn owner(&self, path: &[String]) -> Names {
         self.follow(path, 0)
     }
@@ -113,17 +156,29 @@ impl SourceMap {
                 at = below;
                 continue;
             }
-            let Some(module) = self.modules.get(&at).filter(|_| depth < 16) else { return at };
+            let Some(module) = self.modules.get(&at).filter(|_| depth < 16) else {
+                return at;
+            };
             let rest = &path[index + 1..];
             if let Some(target) = module.aliases.get(name) {
                 let target = [target.as_slice(), rest].concat();
                 // A name of another crate ends here.
-                return if self.leads_inside(&target) { self.follow(&target, depth + 1) } else { at };
+                return if self.leads_inside(&target) {
+                    self.follow(&target, depth + 1)
+                } else {
+                    at
+                };
             }
-            let behind_glob = module.globs.iter().map(|glob| self.follow(glob, depth + 1)).find(|glob| {
-                let has_it = |module: &Module| module.items.contains(name) || module.aliases.contains_key(name);
-                self.modules.get(glob).is_some_and(has_it)
-            });
+            let behind_glob = module
+                .globs
+                .iter()
+                .map(|glob| self.follow(glob, depth + 1))
+                .find(|glob| {
+                    let has_it = |module: &Module| {
+                        module.items.contains(name) || module.aliases.contains_key(name)
+                    };
+                    self.modules.get(glob).is_some_and(has_it)
+                });
             return match behind_glob.filter(|_| !module.items.contains(name)) {
                 Some(glob) => self.follow(&[glob.as_slice(), &path[index..]].concat(), depth + 1),
                 None => at,
@@ -133,7 +188,8 @@ impl SourceMap {
     }
 
     fn leads_inside(&self, path: &[String]) -> bool {
-        path.first().is_some_and(|first| self.modules.contains_key(std::slice::from_ref(first)))
+        path.first()
+            .is_some_and(|first| self.modules.contains_key(std::slice::from_ref(first)))
     }
 }
 
@@ -153,17 +209,30 @@ impl Reading<'_> {
     fn import_tree(&mut self, tree: &UseTree, before: &[String], names_it: bool) {
         let with = |name: String| [before, &[name]].concat();
         match tree {
-            UseTree::Path(path) => self.import_tree(&path.tree, &with(path.ident.to_string()), names_it),
-            UseTree::Group(group) => group.items.iter().for_each(|tree| self.import_tree(tree, before, names_it)),
+            UseTree::Path(path) => {
+                self.import_tree(&path.tree, &with(path.ident.to_string()), names_it)
+            }
+            UseTree::Group(group) => group
+                .items
+                .iter()
+                .for_each(|tree| self.import_tree(tree, before, names_it)),
             UseTree::Name(name) => {
                 let full = with(name.ident.to_string());
-                let full = if name.ident == "self" { before.to_vec() } else { full };
+                let full = if name.ident == "self" {
+                    before.to_vec()
+                } else {
+                    full
+                };
                 let alias = full.last().cloned().unwrap_or_default();
                 self.name(full, tree.span().start().line, names_it.then_some(alias));
             }
             UseTree::Rename(name) => {
                 let alias = name.rename.to_string();
-                self.name(with(name.ident.to_string()), tree.span().start().line, names_it.then_some(alias));
+                self.name(
+                    with(name.ident.to_string()),
+                    tree.span().start().line,
+                    names_it.then_some(alias),
+                );
             }
             UseTree::Glob(_) => {
                 if let Some(inside) = self.name(before.to_vec(), tree.span().start().line, None) {
@@ -183,14 +252,25 @@ impl Reading<'_> {
                 let above = self.path.len().checked_sub(up)?;
                 Some([&self.path[..above], &path[up..]].concat())
             }
-            child if self.children.iter().any(|name| name == child) => Some([self.path, &path].concat()),
+            child if self.children.iter().any(|name| name == child) => {
+                Some([self.path, &path].concat())
+            }
             _ => None,
         };
         if let Some(alias) = alias.filter(|alias| alias != "_") {
-            self.module.aliases.insert(alias, inside.clone().unwrap_or_else(|| path.clone()));
+            self.module
+                .aliases
+                .insert(alias, inside.clone().unwrap_or_else(|| path.clone()));
         }
-        let into = if inside.is_some() { &mut self.module.inside } else { &mut self.module.outside };
-        into.push(Named { path: inside.clone().unwrap_or(path), line });
+        let into = if inside.is_some() {
+            &mut self.module.inside
+        } else {
+            &mut self.module.outside
+        };
+        into.push(Named {
+            path: inside.clone().unwrap_or(path),
+            line,
+        });
         inside
     }
 
@@ -243,7 +323,11 @@ impl<'ast> Visit<'ast> for Reading<'_> {
 
     fn visit_path(&mut self, path: &'ast syn::Path) {
         if path.segments.len() > 1 {
-            let names = path.segments.iter().map(|segment| segment.ident.to_string()).collect();
+            let names = path
+                .segments
+                .iter()
+                .map(|segment| segment.ident.to_string())
+                .collect();
             self.name(names, path.span().start().line, None);
         }
         visit::visit_path(self, path);
@@ -306,9 +390,20 @@ fn is_for_tests(attributes: &[Attribute]) -> bool {
 
 /// The file that `#[path = "…"]` names.
 fn path_attribute(attributes: &[Attribute]) -> Option<String> {
-    attributes.iter().filter(|attribute| attribute.path().is_ident("path")).find_map(|attribute| {
-        let Meta::NameValue(pair) = &attribute.meta else { return None };
-        let Expr::Lit(value) = &pair.value else { return None };
-        if let Lit::Str(name) = &value.lit { Some(name.value()) } else { None }
-    })
+    attributes
+        .iter()
+        .filter(|attribute| attribute.path().is_ident("path"))
+        .find_map(|attribute| {
+            let Meta::NameValue(pair) = &attribute.meta else {
+                return None;
+            };
+            let Expr::Lit(value) = &pair.value else {
+                return None;
+            };
+            if let Lit::Str(name) = &value.lit {
+                Some(name.value())
+            } else {
+                None
+            }
+        })
 }

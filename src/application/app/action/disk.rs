@@ -31,7 +31,8 @@ pub enum DiskReport {
         revision: u64,
         /// The local time, "12:03:41".
         at: String,
-        /// The document itself was written, not only the journal: the last [`Effect::Save`](crate::app::Effect::Save) before that.
+        /// The document itself was written, not only the journal: the last
+        /// [`Effect::Save`](crate::app::Effect::Save) before that.
         document: Option<u64>,
     },
     /// Edits are only in memory.

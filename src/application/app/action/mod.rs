@@ -1,7 +1,7 @@
 //! Actions, which change state.
 //!
-//! They are nested by what they may do: an [`EditAction`] changes the document, a [`ViewAction`] nothing of it. What is allowed
-//! while something else is under way follows from that.
+//! They are nested by what they may do: an [`EditAction`] changes the document, a [`ViewAction`]
+//! nothing of it. What is allowed while something else is under way follows from that.
 
 mod disk;
 mod edit;
@@ -78,10 +78,16 @@ pub enum Action {
 }
 
 impl Action {
-    /// Whether it is allowed during a blind round: it changes and shows no label and does not leave the round. For a command its
-    /// own kind decides.
+    /// Whether it is allowed during a blind round: it changes and shows no label and does not leave
+    /// the round. For a command its own kind decides.
     #[must_use]
     pub const fn is_blind(&self) -> bool {
-        !matches!(self, Self::Edit(_) | Self::Navigate(_) | Self::Hold(..) | Self::Transfer(TransferAction::TakeOver))
+        !matches!(
+            self,
+            Self::Edit(_)
+                | Self::Navigate(_)
+                | Self::Hold(..)
+                | Self::Transfer(TransferAction::TakeOver)
+        )
     }
 }

@@ -21,7 +21,8 @@ pub enum SettingsAction {
     PictureLook(PictureLook),
     /// How large texts and controls are; 1 is the system's.
     TextSize(f32),
-    /// The side panel or the filmstrip was made larger or smaller, points; none: by the window's size.
+    /// The side panel or the filmstrip was made larger or smaller, points; none: by the window's
+    /// size.
     PanelSizes {
         /// The side panel's width.
         side: Option<f32>,

@@ -31,15 +31,18 @@ impl Follows for LabelNeeds {
 }
 
 impl Advice {
-    /// The advice for a document after its journalled edit `revision`. During a drag it stays as it is: the drag is journalled as
-    /// one edit at its end.
+    /// The advice for a document after its journalled edit `revision`. During a drag it stays as it
+    /// is: the drag is journalled as one edit at its end.
     pub(super) fn at(
         &mut self,
         document: &Versioned<Document>,
         revision: u64,
         coverage: &Arc<[Coverage]>,
     ) -> LabelAdvice {
-        let known = self.given_for.as_ref().filter(|known| Arc::ptr_eq(&known.coverage, coverage));
+        let known = self
+            .given_for
+            .as_ref()
+            .filter(|known| Arc::ptr_eq(&known.coverage, coverage));
         if known.is_some_and(|known| known.revision == revision) {
             return self.given;
         }
@@ -49,7 +52,11 @@ impl Advice {
         if known_edition != Some(edition) {
             self.given = LabelAdvice::of(needs, coverage);
         }
-        self.given_for = Some(GivenFor { revision, edition, coverage: Arc::clone(coverage) });
+        self.given_for = Some(GivenFor {
+            revision,
+            edition,
+            coverage: Arc::clone(coverage),
+        });
         self.given
     }
 }

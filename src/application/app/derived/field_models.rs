@@ -20,7 +20,10 @@ impl Follows for FieldModels {
     fn update(&mut self, document: &Document) {
         let (click_noise, specs) = (document.click_noise_in_use(), field_specs(document));
         if click_noise != self.click_noise {
-            *self = Self { click_noise, ..Self::default() };
+            *self = Self {
+                click_noise,
+                ..Self::default()
+            };
         }
         self.models.retain(|(spec, _)| specs.contains(spec));
         self.all.take_if(|(known, _)| *known != specs);
@@ -46,11 +49,17 @@ impl FieldModels {
     }
 
     /// The fields of all cameras.
-    pub(super) fn all(&mut self, document: &Document, templates: &mut Templates) -> Result<Arc<Fields>, FieldError> {
+    pub(super) fn all(
+        &mut self,
+        document: &Document,
+        templates: &mut Templates,
+    ) -> Result<Arc<Fields>, FieldError> {
         if let Some((_, known)) = &self.all {
             return Ok(Arc::clone(known));
         }
-        let fields = Arc::new(Fields::with(document, |spec| self.model(document, spec, templates))?);
+        let fields = Arc::new(Fields::with(document, |spec| {
+            self.model(document, spec, templates)
+        })?);
         self.all = Some((field_specs(document), Arc::clone(&fields)));
         Ok(fields)
     }
@@ -68,20 +77,31 @@ mod tests {
         let (mut models, mut templates) = (FieldModels::default(), Templates::default());
         let mut model = |document: &Document| {
             models.update(document);
-            let model = models.model(document, &document.field, &mut templates).unwrap();
+            let model = models
+                .model(document, &document.field, &mut templates)
+                .unwrap();
             (model, models.all(document, &mut templates).unwrap())
         };
         let (first, all) = model(&document);
-        document.cameras.push(Camera::new("main".into(), ImageSize::new(64, 36)).into());
+        document
+            .cameras
+            .push(Camera::new("main".into(), ImageSize::new(64, 36)).into());
         let (same, same_all) = model(&document);
         assert!(Arc::ptr_eq(&first, &same) && Arc::ptr_eq(&all, &same_all));
-        assert!(Arc::ptr_eq(&same_all.of_cameras(&document)[0], &first), "one model for both");
+        assert!(
+            Arc::ptr_eq(&same_all.of_cameras(&document)[0], &first),
+            "one model for both"
+        );
         document.field.params.insert("length_m".to_owned(), 100.0);
         let (longer, longer_all) = model(&document);
         assert!(!Arc::ptr_eq(&first, &longer) && !Arc::ptr_eq(&all, &longer_all));
         document.field.params.insert("length_m".to_owned(), -1.0);
         models.update(&document);
-        assert!(models.model(&document, &document.field, &mut templates).is_err());
+        assert!(
+            models
+                .model(&document, &document.field, &mut templates)
+                .is_err()
+        );
         assert!(models.all(&document, &mut templates).is_err());
     }
 }

@@ -57,18 +57,24 @@ impl FrameCounts {
         }
     }
 
-    /// What is to do, by its reason: "12 to review, 3 drafts, 8 without an answer, 2 new"; none where nothing is.
+    /// What is to do, by its reason: "12 to review, 3 drafts, 8 without an answer, 2 new"; none
+    /// where nothing is.
     #[must_use]
     pub fn describe_to_do(&self) -> Option<String> {
         let drafts = self.of_status(FrameStatus::Draft);
-        let new = self.of_status(FrameStatus::New).saturating_sub(self.unanswered);
+        let new = self
+            .of_status(FrameStatus::New)
+            .saturating_sub(self.unanswered);
         let reasons = [
             (self.of_status(FrameStatus::Suggested), "to review"),
             (drafts, if drafts == 1 { "draft" } else { "drafts" }),
             (self.unanswered, "without an answer"),
             (new, "new"),
         ];
-        let said = reasons.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}"));
+        let said = reasons
+            .iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, what)| format!("{count} {what}"));
         let said: Vec<String> = said.collect();
         (!said.is_empty()).then(|| said.join(", "))
     }
@@ -92,7 +98,12 @@ impl FrameCounts {
 
     fn of(frames: &Frames, editions: (u64, u64)) -> Self {
         let (repeats_edition, suggestions_edition) = editions;
-        let mut counts = Self { frames: frames.clone(), repeats_edition, suggestions_edition, ..Self::default() };
+        let mut counts = Self {
+            frames: frames.clone(),
+            repeats_edition,
+            suggestions_edition,
+            ..Self::default()
+        };
         for (index, frame) in frames.iter().enumerate() {
             counts.add(index, frame);
         }
@@ -120,20 +131,32 @@ impl FrameCounts {
             (is_to_do(frame), &mut self.to_do),
             (frame.is_unanswered(), &mut self.unanswered),
             (is_uncertain(frame), &mut self.uncertain),
-            (frame.status == FrameStatus::Suggested && frame.is_carried(), &mut self.carried),
+            (
+                frame.status == FrameStatus::Suggested && frame.is_carried(),
+                &mut self.carried,
+            ),
             (frame.is_used_for_training(), &mut self.used_for_training),
             (frame.gold, &mut self.gold),
             (frame.gold && is_reference, &mut self.gold_references),
-            (!frame.gold && frame.why_not_gold().is_none(), &mut self.could_be_gold),
+            (
+                !frame.gold && frame.why_not_gold().is_none(),
+                &mut self.could_be_gold,
+            ),
         ];
-        kinds.into_iter().filter(|(is_one, _)| *is_one).for_each(|(_, count)| change(count));
+        kinds
+            .into_iter()
+            .filter(|(is_one, _)| *is_one)
+            .for_each(|(_, count)| change(count));
     }
 }
 
 impl Follows for FrameCounts {
     fn update(&mut self, document: &Document) {
         let FrameChanges::At(changed) = document.frames.changes_since(&self.frames) else {
-            *self = Self::of(&document.frames, (self.repeats_edition + 1, self.suggestions_edition + 1));
+            *self = Self::of(
+                &document.frames,
+                (self.repeats_edition + 1, self.suggestions_edition + 1),
+            );
             return;
         };
         let before = std::mem::replace(&mut self.frames, document.frames.clone());
@@ -141,7 +164,8 @@ impl Follows for FrameCounts {
             let both = [&before[index], &document.frames[index]];
             self.remove(index, both[0]);
             self.add(index, both[1]);
-            let concerns = |is_one: fn(&Frame) -> bool| u64::from(both.iter().any(|frame| is_one(frame)));
+            let concerns =
+                |is_one: fn(&Frame) -> bool| u64::from(both.iter().any(|frame| is_one(frame)));
             self.repeats_edition += concerns(|frame| !frame.repeats.is_empty());
             self.suggestions_edition += concerns(|frame| frame.status == FrameStatus::Suggested);
         }
@@ -156,7 +180,9 @@ mod tests {
 
     fn document(frames: usize) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame = |index: usize| Frame::from_image(&index.to_string(), "main".into(), ImageSize::new(64, 36));
+        let frame = |index: usize| {
+            Frame::from_image(&index.to_string(), "main".into(), ImageSize::new(64, 36))
+        };
         document.frames = (0..frames).map(|index| frame(index).into()).collect();
         document
     }
@@ -164,7 +190,9 @@ mod tests {
     /// Everything that it says, without the editions.
     fn said(counts: &FrameCounts) -> (Vec<usize>, Vec<usize>, [usize; 6], Vec<usize>) {
         let filters = Filter::ALL.map(|filter| counts.shown_by(filter)).to_vec();
-        let cameras = ["main", "other"].map(|camera| counts.of_camera(&camera.into())).to_vec();
+        let cameras = ["main", "other"]
+            .map(|camera| counts.of_camera(&camera.into()))
+            .to_vec();
         let rest = [
             counts.uncertain,
             counts.carried,
@@ -187,7 +215,11 @@ mod tests {
             &|document| document.frames[3].clicks.push(click()),
             &|document| document.frames[3].gold = true,
             &|document| {
-                document.frames[3].repeats.push(Repeat::new("centre_mark".into(), ImagePoint::new(9.0, 9.0), 1));
+                document.frames[3].repeats.push(Repeat::new(
+                    "centre_mark".into(),
+                    ImagePoint::new(9.0, 9.0),
+                    1,
+                ));
             },
             &|document| {
                 document.frames[5].status = FrameStatus::Suggested;
@@ -198,15 +230,27 @@ mod tests {
         for change in changes {
             change(&mut document);
             kept.update(&document);
-            assert_eq!(said(&kept), said(&FrameCounts::of(&document.frames, (0, 0))));
+            assert_eq!(
+                said(&kept),
+                said(&FrameCounts::of(&document.frames, (0, 0)))
+            );
         }
-        assert_eq!((kept.of_status(FrameStatus::Suggested), kept.of_camera(&"other".into())), (1, 1));
+        assert_eq!(
+            (
+                kept.of_status(FrameStatus::Suggested),
+                kept.of_camera(&"other".into())
+            ),
+            (1, 1)
+        );
     }
 
     #[test]
     fn what_is_to_do_is_what_is_neither_accepted_nor_rejected_and_its_reasons_add_up() {
         let mut document = document(8);
-        let in_vain = || Solution { source: Some(SolutionSource::Forest), ..Solution::default() };
+        let in_vain = || Solution {
+            source: Some(SolutionSource::Forest),
+            ..Solution::default()
+        };
         document.frames[0].status = FrameStatus::Reference;
         document.frames[1].status = FrameStatus::Rejected;
         document.frames[2].status = FrameStatus::Draft;
@@ -215,8 +259,18 @@ mod tests {
         document.frames[5].solution = Some(in_vain());
         let counts = FrameCounts::of(&document.frames, (0, 0));
         assert_eq!((counts.to_do, counts.shown_by(Filter::ToDo)), (6, 6));
-        assert_eq!(counts.describe_to_do().unwrap(), "2 to review, 1 draft, 1 without an answer, 2 new");
-        assert_eq!(document.frames.iter().filter(|frame| Filter::ToDo.shows(frame)).count(), counts.to_do);
+        assert_eq!(
+            counts.describe_to_do().unwrap(),
+            "2 to review, 1 draft, 1 without an answer, 2 new"
+        );
+        assert_eq!(
+            document
+                .frames
+                .iter()
+                .filter(|frame| Filter::ToDo.shows(frame))
+                .count(),
+            counts.to_do
+        );
         assert_eq!(FrameCounts::default().describe_to_do(), None);
     }
 
@@ -237,7 +291,11 @@ mod tests {
         document.frames[2].status = FrameStatus::Reference;
         let accepted = editions(&document);
         assert!(accepted[1] > suggested[1], "it is gone from the list");
-        document.frames[2].repeats.push(Repeat::new("centre_mark".into(), ImagePoint::new(9.0, 9.0), 1));
+        document.frames[2].repeats.push(Repeat::new(
+            "centre_mark".into(),
+            ImagePoint::new(9.0, 9.0),
+            1,
+        ));
         let repeated = editions(&document);
         assert!(repeated[0] > accepted[0] && repeated[1] == accepted[1]);
     }

@@ -32,8 +32,14 @@ impl Gold {
         self.measured = None;
     }
 
-    /// Brings it up to date with a document, whose counts these are. The repeats are looked at only where they have changed.
-    pub(super) fn update(&mut self, document: &Document, counts: &FrameCounts, templates: &mut Templates) {
+    /// Brings it up to date with a document, whose counts these are. The repeats are looked at only
+    /// where they have changed.
+    pub(super) fn update(
+        &mut self,
+        document: &Document,
+        counts: &FrameCounts,
+        templates: &mut Templates,
+    ) {
         self.work.frames = counts.gold_references;
         self.work.can_choose = can_choose_gold(counts.gold, counts.could_be_gold);
         let of = (counts.repeats_edition(), field_specs(document));

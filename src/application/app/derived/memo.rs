@@ -1,11 +1,13 @@
-//! A value that is derived from the document when it is asked for, and not again before the document changes.
+//! A value that is derived from the document when it is asked for, and not again before the
+//! document changes.
 
 use crate::app::Versioned;
 use touchline_documents::document::Document;
 
 /// A value that follows from a document.
 pub(super) trait Follows: Default {
-    /// Makes it what follows from `document`. It starts as the default; later it knows the document that it was updated with last.
+    /// Makes it what follows from `document`. It starts as the default; later it knows the document
+    /// that it was updated with last.
     fn update(&mut self, document: &Document);
 }
 

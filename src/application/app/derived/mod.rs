@@ -1,7 +1,9 @@
-//! What follows from the document: derived when somebody asks for it, once for each version of the document at most.
+//! What follows from the document: derived when somebody asks for it, once for each version of the
+//! document at most.
 //!
-//! There is one memo with one key, the document's version. What is derived from all frames is brought up to date from the
-//! frames that changed since it was asked for last, so that an edit in a document of 100,000 frames costs what one frame costs.
+//! There is one memo with one key, the document's version. What is derived from all frames is
+//! brought up to date from the frames that changed since it was asked for last, so that an edit in
+//! a document of 100,000 frames costs what one frame costs.
 //! [`Current`](super::Current), the review list and the quality page follow from these values and from what a person chose.
 
 mod advice;
@@ -77,16 +79,27 @@ impl Derived {
         document: &Versioned<Document>,
         spec: &FieldSpec,
     ) -> Result<Arc<FieldModel>, FieldError> {
-        self.fields.at_mut(document).model(document, spec, &mut self.templates)
+        self.fields
+            .at_mut(document)
+            .model(document, spec, &mut self.templates)
     }
 
     /// The fields of all cameras.
-    pub(super) fn fields(&mut self, document: &Versioned<Document>) -> Result<Arc<Fields>, FieldError> {
-        self.fields.at_mut(document).all(document, &mut self.templates)
+    pub(super) fn fields(
+        &mut self,
+        document: &Versioned<Document>,
+    ) -> Result<Arc<Fields>, FieldError> {
+        self.fields
+            .at_mut(document)
+            .all(document, &mut self.templates)
     }
 
     /// The field of a frame in a document as it might become.
-    pub(super) fn field_in(&mut self, document: &Document, frame: &Frame) -> Result<FieldModel, FieldError> {
+    pub(super) fn field_in(
+        &mut self,
+        document: &Document,
+        frame: &Frame,
+    ) -> Result<FieldModel, FieldError> {
         self.templates.weighted(document, document.field_of(frame))
     }
 
@@ -95,8 +108,13 @@ impl Derived {
         self.templates.take_wanted()
     }
 
-    /// A template was read, or cannot be; what follows from it follows with the document's next version.
-    pub(super) fn template_read(&mut self, name: &str, template: Result<Box<Template>, FieldError>) {
+    /// A template was read, or cannot be; what follows from it follows with the document's next
+    /// version.
+    pub(super) fn template_read(
+        &mut self,
+        name: &str,
+        template: Result<Box<Template>, FieldError>,
+    ) {
         self.templates.put(name, template);
     }
 
@@ -107,8 +125,8 @@ impl Derived {
         self.gold.forget();
     }
 
-    /// Where to label next after a journalled edit; `coverage` has where references look. Where nothing lacks an answer no frame is
-    /// looked at.
+    /// Where to label next after a journalled edit; `coverage` has where references look. Where
+    /// nothing lacks an answer no frame is looked at.
     pub(super) fn label_advice(
         &mut self,
         document: &Versioned<Document>,
@@ -137,6 +155,9 @@ impl Derived {
 
 /// Every field that a document names, its own last; the same one may be there more than once.
 fn field_specs(document: &Document) -> Vec<FieldSpec> {
-    let own = document.cameras.iter().filter_map(|camera| camera.field.as_ref());
+    let own = document
+        .cameras
+        .iter()
+        .filter_map(|camera| camera.field.as_ref());
     own.chain([&document.field]).cloned().collect()
 }

@@ -1,4 +1,5 @@
-//! Field templates of the user's own. They are read in the background: a network drive may not answer.
+//! Field templates of the user's own. They are read in the background: a network drive may not
+//! answer.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -24,15 +25,24 @@ impl Templates {
         if !spec.is_file() {
             return spec.model(Path::new(""));
         }
-        let reading = self.0.entry(spec.template.clone()).or_insert(Reading::Wanted);
+        let reading = self
+            .0
+            .entry(spec.template.clone())
+            .or_insert(Reading::Wanted);
         let Reading::Done(template) = reading else {
-            return Err(FieldError::BeingRead { place: spec.template.clone() });
+            return Err(FieldError::BeingRead {
+                place: spec.template.clone(),
+            });
         };
         spec.model_of_template(template.as_ref().map_err(FieldError::clone)?)
     }
 
     /// A field with the click noise that a document uses.
-    pub(super) fn weighted(&mut self, document: &Document, spec: &FieldSpec) -> Result<FieldModel, FieldError> {
+    pub(super) fn weighted(
+        &mut self,
+        document: &Document,
+        spec: &FieldSpec,
+    ) -> Result<FieldModel, FieldError> {
         let mut field = self.stated(spec)?;
         document.weight_clicks(&mut field);
         Ok(field)
@@ -40,7 +50,10 @@ impl Templates {
 
     /// Those that somebody has to be asked to read, each told once.
     pub(super) fn take_wanted(&mut self) -> Vec<String> {
-        let wanted = self.0.iter_mut().filter(|(_, reading)| matches!(reading, Reading::Wanted));
+        let wanted = self
+            .0
+            .iter_mut()
+            .filter(|(_, reading)| matches!(reading, Reading::Wanted));
         wanted
             .map(|(name, reading)| {
                 *reading = Reading::Asked;
@@ -51,7 +64,11 @@ impl Templates {
 
     /// Those that could not be read are to be read again.
     pub(super) fn want_failed_again(&mut self) {
-        for reading in self.0.values_mut().filter(|reading| matches!(reading, Reading::Done(Err(_)))) {
+        for reading in self
+            .0
+            .values_mut()
+            .filter(|reading| matches!(reading, Reading::Done(Err(_))))
+        {
             *reading = Reading::Wanted;
         }
     }

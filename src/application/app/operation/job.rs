@@ -31,11 +31,25 @@ impl Job {
         let asked = cancellation.clone();
         let run = move |decoders: &dyn Decoders, send: &(dyn Fn(Report) + Sync)| {
             let send = |progress| send(Report::of_progress::<O>(id, progress));
-            let context = Context { decoders, cancellation: &asked, send: &send };
+            let context = Context {
+                decoders,
+                cancellation: &asked,
+                send: &send,
+            };
             Report::of_end::<O>(id, operation.run(&context).map_err(Failure::Failed))
         };
         let fail = |id, breakdown| Report::of_end::<O>(id, Err(Failure::Broken(breakdown)));
-        (running, Self { id, name: O::NAME, operation: input, cancellation, run: Arc::new(run), fail })
+        (
+            running,
+            Self {
+                id,
+                name: O::NAME,
+                operation: input,
+                cancellation,
+                run: Arc::new(run),
+                fail,
+            },
+        )
     }
 
     /// The number of the request.
@@ -101,10 +115,12 @@ impl fmt::Debug for Job {
 
 /// Where the work gets its pictures from; `jobs` lends them.
 pub trait Decoders: Sync {
-    /// A reader with a decoder of its own. It takes frames that the window has decoded already and offers the window its own.
+    /// A reader with a decoder of its own. It takes frames that the window has decoded already and
+    /// offers the window its own.
     fn open_reader(&self) -> Box<dyn ReadFrames>;
 
-    /// Pauses for a moment while the window waits for the picture that it shows: both would take the same processor.
+    /// Pauses for a moment while the window waits for the picture that it shows: both would take
+    /// the same processor.
     fn give_way_to_window(&self);
 }
 
@@ -116,7 +132,8 @@ pub struct Context<'a, P> {
 }
 
 impl<P> Context<'_, P> {
-    /// A reader of the document's frames. Its decoder is the work's own: opening one costs a seek, so open one and keep it.
+    /// A reader of the document's frames. Its decoder is the work's own: opening one costs a seek,
+    /// so open one and keep it.
     #[must_use]
     pub fn open_reader(&self) -> Box<dyn ReadFrames> {
         self.decoders.open_reader()
@@ -127,7 +144,8 @@ impl<P> Context<'_, P> {
         self.decoders.give_way_to_window();
     }
 
-    /// Reports how far the work has come, and says whether to go on. A report may be lost where others still wait to be taken.
+    /// Reports how far the work has come, and says whether to go on. A report may be lost where
+    /// others still wait to be taken.
     pub fn report(&self, progress: P) -> ControlFlow<()> {
         (self.send)(progress);
         self.check()
@@ -141,6 +159,10 @@ impl<P> Context<'_, P> {
 
     /// Whether to go on: a break once the request has been cancelled.
     pub fn check(&self) -> ControlFlow<()> {
-        if self.cancellation.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.cancellation.is_cancelled() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     }
 }

@@ -33,7 +33,9 @@ impl Probe {
     /// A probe that does these steps.
     pub fn of(steps: impl IntoIterator<Item = Step>) -> Self {
         let (probe, sender) = Self::new();
-        steps.into_iter().for_each(|step| sender.send(step).unwrap());
+        steps
+            .into_iter()
+            .for_each(|step| sender.send(step).unwrap());
         probe
     }
 }

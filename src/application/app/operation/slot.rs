@@ -5,8 +5,8 @@ use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The number of a request. The application counts all of its requests with one counter, so that none repeats, whatever is
-/// opened or closed in between.
+/// The number of a request. The application counts all of its requests with one counter, so that
+/// none repeats, whatever is opened or closed in between.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RequestId(u64);
 
@@ -18,7 +18,8 @@ impl RequestId {
     }
 }
 
-/// Whether a request has been cancelled: shared by the application, which cancels, and the thread, which asks.
+/// Whether a request has been cancelled: shared by the application, which cancels, and the thread,
+/// which asks.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cancellation(Arc<AtomicBool>);
 
@@ -33,10 +34,12 @@ impl Cancellation {
     }
 }
 
-/// The request of one kind of operation that is running, if any. Replacing or dropping it cancels it.
+/// The request of one kind of operation that is running, if any. Replacing or dropping it cancels
+/// it.
 pub struct Slot<O: Operation>(Option<Running<O>>);
 
-/// A request that has been started and not yet taken over. It cannot be copied: dropping it cancels it.
+/// A request that has been started and not yet taken over. It cannot be copied: dropping it cancels
+/// it.
 pub struct Running<O: Operation> {
     id: RequestId,
     operation: Arc<O>,
@@ -52,7 +55,12 @@ impl<O: Operation> Drop for Running<O> {
 
 impl<O: Operation> Running<O> {
     pub(super) const fn new(id: RequestId, operation: Arc<O>, cancellation: Cancellation) -> Self {
-        Self { id, operation, progress: None, cancellation }
+        Self {
+            id,
+            operation,
+            progress: None,
+            cancellation,
+        }
     }
 
     /// The number of the request.
@@ -109,9 +117,12 @@ impl<O: Operation> Slot<O> {
         self.0.as_ref().is_some_and(|running| running.id == id)
     }
 
-    /// Empties the slot and returns the operation of the request of this number; none where it is no longer running.
+    /// Empties the slot and returns the operation of the request of this number; none where it is
+    /// no longer running.
     pub(super) fn finish(&mut self, id: RequestId) -> Option<Arc<O>> {
-        Some(Arc::clone(&self.0.take_if(|running| running.id == id)?.operation))
+        Some(Arc::clone(
+            &self.0.take_if(|running| running.id == id)?.operation,
+        ))
     }
 }
 

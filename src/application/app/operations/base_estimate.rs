@@ -1,5 +1,5 @@
-//! The base of a camera, estimated from the clicks of its frames and the paint in their pictures: on request, shown as a proposal,
-//! taken over as one step of undo.
+//! The base of a camera, estimated from the clicks of its frames and the paint in their pictures:
+//! on request, shown as a proposal, taken over as one step of undo.
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
@@ -9,7 +9,8 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use thiserror::Error;
 use touchline_calibration::calibrate::{
-    BaseEstimationError, BaseOnPaintError, BaseProblem, BulkChange, EstimatedBase, describe_size, estimate_on_paint,
+    BaseEstimationError, BaseOnPaintError, BaseProblem, BulkChange, EstimatedBase, describe_size,
+    estimate_on_paint,
 };
 use touchline_calibration::proposals::read_picture;
 use touchline_core::geometry::counted;
@@ -83,7 +84,10 @@ impl Operation for BaseEstimate {
 
     const NAME: &'static str = "base";
 
-    fn run(&self, context: &Context<'_, EstimateProgress>) -> Result<Box<EstimatedBase>, BaseEstimateError> {
+    fn run(
+        &self,
+        context: &Context<'_, EstimateProgress>,
+    ) -> Result<Box<EstimatedBase>, BaseEstimateError> {
         let reported = Mutex::new(None);
         let progress = Progress::new(|progress: EstimateProgress| {
             // Adjustments are made by several threads, whose counts overtake each other on the way.
@@ -94,14 +98,22 @@ impl Operation for BaseEstimate {
             *reported = Some(progress);
             context.report(progress)
         });
-        if self.with_paint { self.estimate_on_paint(context, &progress) } else { self.estimate(&progress) }
+        if self.with_paint {
+            self.estimate_on_paint(context, &progress)
+        } else {
+            self.estimate(&progress)
+        }
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
         &mut app.operations.base_estimate.slot
     }
 
-    fn take_over(&self, app: &mut App, result: Result<Box<EstimatedBase>, Failure<BaseEstimateError>>) {
+    fn take_over(
+        &self,
+        app: &mut App,
+        result: Result<Box<EstimatedBase>, Failure<BaseEstimateError>>,
+    ) {
         match result {
             Ok(found) => {
                 let text = describe(&found);
@@ -109,14 +121,19 @@ impl Operation for BaseEstimate {
                 app.operations.base_estimate.last = LastEstimate::Proposed(found.into());
                 app.session.notify(Level::Info, text);
             }
-            Err(failure) => app.session.notify(failure.level(), format!("No base: {failure}.")),
+            Err(failure) => app
+                .session
+                .notify(failure.level(), format!("No base: {failure}.")),
         }
     }
 }
 
 impl BaseEstimate {
     /// The base from clicks alone.
-    fn estimate(&self, progress: &Progress<'_, EstimateProgress>) -> Result<Box<EstimatedBase>, BaseEstimateError> {
+    fn estimate(
+        &self,
+        progress: &Progress<'_, EstimateProgress>,
+    ) -> Result<Box<EstimatedBase>, BaseEstimateError> {
         let adjusting = progress.part(EstimateProgress::Adjusting);
         let (at, options) = (self.document.at(&self.folder), BaseOptions::default());
         let problem = BaseProblem::of(at, &self.camera)?;
@@ -140,11 +157,22 @@ impl BaseEstimate {
         let mut pictures = |frame: &Frame| {
             count += 1;
             // Without further pictures the estimation ends soon.
-            let goes_on = progress.report(EstimateProgress::Looking { pictures: count }).is_continue();
-            goes_on.then(|| read_picture(&mut *reader, frame, &self.folder).ok()).flatten()
+            let goes_on = progress
+                .report(EstimateProgress::Looking { pictures: count })
+                .is_continue();
+            goes_on
+                .then(|| read_picture(&mut *reader, frame, &self.folder).ok())
+                .flatten()
         };
         let adjusting = progress.part(EstimateProgress::Adjusting);
-        let found = estimate_on_paint(at, &self.camera, &options, self.with_size, &mut pictures, &adjusting)?;
+        let found = estimate_on_paint(
+            at,
+            &self.camera,
+            &options,
+            self.with_size,
+            &mut pictures,
+            &adjusting,
+        )?;
         Ok(Box::new(found.with_pulled_frames(at, &mut pictures)?))
     }
 }
@@ -179,7 +207,9 @@ impl BaseEstimateState {
     /// What was found last, taken over or not.
     #[must_use]
     pub fn found(&self) -> Option<&EstimatedBase> {
-        self.proposed().or_else(|| self.applied()).map(|found| &**found)
+        self.proposed()
+            .or_else(|| self.applied())
+            .map(|found| &**found)
     }
 
     /// Something is being estimated or waits for a decision.
@@ -194,8 +224,12 @@ impl App {
     pub(in crate::app) fn why_not_base_estimate(&self, command: Command) -> Option<&'static str> {
         let state = &self.operations.base_estimate;
         match command {
-            Command::EstimateBase | Command::FitFieldSize if self.is_read_only() => Some("The document is read-only."),
-            Command::UseEstimatedBase if state.proposed().is_none() => Some("There is no estimated base."),
+            Command::EstimateBase | Command::FitFieldSize if self.is_read_only() => {
+                Some("The document is read-only.")
+            }
+            Command::UseEstimatedBase if state.proposed().is_none() => {
+                Some("There is no estimated base.")
+            }
             Command::DropEstimatedBase if !state.is_open() => Some("No base is being estimated."),
             _ => None,
         }
@@ -215,17 +249,33 @@ impl App {
     /// Has the base estimated in the background, and the field's size with it.
     fn estimate_base(&mut self, with_size: bool) {
         let ready = self.base_readiness();
-        let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else { return };
+        let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else {
+            return;
+        };
         if ready.wide == 0 && self.current.base.is_none() {
-            self.session.notify(Level::Info, format!("Not enough points yet. {}", ready.describe()));
+            self.session.notify(
+                Level::Info,
+                format!("Not enough points yet. {}", ready.describe()),
+            );
             return;
         }
         let with_paint = self.settings.base_on_paint;
         let paint = if with_paint { ", painted lines" } else { "" };
-        let from = format!("{}, {}{paint}", counted(ready.frames, "frame"), counted(ready.clicks, "click"));
+        let from = format!(
+            "{}, {}{paint}",
+            counted(ready.frames, "frame"),
+            counted(ready.clicks, "click")
+        );
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
         self.operations.base_estimate.last = LastEstimate::Nothing;
-        self.start(BaseEstimate { document, folder, camera, with_size, with_paint, from });
+        self.start(BaseEstimate {
+            document,
+            folder,
+            camera,
+            with_size,
+            with_paint,
+            from,
+        });
         self.session.panel = SidePanel::Camera;
     }
 
@@ -242,7 +292,11 @@ impl App {
     fn use_estimated_base(&mut self) {
         if let Some(found) = self.operations.base_estimate.proposed() {
             let change = BulkChange::Base(Arc::clone(found));
-            self.change_in_bulk(Step::on_document("Estimate base"), change, Self::tell_base_used);
+            self.change_in_bulk(
+                Step::on_document("Estimate base"),
+                change,
+                Self::tell_base_used,
+            );
         }
     }
 
@@ -250,13 +304,18 @@ impl App {
     pub(in crate::app) fn forget_mirrored(&mut self, frame: usize) {
         let last = &mut self.operations.base_estimate.last;
         if let LastEstimate::Proposed(found) | LastEstimate::Applied(found) = last {
-            Arc::make_mut(found).estimate.mirrored.retain(|mirrored| mirrored.frame != frame);
+            Arc::make_mut(found)
+                .estimate
+                .mirrored
+                .retain(|mirrored| mirrored.frame != frame);
         }
     }
 
     /// What follows in the window from a base that was taken over.
     fn tell_base_used(&mut self, change: &BulkChange) {
-        let BulkChange::Base(found) = change else { return };
+        let BulkChange::Base(found) = change else {
+            return;
+        };
         self.session.retract(Command::UseEstimatedBase);
         self.session.retract(Command::EstimateBase);
         self.operations.base_estimate.last = LastEstimate::Applied(Arc::clone(found));
@@ -280,7 +339,9 @@ impl EstimateProgress {
     #[must_use]
     pub fn describe(self) -> String {
         match self {
-            Self::Adjusting(BaseProgress { done, total }) => format!("{done} of {total} adjustments"),
+            Self::Adjusting(BaseProgress { done, total }) => {
+                format!("{done} of {total} adjustments")
+            }
             Self::Looking { pictures: 1 } => "1 picture looked at".to_owned(),
             Self::Looking { pictures } => format!("{pictures} pictures looked at"),
         }
@@ -290,7 +351,9 @@ impl EstimateProgress {
     #[must_use]
     pub fn share(self) -> Option<f32> {
         match self {
-            Self::Adjusting(BaseProgress { done, total }) => Some(done as f32 / total.max(1) as f32),
+            Self::Adjusting(BaseProgress { done, total }) => {
+                Some(done as f32 / total.max(1) as f32)
+            }
             Self::Looking { .. } => None,
         }
     }
@@ -301,10 +364,20 @@ impl BaseEstimateState {
     #[must_use]
     pub fn under_way(&self) -> Option<UnderWay> {
         let running = self.slot.running()?;
-        let far = running.progress().map(|progress| format!(": {}", progress.describe())).unwrap_or_default();
-        let text = format!("Estimating the base from {}{far}…", running.operation().from);
+        let far = running
+            .progress()
+            .map(|progress| format!(": {}", progress.describe()))
+            .unwrap_or_default();
+        let text = format!(
+            "Estimating the base from {}{far}…",
+            running.operation().from
+        );
         let share = running.progress().and_then(|progress| progress.share());
-        Some(UnderWay { text, share, stop: Command::DropEstimatedBase })
+        Some(UnderWay {
+            text,
+            share,
+            stop: Command::DropEstimatedBase,
+        })
     }
 }
 
@@ -317,10 +390,19 @@ fn describe(found: &EstimatedBase) -> String {
         .filter(|px| px.is_finite())
         .map(|px| format!(" (currently {px:.1} px); hold B for the current base"))
         .unwrap_or_default();
-    let one_view = estimate.one_view().map_or_else(String::new, |reason| format!(" But {reason}."));
+    let one_view = estimate
+        .one_view()
+        .map_or_else(String::new, |reason| format!(" But {reason}."));
     let sizes: Vec<String> = found.sizes.iter().map(describe_size).collect();
-    let sizes = if sizes.is_empty() { String::new() } else { format!(" Field {}.", sizes.join(", ")) };
-    let paint = found.on_paint.as_ref().map_or_else(String::new, |on_paint| on_paint.seen.describe());
+    let sizes = if sizes.is_empty() {
+        String::new()
+    } else {
+        format!(" Field {}.", sizes.join(", "))
+    };
+    let paint = found
+        .on_paint
+        .as_ref()
+        .map_or_else(String::new, |on_paint| on_paint.seen.describe());
     format!(
         "Base estimated from {}: median error {:.1} px{before}.{paint}{sizes}{one_view}",
         counted(frames, "frame"),

@@ -1,8 +1,9 @@
-//! The base refined on the shot of the shown frame: cameras are tracked through it, the painted lines of all its frames correct the
-//! base, and that is repeated until it moves no more. One clicked frame is enough.
+//! The base refined on the shot of the shown frame: cameras are tracked through it, the painted
+//! lines of all its frames correct the base, and that is repeated until it moves no more. One
+//! clicked frame is enough.
 //!
-//! What it gives is the base alone, one step of undo. The shot is then tracked with it as any shot is, from the points that were
-//! followed already.
+//! What it gives is the base alone, one step of undo. The shot is then tracked with it as any shot
+//! is, from the points that were followed already.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
@@ -12,7 +13,9 @@ use crate::app::{App, Command};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use thiserror::Error;
-use touchline_calibration::calibrate::{BulkChange, ClipEvidence, ClipFrames, ClipProgress, clip_of_frame};
+use touchline_calibration::calibrate::{
+    BulkChange, ClipEvidence, ClipFrames, ClipProgress, clip_of_frame,
+};
 use touchline_calibration::pipelines::{TrackingEvent, TrackingOptions, track_clips};
 use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;
@@ -31,7 +34,8 @@ pub struct BaseRefinement {
 pub struct RefinedBase {
     /// The document with it.
     found: Document,
-    /// How far the lines lay beside paint held out, before the first round and after the last, px; none where no base was better.
+    /// How far the lines lay beside paint held out, before the first round and after the last, px;
+    /// none where no base was better.
     off_px: Option<(f64, f64)>,
     /// What the pictures of the shot say.
     evidence: ClipEvidence,
@@ -103,30 +107,54 @@ impl Operation for BaseRefinement {
 
     const NAME: &'static str = "refine the base";
 
-    fn run(&self, context: &Context<'_, RefinementProgress>) -> Result<RefinedBase, BaseRefinementError> {
+    fn run(
+        &self,
+        context: &Context<'_, RefinementProgress>,
+    ) -> Result<RefinedBase, BaseRefinementError> {
         let mut reader = context.open_reader();
         let clip = self.clip().ok_or(BaseRefinementError::NoPicture)?;
         let mut document = self.document.clone();
-        let options = TrackingOptions { refine_base: true, ..TrackingOptions::default() };
+        let options = TrackingOptions {
+            refine_base: true,
+            ..TrackingOptions::default()
+        };
         let (mut evidence, outcome) = (Vec::new(), Mutex::new(RoundsOutcome::default()));
         let progress = Progress::new(|event| match event {
-            TrackingEvent::Progress(progress) => context.report(RefinementProgress::Tracking(progress)),
+            TrackingEvent::Progress(progress) => {
+                context.report(RefinementProgress::Tracking(progress))
+            }
             TrackingEvent::Refining(_) => context.report(RefinementProgress::Adjusting),
             other => {
-                outcome.lock().unwrap_or_else(PoisonError::into_inner).note(&other);
+                outcome
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .note(&other);
                 context.check()
             }
         });
         let (folder, clips) = (&self.folder, [clip]);
-        let tracked = track_clips(&mut document, folder, &clips, &mut *reader, &options, &mut evidence, &progress)?;
+        let tracked = track_clips(
+            &mut document,
+            folder,
+            &clips,
+            &mut *reader,
+            &options,
+            &mut evidence,
+            &progress,
+        )?;
         drop(progress);
-        let RoundsOutcome { off_px, failure } = outcome.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let RoundsOutcome { off_px, failure } =
+            outcome.into_inner().unwrap_or_else(PoisonError::into_inner);
         match failure {
             Some(error) => return Err(BaseRefinementError::Track(error)),
             None if tracked.is_stopped => return Err(BaseRefinementError::Stopped),
             None => {}
         }
-        Ok(RefinedBase { found: document, off_px, evidence: evidence.pop().unwrap_or_default() })
+        Ok(RefinedBase {
+            found: document,
+            off_px,
+            evidence: evidence.pop().unwrap_or_default(),
+        })
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
@@ -140,7 +168,10 @@ impl Operation for BaseRefinement {
     fn take_over(&self, app: &mut App, result: Result<RefinedBase, Failure<BaseRefinementError>>) {
         match result {
             Ok(refined) => app.take_refined_base(self, refined),
-            Err(failure) => app.session.notify(failure.level(), format!("The base was not refined: {failure}.")),
+            Err(failure) => app.session.notify(
+                failure.level(),
+                format!("The base was not refined: {failure}."),
+            ),
         }
     }
 }
@@ -153,7 +184,10 @@ impl BaseRefinement {
 
     /// The camera of the shot.
     fn camera(&self) -> Option<&CameraId> {
-        self.document.frames.get(self.frame).map(|frame| &frame.camera)
+        self.document
+            .frames
+            .get(self.frame)
+            .map(|frame| &frame.camera)
     }
 }
 
@@ -168,7 +202,11 @@ impl App {
         let frame = self.frame()?;
         let open = self.open.as_ref()?;
         let is_known = |camera: &CameraId| {
-            let mut frames = open.document.frames.iter().filter(|other| other.camera == *camera);
+            let mut frames = open
+                .document
+                .frames
+                .iter()
+                .filter(|other| other.camera == *camera);
             frames.any(|other| other.ptz.is_some() || !other.clicks.is_empty())
         };
         if !is_known(&frame.camera) {
@@ -182,14 +220,21 @@ impl App {
         self.commit_open_step();
         let Some(open) = &self.open else { return };
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
-        self.start(BaseRefinement { document, folder, frame: self.session.frame });
+        self.start(BaseRefinement {
+            document,
+            folder,
+            frame: self.session.frame,
+        });
     }
 
     /// Stops it; whether there was anything to stop.
     pub(in crate::app) fn stop_refining_base(&mut self) -> bool {
         let is_stopped = self.operations.base_refinement.slot.cancel();
         if is_stopped {
-            self.session.notify(Level::Info, "Refining the base was stopped; nothing was changed.");
+            self.session.notify(
+                Level::Info,
+                "Refining the base was stopped; nothing was changed.",
+            );
         }
         is_stopped
     }
@@ -202,9 +247,14 @@ impl App {
     /// Takes a refined base over: one step of undo, and the shot is tracked with it.
     fn take_refined_base(&mut self, refinement: &BaseRefinement, refined: RefinedBase) {
         let Some(open) = &self.open else { return };
-        let Some(camera) = refinement.camera() else { return };
+        let Some(camera) = refinement.camera() else {
+            return;
+        };
         let base_and_field = |document: &Document| {
-            (document.camera(camera).and_then(Camera::base), document.field_of_camera(camera).clone())
+            (
+                document.camera(camera).and_then(Camera::base),
+                document.field_of_camera(camera).clone(),
+            )
         };
         let before = base_and_field(&refinement.document);
         if base_and_field(&open.document) != before {
@@ -212,9 +262,17 @@ impl App {
             self.session.notify(Level::Info, text);
             return;
         }
-        let RefinedBase { found, off_px, evidence } = refined;
-        let (Some(base), true) = (base_and_field(&found).0, base_and_field(&found) != before) else {
-            self.session.notify(Level::Info, "The base already lies on the painted lines of this shot.");
+        let RefinedBase {
+            found,
+            off_px,
+            evidence,
+        } = refined;
+        let (Some(base), true) = (base_and_field(&found).0, base_and_field(&found) != before)
+        else {
+            self.session.notify(
+                Level::Info,
+                "The base already lies on the painted lines of this shot.",
+            );
             return;
         };
         let mut numbers = open.document.clone();
@@ -225,10 +283,19 @@ impl App {
         }
         self.operations.base_refinement.evidence = Some(Arc::new(evidence));
         let change = BulkChange::Numbers(Box::new(numbers));
-        self.change_in_bulk(Step::on_document("Refine the base on the shot"), change, |app, _| {
-            let evidence = app.operations.base_refinement.evidence.take().unwrap_or_default();
-            app.track_with_refined_base(evidence);
-        });
+        self.change_in_bulk(
+            Step::on_document("Refine the base on the shot"),
+            change,
+            |app, _| {
+                let evidence = app
+                    .operations
+                    .base_refinement
+                    .evidence
+                    .take()
+                    .unwrap_or_default();
+                app.track_with_refined_base(evidence);
+            },
+        );
         self.session.notify(Level::Info, describe_refined(off_px));
     }
 }
@@ -240,12 +307,21 @@ impl BaseRefinementState {
     pub(super) fn under_way(&self) -> Option<UnderWay> {
         let text = match self.slot.running()?.progress() {
             None => "Refining the base on this shot…".to_owned(),
-            Some(RefinementProgress::Adjusting) => "Adjusting the base to the painted lines of all frames…".to_owned(),
+            Some(RefinementProgress::Adjusting) => {
+                "Adjusting the base to the painted lines of all frames…".to_owned()
+            }
             Some(RefinementProgress::Tracking(progress)) => {
-                format!("Refining the base on this shot. {}", describe_progress(progress))
+                format!(
+                    "Refining the base on this shot. {}",
+                    describe_progress(progress)
+                )
             }
         };
-        Some(UnderWay { text, share: None, stop: Command::StopTracking })
+        Some(UnderWay {
+            text,
+            share: None,
+            stop: Command::StopTracking,
+        })
     }
 }
 

@@ -1,4 +1,5 @@
-//! Changes after which many frames are solved again: few at once, many in the background, each one step of undo.
+//! Changes after which many frames are solved again: few at once, many in the background, each one
+//! step of undo.
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
@@ -46,7 +47,11 @@ impl Operation for BulkSolving {
         let watched = Progress::new(|progress: Share| {
             // Frames are solved by several threads, whose counts overtake each other on the way.
             let is_further = furthest.fetch_max(progress.done, Ordering::Relaxed) < progress.done;
-            if is_further { context.report(progress) } else { context.check() }
+            if is_further {
+                context.report(progress)
+            } else {
+                context.check()
+            }
         });
         self.work.clone().run(&watched).map(Box::new)
     }
@@ -80,12 +85,21 @@ impl BulkSolveState {
 }
 
 impl App {
-    /// Makes a change as one step of undo: at once, or in the background where it concerns many frames. False, with a message,
-    /// where it cannot be made now. `then` follows once it is made.
-    pub(in crate::app) fn change_in_bulk(&mut self, step: Step, change: BulkChange, then: AfterBulk) -> bool {
+    /// Makes a change as one step of undo: at once, or in the background where it concerns many
+    /// frames. False, with a message, where it cannot be made now. `then` follows once it is made.
+    pub(in crate::app) fn change_in_bulk(
+        &mut self,
+        step: Step,
+        change: BulkChange,
+        then: AfterBulk,
+    ) -> bool {
         if let Some(running) = self.operations.bulk_solve.slot.running() {
-            let text = format!("Not while another change is under way: {}", describe(running));
-            self.session.notify_with(Level::Info, text, Some(("Stop", Command::StopSolving)));
+            let text = format!(
+                "Not while another change is under way: {}",
+                describe(running)
+            );
+            self.session
+                .notify_with(Level::Info, text, Some(("Stop", Command::StopSolving)));
             return false;
         }
         if self.refuses_changes() {
@@ -93,7 +107,11 @@ impl App {
         }
         self.commit_open_step();
         let Some(open) = &self.open else { return false };
-        let work = BulkSolve { document: open.document.clone(), folder: open.folder.clone(), change };
+        let work = BulkSolve {
+            document: open.document.clone(),
+            folder: open.folder.clone(),
+            change,
+        };
         if work.frames() >= IN_BACKGROUND {
             self.start(BulkSolving { work, step, then });
             return true;
@@ -109,25 +127,39 @@ impl App {
 
     /// Why there is nothing to stop; none if there is.
     pub(in crate::app) fn why_not_stop_bulk(&self) -> Option<&'static str> {
-        (!self.operations.bulk_solve.slot.is_running()).then_some("No frames are being solved again.")
+        (!self.operations.bulk_solve.slot.is_running())
+            .then_some("No frames are being solved again.")
     }
 
     /// Stops the change that is being worked out; nothing has changed.
     pub(in crate::app) fn stop_bulk(&mut self) {
         let slot = &mut self.operations.bulk_solve.slot;
-        let Some(name) = slot.running().map(|running| running.operation().step.name.clone()) else { return };
+        let Some(name) = slot
+            .running()
+            .map(|running| running.operation().step.name.clone())
+        else {
+            return;
+        };
         slot.cancel();
-        self.session.notify(Level::Info, format!("{name}: stopped, nothing was changed."));
+        self.session.notify(
+            Level::Info,
+            format!("{name}: stopped, nothing was changed."),
+        );
     }
 
-    /// Joins a change with the document as it is now; where that has changed too much it is worked out again.
+    /// Joins a change with the document as it is now; where that has changed too much it is worked
+    /// out again.
     fn join_bulk(&mut self, step: Step, solved: &BulkSolved, then: AfterBulk) -> bool {
         let Some(open) = &self.open else { return false };
         let joined = match solved.join(&open.document) {
             Ok(Some(joined)) => joined,
             Ok(None) => {
                 let change = solved.change_for(&open.document);
-                let work = BulkSolve { document: open.document.clone(), folder: open.folder.clone(), change };
+                let work = BulkSolve {
+                    document: open.document.clone(),
+                    folder: open.folder.clone(),
+                    change,
+                };
                 self.start(BulkSolving { work, step, then });
                 return true;
             }
@@ -150,7 +182,10 @@ impl App {
 
     fn tell_bulk_failed(&mut self, step: &Step, failure: &Failure<BulkError>) {
         if *failure != Failure::Failed(BulkError::Stopped) {
-            self.session.notify(failure.level(), format!("{}: nothing was changed: {failure}.", step.name));
+            self.session.notify(
+                failure.level(),
+                format!("{}: nothing was changed: {failure}.", step.name),
+            );
         }
     }
 }
@@ -161,14 +196,26 @@ impl BulkSolveState {
     /// The change under way, with how far it has come.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
         let text = describe(self.slot.running()?);
-        Some(UnderWay { text, share: None, stop: Command::StopSolving })
+        Some(UnderWay {
+            text,
+            share: None,
+            stop: Command::StopSolving,
+        })
     }
 }
 
 /// What is being done, in one sentence.
 fn describe(running: &Running<BulkSolving>) -> String {
-    let far = running
-        .progress()
-        .map(|progress| format!(": {} of {} frames solved again", thousands(progress.done), thousands(progress.of)));
-    format!("{}{}…", running.operation().step.name, far.unwrap_or_default())
+    let far = running.progress().map(|progress| {
+        format!(
+            ": {} of {} frames solved again",
+            thousands(progress.done),
+            thousands(progress.of)
+        )
+    });
+    format!(
+        "{}{}…",
+        running.operation().step.name,
+        far.unwrap_or_default()
+    )
 }

@@ -1,11 +1,14 @@
-//! Graphics that are burned into the pictures: looked for when a document is opened, and the question what becomes of them.
+//! Graphics that are burned into the pictures: looked for when a document is opened, and the
+//! question what becomes of them.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::session::{Level, SidePanel};
 use crate::app::{App, Command};
 use std::convert::Infallible;
 use std::path::PathBuf;
-use touchline_calibration::proposals::{FeatureStore, FoundMask, FramePictures, WorkFolder, find_burnt_in};
+use touchline_calibration::proposals::{
+    FeatureStore, FoundMask, FramePictures, WorkFolder, find_burnt_in,
+};
 use touchline_core::geometry::PixelBox;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, Step};
@@ -41,10 +44,20 @@ impl Operation for BurntInSearch {
     fn run(&self, context: &Context<'_, Infallible>) -> Result<Vec<FoundMask>, Infallible> {
         // The trainer looks at some of the same pictures.
         let store = FeatureStore::on_disk(&WorkFolder::beside(&self.file));
-        let (document, folder, options) = (&self.document, &*self.folder, FeatureOptions::default());
-        let pictures = FramePictures { document, folder, options, store: &store };
-        Ok(find_burnt_in(&pictures, &mut *context.open_reader(), &Progress::new(|()| context.check()))
-            .unwrap_or_default())
+        let (document, folder, options) =
+            (&self.document, &*self.folder, FeatureOptions::default());
+        let pictures = FramePictures {
+            document,
+            folder,
+            options,
+            store: &store,
+        };
+        Ok(find_burnt_in(
+            &pictures,
+            &mut *context.open_reader(),
+            &Progress::new(|()| context.check()),
+        )
+        .unwrap_or_default())
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
@@ -64,7 +77,11 @@ impl Operation for BurntInSearch {
 impl App {
     /// Why the user has nothing to decide; none if there is something.
     pub(in crate::app) fn why_not_decide_burnt_in(&self) -> Option<&'static str> {
-        self.operations.burnt_in.undecided.is_empty().then_some("There are no burned-in graphics to decide about.")
+        self.operations
+            .burnt_in
+            .undecided
+            .is_empty()
+            .then_some("There are no burned-in graphics to decide about.")
     }
 
     /// Looks for burned-in graphics in the document that has just been opened.
@@ -72,21 +89,42 @@ impl App {
         if self.no_trainer().is_some() {
             return;
         }
-        let Some(open) = self.open.as_ref().filter(|open| open.document.frames.len() > 1) else { return };
-        let (document, file, folder) = ((*open.document).clone(), open.file.clone(), open.folder.clone());
-        self.start(BurntInSearch { document, file, folder });
+        let Some(open) = self
+            .open
+            .as_ref()
+            .filter(|open| open.document.frames.len() > 1)
+        else {
+            return;
+        };
+        let (document, file, folder) = (
+            (*open.document).clone(),
+            open.file.clone(),
+            open.folder.clone(),
+        );
+        self.start(BurntInSearch {
+            document,
+            file,
+            folder,
+        });
     }
 
     /// Asks what becomes of the graphics that were found.
     fn ask_about_burnt_in(&mut self, found: Vec<FoundMask>) {
         let Some(open) = &self.open else { return };
         // A mask may have been drawn while the search ran.
-        let found: Vec<FoundMask> = found.into_iter().filter(|found| is_unmasked(&open.document, found)).collect();
+        let found: Vec<FoundMask> = found
+            .into_iter()
+            .filter(|found| is_unmasked(&open.document, found))
+            .collect();
         if found.is_empty() {
             return;
         }
-        let offers = [("Keep", Command::KeepBurntIn), ("Change", Command::ChangeBurntIn)];
-        self.session.notify_with(Level::Question, describe(&found), offers);
+        let offers = [
+            ("Keep", Command::KeepBurntIn),
+            ("Change", Command::ChangeBurntIn),
+        ];
+        self.session
+            .notify_with(Level::Question, describe(&found), offers);
         self.operations.burnt_in.undecided = found;
     }
 
@@ -94,11 +132,14 @@ impl App {
     pub(in crate::app) fn keep_burnt_in(&mut self) {
         let found = std::mem::take(&mut self.operations.burnt_in.undecided);
         self.session.retract(Command::KeepBurntIn);
-        self.change_masks(Step::on_document("Mask burned-in graphics"), |document, _| {
-            for found in &found {
-                found.mask_in(document);
-            }
-        });
+        self.change_masks(
+            Step::on_document("Mask burned-in graphics"),
+            |document, _| {
+                for found in &found {
+                    found.mask_in(document);
+                }
+            },
+        );
     }
 
     /// The same, and the masks can be changed.
@@ -108,20 +149,38 @@ impl App {
         self.session.panel = SidePanel::Camera;
     }
 
-    /// The boxes that look burned in and cover the shown frame, while it is asked what becomes of them.
+    /// The boxes that look burned in and cover the shown frame, while it is asked what becomes of
+    /// them.
     #[must_use]
     pub fn asked_masks(&self) -> Vec<PixelBox> {
-        let Some(frame) = self.frame().filter(|_| self.session.offers(Command::KeepBurntIn)) else { return Vec::new() };
+        let Some(frame) = self
+            .frame()
+            .filter(|_| self.session.offers(Command::KeepBurntIn))
+        else {
+            return Vec::new();
+        };
         let here = |found: &&FoundMask| found.camera == frame.camera && found.mask.covers(frame);
-        self.operations.burnt_in.undecided.iter().filter(here).map(|found| found.mask.pixel_box).collect()
+        self.operations
+            .burnt_in
+            .undecided
+            .iter()
+            .filter(here)
+            .map(|found| found.mask.pixel_box)
+            .collect()
     }
 }
 
 /// Whether a document has the camera of a graphic and no mask over its middle.
 fn is_unmasked(document: &Document, found: &FoundMask) -> bool {
-    let Some(camera) = document.camera(&found.camera) else { return false };
+    let Some(camera) = document.camera(&found.camera) else {
+        return false;
+    };
     let ranged = camera.ranged_masks.iter().map(|mask| &mask.pixel_box);
-    !camera.masks.iter().chain(ranged).any(|known| known.contains(found.mask.pixel_box.centre()))
+    !camera
+        .masks
+        .iter()
+        .chain(ranged)
+        .any(|known| known.contains(found.mask.pixel_box.centre()))
 }
 
 // ---- Words ----
@@ -130,10 +189,20 @@ fn is_unmasked(document: &Document, found: &FoundMask) -> bool {
 fn describe(found: &[FoundMask]) -> String {
     match found {
         [one] => {
-            let PixelBox { x, y, width, height } = one.mask.pixel_box;
+            let PixelBox {
+                x,
+                y,
+                width,
+                height,
+            } = one.mask.pixel_box;
             let size = format!("{width:.0} × {height:.0} px at {x:.0}, {y:.0}");
-            format!("An area looks burned in ({size}). Keep it as a mask, out of training and proposals?")
+            format!(
+                "An area looks burned in ({size}). Keep it as a mask, out of training and proposals?"
+            )
         }
-        more => format!("{} areas look burned in. Keep them as masks, out of training and proposals?", more.len()),
+        more => format!(
+            "{} areas look burned in. Keep them as masks, out of training and proposals?",
+            more.len()
+        ),
     }
 }

@@ -7,9 +7,12 @@ use crate::app::{App, Command};
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::autocalibrate::{
-    Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, DecidingLandmark, Doubt,
+    Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress,
+    DecidingLandmark, Doubt,
 };
-use touchline_calibration::calibrate::{AutocalibratedCamera, BulkChange, FoundCamera, describe_size};
+use touchline_calibration::calibrate::{
+    AutocalibratedCamera, BulkChange, FoundCamera, describe_size,
+};
 use touchline_calibration::pipelines::{MatchOptions, find_camera};
 use touchline_calibration::proposals::read_picture;
 use touchline_core::field::LandmarkId;
@@ -94,10 +97,18 @@ impl Operation for CameraSearch {
         context: &Context<'_, AutocalibrationProgress>,
     ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
         let mut reader = context.open_reader();
-        let mut picture = |index: usize| read_picture(&mut *reader, &self.document.frames[index], &self.folder).ok();
+        let mut picture = |index: usize| {
+            read_picture(&mut *reader, &self.document.frames[index], &self.folder).ok()
+        };
         let at = self.document.at(&self.folder);
         let sampled_frames = MatchOptions::default().sampled_frames;
-        find_camera(at, &self.camera, sampled_frames, &mut picture, &context.progress())
+        find_camera(
+            at,
+            &self.camera,
+            sampled_frames,
+            &mut picture,
+            &context.progress(),
+        )
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
@@ -108,18 +119,33 @@ impl Operation for CameraSearch {
         app.is_amid_change()
     }
 
-    fn take_over(&self, app: &mut App, result: Result<AutocalibrationAnswer, Failure<AutocalibrationError>>) {
+    fn take_over(
+        &self,
+        app: &mut App,
+        result: Result<AutocalibrationAnswer, Failure<AutocalibrationError>>,
+    ) {
         match result {
-            Ok(AutocalibrationAnswer::Found(found)) => app.camera_found(self.with_frame_ids(*found)),
-            Ok(AutocalibrationAnswer::Two { best, other, deciding }) => {
-                let label = |deciding: &DecidingLandmark| app.label(&Target::Landmark(deciding.landmark.clone()));
+            Ok(AutocalibrationAnswer::Found(found)) => {
+                app.camera_found(self.with_frame_ids(*found))
+            }
+            Ok(AutocalibrationAnswer::Two {
+                best,
+                other,
+                deciding,
+            }) => {
+                let label = |deciding: &DecidingLandmark| {
+                    app.label(&Target::Landmark(deciding.landmark.clone()))
+                };
                 let two = TwoCameras::new(self, [*best, *other], deciding, label);
                 app.ask_which_camera(two);
             }
             Ok(AutocalibrationAnswer::Abstained(why)) => {
                 let why = describe_abstention(&why);
                 app.session.notify(Level::Warning, why.clone());
-                app.operations.camera_search.left = Left::Abstained { camera: self.camera.clone(), why };
+                app.operations.camera_search.left = Left::Abstained {
+                    camera: self.camera.clone(),
+                    why,
+                };
             }
             Err(failure) => {
                 let text = format!("The search for the camera failed: {failure}.");
@@ -168,7 +194,13 @@ impl App {
         if self.current.base.is_some() {
             return Some("This camera has a base already.");
         }
-        let few = open.document.frames.iter().filter(|frame| frame.camera == *camera).nth(FEWEST - 1).is_none();
+        let few = open
+            .document
+            .frames
+            .iter()
+            .filter(|frame| frame.camera == *camera)
+            .nth(FEWEST - 1)
+            .is_none();
         few.then_some("The camera has too few frames: 3 or more that overlap are needed.")
     }
 
@@ -185,22 +217,35 @@ impl App {
 
     fn find_camera(&mut self) {
         self.commit_open_step();
-        let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else { return };
+        let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else {
+            return;
+        };
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
         self.operations.camera_search.left = Left::Nothing;
-        self.start(CameraSearch { document, folder, camera });
+        self.start(CameraSearch {
+            document,
+            folder,
+            camera,
+        });
     }
 
     /// Stops the search, or lets go of what it left to decide; nothing has changed.
     fn stop_find_camera(&mut self) {
         self.operations.camera_search.left = Left::Nothing;
         if self.operations.camera_search.slot.cancel() {
-            self.session.notify(Level::Info, "The search for the camera was stopped; nothing was changed.");
+            self.session.notify(
+                Level::Info,
+                "The search for the camera was stopped; nothing was changed.",
+            );
         }
     }
 
     fn camera_found(&mut self, found: Arc<FoundCamera>) {
-        let has_base = self.open.as_ref().and_then(|open| open.document.camera(&found.camera)?.base()).is_some();
+        let has_base = self
+            .open
+            .as_ref()
+            .and_then(|open| open.document.camera(&found.camera)?.base())
+            .is_some();
         if has_base {
             let text = "The camera was found, but it was given a base in the meantime; the result was discarded.";
             self.session.notify(Level::Info, text);
@@ -211,21 +256,34 @@ impl App {
 
     /// Asks which of two cameras is right.
     fn ask_which_camera(&mut self, two: TwoCameras) {
-        let offers = [("Try the first", Command::TryFirstCamera), ("Try the other", Command::TryOtherCamera)];
-        self.session.notify_with(Level::Warning, two.describe(), offers);
+        let offers = [
+            ("Try the first", Command::TryFirstCamera),
+            ("Try the other", Command::TryOtherCamera),
+        ];
+        self.session
+            .notify_with(Level::Warning, two.describe(), offers);
         self.session.panel = SidePanel::Camera;
         let state = &mut self.operations.camera_search;
         state.found = Some(Arc::clone(&two.cameras[0]));
         state.left = Left::Two(Box::new(two));
     }
 
-    /// Of two cameras takes the one for which the deciding click speaks, once that is there. Asked after each action.
+    /// Of two cameras takes the one for which the deciding click speaks, once that is there. Asked
+    /// after each action.
     pub(in crate::app) fn decide_camera_by_click(&mut self) {
         if self.is_amid_change() {
             return;
         }
-        let (Left::Two(two), Some(open)) = (&self.operations.camera_search.left, &self.open) else { return };
-        let Some(which) = two.deciding.as_ref().and_then(|deciding| deciding.decided(&open.document)) else { return };
+        let (Left::Two(two), Some(open)) = (&self.operations.camera_search.left, &self.open) else {
+            return;
+        };
+        let Some(which) = two
+            .deciding
+            .as_ref()
+            .and_then(|deciding| deciding.decided(&open.document))
+        else {
+            return;
+        };
         let found = Arc::clone(&two.cameras[which]);
         self.operations.camera_search.left = Left::Nothing;
         self.session.retract(Command::TryFirstCamera);
@@ -243,11 +301,15 @@ impl App {
 
     fn use_found_camera(&mut self, found: Arc<FoundCamera>) {
         self.operations.camera_search.found = Some(Arc::clone(&found));
-        self.change_in_bulk(Step::on_document("Find the camera"), BulkChange::Autocalibrated(found), |app, change| {
-            if let BulkChange::Autocalibrated(found) = change {
-                app.tell_found_camera(found);
-            }
-        });
+        self.change_in_bulk(
+            Step::on_document("Find the camera"),
+            BulkChange::Autocalibrated(found),
+            |app, change| {
+                if let BulkChange::Autocalibrated(found) = change {
+                    app.tell_found_camera(found);
+                }
+            },
+        );
     }
 
     /// Tells of a camera that has been found and written into the document.
@@ -256,7 +318,8 @@ impl App {
         self.session.retract(Command::EstimateBase);
         self.tell_assumed_size();
         let offers = [("Review", Command::ReviewPanel), ("Undo", Command::Undo)];
-        self.session.notify_with(Level::Info, describe_found(&found.found), offers);
+        self.session
+            .notify_with(Level::Info, describe_found(&found.found), offers);
     }
 }
 
@@ -265,10 +328,16 @@ impl CameraSearchState {
     #[must_use]
     pub fn under_way(&self) -> Option<UnderWay> {
         let progress = self.slot.running()?.progress();
-        let far = progress.map(|progress| format!(": {progress}")).unwrap_or_default();
+        let far = progress
+            .map(|progress| format!(": {progress}"))
+            .unwrap_or_default();
         let text = format!("Finding the camera{far}…");
         let share = progress.map(|progress| progress.share_of_step() as f32);
-        Some(UnderWay { text, share, stop: Command::StopFindCamera })
+        Some(UnderWay {
+            text,
+            share,
+            stop: Command::StopFindCamera,
+        })
     }
 
     /// What is being looked for.
@@ -280,11 +349,13 @@ impl CameraSearchState {
 
 // ---- Two answers ----
 
-/// A click decides if it is at least this many times nearer to where one camera has it than to where the other has.
+/// A click decides if it is at least this many times nearer to where one camera has it than to
+/// where the other has.
 const NEARER: f64 = 2.0;
 
 impl DecidingClick {
-    /// Which of the two cameras a document's click speaks for; none without the click, or where it lies between them.
+    /// Which of the two cameras a document's click speaks for; none without the click, or where it
+    /// lies between them.
     fn decided(&self, document: &Document) -> Option<usize> {
         let frame = &document.frames[document.frames.position_of(&self.frame)?];
         let is_it = |click: &&Click| click.target == Some(Target::Landmark(self.landmark.clone()));
@@ -308,12 +379,25 @@ impl TwoCameras {
         label: impl Fn(&DecidingLandmark) -> String,
     ) -> Self {
         let deciding = deciding.map(|deciding| {
-            let [here, there] = deciding.image.map(|image| format!("({:.0}, {:.0})", image.x, image.y));
-            let says = format!("{} is at {here} px with the first and at {there} px with the other", label(&deciding));
+            let [here, there] = deciding
+                .image
+                .map(|image| format!("({:.0}, {:.0})", image.x, image.y));
+            let says = format!(
+                "{} is at {here} px with the first and at {there} px with the other",
+                label(&deciding)
+            );
             let frame = search.document.frames[deciding.frame].id.clone();
-            DecidingClick { frame, landmark: deciding.landmark, image: deciding.image, says }
+            DecidingClick {
+                frame,
+                landmark: deciding.landmark,
+                image: deciding.image,
+                says,
+            }
         });
-        Self { cameras: cameras.map(|found| search.with_frame_ids(found)), deciding }
+        Self {
+            cameras: cameras.map(|found| search.with_frame_ids(found)),
+            deciding,
+        }
     }
 
     /// What the person is to decide, and by what.
@@ -334,7 +418,12 @@ impl TwoCameras {
 fn describe_found(found: &AutocalibratedCamera) -> String {
     let sigma = found.base.sigma.position_m;
     let (snapped, frames) = (found.snapped_count(), found.frames.len());
-    let assumed: String = found.sizes.iter().filter(|size| size.is_open).map(describe_assumed).collect();
+    let assumed: String = found
+        .sizes
+        .iter()
+        .filter(|size| size.is_open)
+        .map(describe_assumed)
+        .collect();
     format!(
         "Camera found: {}, known to ±{:.1} m. {snapped} of {frames} frames agree with their own painted \
          lines; look at some before you accept them.{assumed}",
@@ -351,7 +440,11 @@ fn describe_assumed(size: &FittedSize) -> String {
 /// Where a camera stands, as a person says it.
 fn place(found: &AutocalibratedCamera) -> String {
     let at = found.base.position_m;
-    format!("{:.1} m high, {:.1} m from the middle of the field", at.z, at.x.hypot(at.y))
+    format!(
+        "{:.1} m high, {:.1} m from the middle of the field",
+        at.z,
+        at.x.hypot(at.y)
+    )
 }
 
 /// Why there is no answer and what helps, in plain words.
@@ -368,7 +461,9 @@ fn why_not(why: &Abstention) -> String {
         Abstention::NotTied { frames, tied } => {
             format!("only {tied} of {frames} frames overlap with each other")
         }
-        Abstention::LittlePaint { places } => format!("only {places} places of paint agree between the frames"),
+        Abstention::LittlePaint { places } => {
+            format!("only {places} places of paint agree between the frames")
+        }
         other => other.to_string(),
     }
 }
@@ -385,7 +480,9 @@ fn what_helps(why: &Abstention) -> String {
         _ => "Check that the field's sport is the one in the pictures".to_owned(),
     };
     let clicks = match why {
-        Abstention::NotTied { .. } | Abstention::NotTurning(_) => "click 4 landmarks on 2 wide frames",
+        Abstention::NotTied { .. } | Abstention::NotTurning(_) => {
+            "click 4 landmarks on 2 wide frames"
+        }
         _ => "click 2 landmarks far from each other and look again",
     };
     format!("{missing}, or {clicks}.")
@@ -400,7 +497,8 @@ fn view_missing(doubts: &[Doubt]) -> String {
     if let Some(lines) = lines {
         return format!("A view of {lines} is missing: add frames that show it");
     }
-    let is_of_field = |doubt: &Doubt| matches!(doubt, Doubt::Unexplained { .. } | Doubt::OffLines { .. });
+    let is_of_field =
+        |doubt: &Doubt| matches!(doubt, Doubt::Unexplained { .. } | Doubt::OffLines { .. });
     if doubts.iter().any(is_of_field) {
         return "Check the field's size and sport, and whether other lines are painted there; add wide frames"
             .to_owned();

@@ -1,5 +1,5 @@
-//! Whether a camera still fits all of its frames: looked at after every edit, at once where the frames are few, else in the
-//! background.
+//! Whether a camera still fits all of its frames: looked at after every edit, at once where the
+//! frames are few, else in the background.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::session::Level;
@@ -10,7 +10,8 @@ use touchline_calibration::calibrate::{CameraChange, FrameLookup, camera_change}
 use touchline_core::field::FieldModel;
 use touchline_documents::document::{CameraId, Document};
 
-/// A camera with more clicked frames than this is looked at in the background: the look takes about 30 µs a frame.
+/// A camera with more clicked frames than this is looked at in the background: the look takes about
+/// 30 µs a frame.
 const AT_ONCE: usize = 40;
 
 /// A look at a camera's frames over time.
@@ -49,7 +50,12 @@ impl Operation for CameraWatch {
     const NAME: &'static str = "camera watch";
 
     fn run(&self, _: &Context<'_, Infallible>) -> Result<Option<CameraChange>, Infallible> {
-        Ok(camera_change(&self.document, &FrameLookup::of(&self.document), &self.of.camera, &self.field))
+        Ok(camera_change(
+            &self.document,
+            &FrameLookup::of(&self.document),
+            &self.of.camera,
+            &self.field,
+        ))
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
@@ -72,11 +78,17 @@ impl App {
         self.operations.camera_watch.change.as_ref()
     }
 
-    /// Looks whether the shown frame's camera still fits, after every edit. Looks in the background do not replace each other:
-    /// with edits in quick succession none would come to its end.
+    /// Looks whether the shown frame's camera still fits, after every edit. Looks in the background
+    /// do not replace each other: with edits in quick succession none would come to its end.
     pub(in crate::app) fn watch_camera(&mut self) {
-        let frame = self.open.as_ref().and_then(|open| Some((open, open.frame(self.session.frame)?)));
-        let of = frame.map(|(open, frame)| Watched { revision: open.revision, camera: frame.camera.clone() });
+        let frame = self
+            .open
+            .as_ref()
+            .and_then(|open| Some((open, open.frame(self.session.frame)?)));
+        let of = frame.map(|(open, frame)| Watched {
+            revision: open.revision,
+            camera: frame.camera.clone(),
+        });
         let state = &mut self.operations.camera_watch;
         let (Some(of), Some(open)) = (of, &mut self.open) else {
             (state.of, state.change) = (None, None);
@@ -96,7 +108,11 @@ impl App {
             return;
         }
         let (document, field) = (open.document.clone(), Arc::clone(field));
-        self.start(CameraWatch { document, field, of });
+        self.start(CameraWatch {
+            document,
+            field,
+            of,
+        });
     }
 
     fn camera_looked_at(&mut self, of: Watched, change: Option<CameraChange>) {
@@ -106,7 +122,8 @@ impl App {
             if state.told.as_ref() != Some(&told) {
                 state.told = Some(told);
                 let offer = [("New camera from here", Command::NewCameraFromChange)];
-                self.session.notify_with(Level::Warning, change.describe(), offer);
+                self.session
+                    .notify_with(Level::Warning, change.describe(), offer);
             }
         }
         (state.of, state.change) = (Some(of), change);

@@ -1,5 +1,5 @@
-//! Known cameras carried through the clip of the shown frame. What is carried are suggestions and stands beside what people did, as
-//! the forest's do.
+//! Known cameras carried through the clip of the shown frame. What is carried are suggestions and
+//! stands beside what people did, as the forest's do.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
@@ -9,8 +9,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
 use touchline_calibration::calibrate::{
-    BulkChange, ClipEvidence, ClipProgress, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip, TrackedFrame,
-    clip_of_frame, length_on_lines, record_tracked, take_length, track_clip,
+    BulkChange, ClipEvidence, ClipProgress, LengthOnLines, TrackClipError, TrackClipOptions,
+    TrackedClip, TrackedFrame, clip_of_frame, length_on_lines, record_tracked, take_length,
+    track_clip,
 };
 use touchline_calibration::proposals::{BatchId, Finder, offer_tracked_clip, read_picture};
 use touchline_core::field::{FieldError, FieldModel};
@@ -90,13 +91,30 @@ impl Operation for ClipTracking {
 
     fn run(&self, context: &Context<'_, ClipProgress>) -> Result<CarriedClip, ClipTrackingError> {
         let mut reader = context.open_reader();
-        let clip = clip_of_frame(self.document.at(&self.folder), self.frame).ok_or(ClipTrackingError::NoPicture)?;
+        let clip = clip_of_frame(self.document.at(&self.folder), self.frame)
+            .ok_or(ClipTrackingError::NoPicture)?;
         let (at, options) = (self.document.at(&self.folder), TrackClipOptions::default());
         let mut evidence = (*self.evidence).clone();
         let progress = context.progress();
-        let tracked = track_clip(at, &clip, &self.field, &mut *reader, &options, &mut evidence, &progress)?;
-        let length = if self.is_again() { Ok(None) } else { self.measure_length(&tracked, &mut *reader) };
-        Ok(CarriedClip { tracked, evidence: evidence.into(), length })
+        let tracked = track_clip(
+            at,
+            &clip,
+            &self.field,
+            &mut *reader,
+            &options,
+            &mut evidence,
+            &progress,
+        )?;
+        let length = if self.is_again() {
+            Ok(None)
+        } else {
+            self.measure_length(&tracked, &mut *reader)
+        };
+        Ok(CarriedClip {
+            tracked,
+            evidence: evidence.into(),
+            length,
+        })
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
@@ -110,7 +128,10 @@ impl Operation for ClipTracking {
     fn take_over(&self, app: &mut App, result: Result<CarriedClip, Failure<ClipTrackingError>>) {
         match result {
             Ok(carried) => app.take_carried_clip(self, carried),
-            Err(failure) => app.session.notify(failure.level(), format!("No cameras were carried: {failure}.")),
+            Err(failure) => app.session.notify(
+                failure.level(),
+                format!("No cameras were carried: {failure}."),
+            ),
         }
     }
 }
@@ -132,8 +153,8 @@ impl ClipTracking {
         length_on_lines(document.at(&self.folder), &mut picture)
     }
 
-    /// The part of a tracked clip that a document still has: frames are found again by their ids, and those that people have
-    /// changed since stay as they are.
+    /// The part of a tracked clip that a document still has: frames are found again by their ids,
+    /// and those that people have changed since stay as they are.
     fn still_open_in(&self, now: &Document, tracked: TrackedClip) -> TrackedClip {
         let place_now = |place: usize| {
             let then = self.document.frames.get(place)?;
@@ -141,8 +162,17 @@ impl ClipTracking {
             now.frames[place].is_open().then_some(place)
         };
         let frames = tracked.frames.iter();
-        let frames = frames.filter_map(|of| Some(TrackedFrame { place: place_now(of.place)?, ..of.clone() }));
-        TrackedClip { frames: frames.collect(), references: Vec::new(), ..tracked }
+        let frames = frames.filter_map(|of| {
+            Some(TrackedFrame {
+                place: place_now(of.place)?,
+                ..of.clone()
+            })
+        });
+        TrackedClip {
+            frames: frames.collect(),
+            references: Vec::new(),
+            ..tracked
+        }
     }
 }
 
@@ -154,8 +184,14 @@ impl App {
         let ClipTrackingState { slot, carried } = &self.operations.clip_tracking;
         match command {
             Command::Track => self.why_not_track(),
-            Command::DiscardCarried | Command::TakeLength if self.is_read_only() => Some("The document is read-only."),
-            Command::TakeLength if carried.as_ref().is_none_or(|carried| carried.length.is_none()) => {
+            Command::DiscardCarried | Command::TakeLength if self.is_read_only() => {
+                Some("The document is read-only.")
+            }
+            Command::TakeLength
+                if carried
+                    .as_ref()
+                    .is_none_or(|carried| carried.length.is_none()) =>
+            {
                 Some("No other length of the field was measured.")
             }
             Command::DiscardCarried if carried.is_none() => Some("No cameras were carried."),
@@ -173,11 +209,22 @@ impl App {
             return Some(why);
         }
         let frame = self.frame()?;
-        if open.document.camera_of(frame).and_then(|camera| camera.base_for(frame)).is_none() {
+        if open
+            .document
+            .camera_of(frame)
+            .and_then(|camera| camera.base_for(frame))
+            .is_none()
+        {
             return Some("Its camera has no base yet.");
         }
-        let mut others = open.document.frames.iter().filter(|other| other.camera == frame.camera);
-        others.all(|other| other.ptz.is_none()).then_some("No frame has a camera to carry on: click one first.")
+        let mut others = open
+            .document
+            .frames
+            .iter()
+            .filter(|other| other.camera == frame.camera);
+        others
+            .all(|other| other.ptz.is_none())
+            .then_some("No frame has a camera to carry on: click one first.")
     }
 
     /// Why no points can be followed through the shown shot; none if they can.
@@ -202,7 +249,10 @@ impl App {
             Command::RefineBaseOnShot => self.refine_base_on_shot(),
             Command::StopTracking if self.stop_refining_base() => {}
             Command::StopTracking if self.operations.clip_tracking.slot.cancel() => {
-                self.session.notify(Level::Info, "Carrying cameras was stopped; nothing was changed.");
+                self.session.notify(
+                    Level::Info,
+                    "Carrying cameras was stopped; nothing was changed.",
+                );
             }
             Command::DiscardCarried => self.discard_carried(),
             Command::TakeLength => self.take_measured_length(),
@@ -210,17 +260,23 @@ impl App {
         }
     }
 
-    /// Has the shot of the shown frame, which was just accepted, follow it if cameras were carried through it before.
+    /// Has the shot of the shown frame, which was just accepted, follow it if cameras were carried
+    /// through it before.
     pub(in crate::app) fn carry_correction(&mut self) {
         let carried = &self.operations.clip_tracking.carried;
-        let (Some(open), Some(frame), Some(carried)) = (&self.open, self.frame(), carried) else { return };
-        let shown = frame.picture_source(&open.folder).is_some_and(|source| carried.evidence.shows(&source));
+        let (Some(open), Some(frame), Some(carried)) = (&self.open, self.frame(), carried) else {
+            return;
+        };
+        let shown = frame
+            .picture_source(&open.folder)
+            .is_some_and(|source| carried.evidence.shows(&source));
         if shown && frame.is_solved_by_clicks() && self.why_not_track().is_none() {
             self.track_clip_with(Arc::clone(&carried.evidence), Cause::Correction);
         }
     }
 
-    /// Tracks the shown shot with a base that was refined on it, from the points that were followed for that.
+    /// Tracks the shown shot with a base that was refined on it, from the points that were followed
+    /// for that.
     pub(super) fn track_with_refined_base(&mut self, evidence: Arc<ClipEvidence>) {
         if self.why_not_track().is_none() {
             self.track_clip_with(evidence, Cause::Command);
@@ -228,20 +284,43 @@ impl App {
     }
 
     fn track_clip_with(&mut self, evidence: Arc<ClipEvidence>, cause: Cause) {
-        let (Some(open), Some(field)) = (&self.open, self.current.field().cloned()) else { return };
+        let (Some(open), Some(field)) = (&self.open, self.current.field().cloned()) else {
+            return;
+        };
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
-        self.start(ClipTracking { document, folder, frame: self.session.frame, field, evidence, cause });
+        self.start(ClipTracking {
+            document,
+            folder,
+            frame: self.session.frame,
+            field,
+            evidence,
+            cause,
+        });
     }
 
     /// Takes over what was carried: suggestions, and no step of undo.
-    fn take_carried_clip(&mut self, tracking: &ClipTracking, CarriedClip { tracked, evidence, length }: CarriedClip) {
+    fn take_carried_clip(
+        &mut self,
+        tracking: &ClipTracking,
+        CarriedClip {
+            tracked,
+            evidence,
+            length,
+        }: CarriedClip,
+    ) {
         if self.refuses_changes() {
             return;
         }
         let Some(open) = &mut self.open else { return };
-        let base_now = open.document.camera(&tracking.document.frames[tracking.frame].camera).and_then(Camera::base);
+        let base_now = open
+            .document
+            .camera(&tracking.document.frames[tracking.frame].camera)
+            .and_then(Camera::base);
         if base_now.as_ref() != Some(&tracked.base) {
-            self.session.notify(Level::Info, "The base changed in the meantime; the carried cameras were discarded.");
+            self.session.notify(
+                Level::Info,
+                "The base changed in the meantime; the carried cameras were discarded.",
+            );
             return;
         }
         let taken = tracking.still_open_in(&open.document, tracked);
@@ -249,29 +328,55 @@ impl App {
         let is_again = tracking.is_again();
         // What a correction replaces was carried itself: discarding both gives back what stood
         // before the first.
-        let batch = match self.operations.clip_tracking.carried.take().filter(|_| is_again) {
+        let batch = match self
+            .operations
+            .clip_tracking
+            .carried
+            .take()
+            .filter(|_| is_again)
+        {
             Some(last) => last.batch,
-            None => open.project.open_batch(Finder::Command { name: Command::Track.name().to_owned() }),
+            None => open.project.open_batch(Finder::Command {
+                name: Command::Track.name().to_owned(),
+            }),
         };
-        self.operations.clip_tracking.carried = Some(LastCarried { evidence, batch, length: None });
+        self.operations.clip_tracking.carried = Some(LastCarried {
+            evidence,
+            batch,
+            length: None,
+        });
         if let Some(edit) = open.suggest(batch, &offer_tracked_clip(&open.document, &taken)) {
             self.journal_edit(edit);
         }
         self.session.retract(Command::DiscardCarried);
-        let mut offers = vec![("Review", Command::ReviewPanel), ("Discard", Command::DiscardCarried)];
+        let mut offers = vec![
+            ("Review", Command::ReviewPanel),
+            ("Discard", Command::DiscardCarried),
+        ];
         if is_again {
-            self.session.notify_with(Level::Info, describe_followed(count), offers);
+            self.session
+                .notify_with(Level::Info, describe_followed(count), offers);
             return;
         }
-        if taken.frames.iter().any(|frame| frame.contradicted || frame.length_px.is_some()) {
+        if taken
+            .frames
+            .iter()
+            .any(|frame| frame.contradicted || frame.length_px.is_some())
+        {
             offers.insert(1, ("Refine the base", Command::RefineBaseOnShot));
         }
-        let level = if taken.stops.is_empty() { Level::Info } else { Level::Warning };
-        self.session.notify_with(level, describe_tracked(&taken, count), offers);
+        let level = if taken.stops.is_empty() {
+            Level::Info
+        } else {
+            Level::Warning
+        };
+        self.session
+            .notify_with(level, describe_tracked(&taken, count), offers);
         self.tell_length(length);
     }
 
-    /// Tells of another length of the field that the carried frames ask for, and offers to take it where nobody has stated one.
+    /// Tells of another length of the field that the carried frames ask for, and offers to take it
+    /// where nobody has stated one.
     fn tell_length(&mut self, length: Result<Option<LengthOnLines>, FieldError>) {
         match length {
             Ok(None) => {}
@@ -284,7 +389,8 @@ impl App {
                 if let Some(carried) = &mut self.operations.clip_tracking.carried {
                     carried.length = Some(found);
                 }
-                self.session.notify_with(Level::Warning, text, [("Take it", Command::TakeLength)]);
+                self.session
+                    .notify_with(Level::Warning, text, [("Take it", Command::TakeLength)]);
             }
             Err(error) => {
                 let text = format!("The length of the field was not measured: {error}.");
@@ -293,28 +399,44 @@ impl App {
         }
     }
 
-    /// Takes the length that was measured: one step of undo. Frames with clicks are solved again on it; to the others cameras have
-    /// to be carried again.
+    /// Takes the length that was measured: one step of undo. Frames with clicks are solved again on
+    /// it; to the others cameras have to be carried again.
     fn take_measured_length(&mut self) {
-        let (Some(open), Some(carried)) = (&self.open, &self.operations.clip_tracking.carried) else { return };
+        let (Some(open), Some(carried)) = (&self.open, &self.operations.clip_tracking.carried)
+        else {
+            return;
+        };
         let Some(found) = &carried.length else { return };
         let mut numbers = open.document.clone();
         take_length(&mut numbers, found);
         let change = BulkChange::Numbers(Box::new(numbers));
-        self.change_in_bulk(Step::on_document("Take the measured length"), change, |app, _| {
-            if let Some(carried) = &mut app.operations.clip_tracking.carried {
-                carried.length = None;
-            }
-            app.session.retract(Command::TakeLength);
-            let text = "The measured length was taken. Carry the cameras through the shot again.";
-            app.session.notify_with(Level::Info, text, [("Carry again", Command::Track)]);
-        });
+        self.change_in_bulk(
+            Step::on_document("Take the measured length"),
+            change,
+            |app, _| {
+                if let Some(carried) = &mut app.operations.clip_tracking.carried {
+                    carried.length = None;
+                }
+                app.session.retract(Command::TakeLength);
+                let text =
+                    "The measured length was taken. Carry the cameras through the shot again.";
+                app.session
+                    .notify_with(Level::Info, text, [("Carry again", Command::Track)]);
+            },
+        );
     }
 
-    /// Gives the frames that cameras were carried to what they showed before, where nobody has changed them since.
+    /// Gives the frames that cameras were carried to what they showed before, where nobody has
+    /// changed them since.
     fn discard_carried(&mut self) {
         self.commit_open_step();
-        if let Some(batch) = self.operations.clip_tracking.carried.as_ref().map(|carried| carried.batch) {
+        if let Some(batch) = self
+            .operations
+            .clip_tracking
+            .carried
+            .as_ref()
+            .map(|carried| carried.batch)
+        {
             self.discard_batch(batch);
         }
     }
@@ -337,7 +459,11 @@ impl ClipTrackingState {
             None => "Carrying cameras through the shot…".to_owned(),
             Some(progress) => describe_progress(progress),
         };
-        Some(UnderWay { text, share: None, stop: Command::StopTracking })
+        Some(UnderWay {
+            text,
+            share: None,
+            stop: Command::StopTracking,
+        })
     }
 }
 
@@ -345,14 +471,27 @@ impl ClipTrackingState {
 pub(super) fn describe_progress(progress: &ClipProgress) -> String {
     match progress {
         ClipProgress::Following(done, of) => format!("Following points: frame {done} of {of}…"),
-        ClipProgress::Painting(done, of) => format!("Looking at painted lines: {done} of {of} frames…"),
+        ClipProgress::Painting(done, of) => {
+            format!("Looking at painted lines: {done} of {of} frames…")
+        }
         ClipProgress::Adjusting => "Adjusting all frames of the shot together…".to_owned(),
     }
 }
 
 /// The length that the carried frames ask for.
-fn describe_length(LengthOnLines { size, frames, is_prescribed, .. }: &LengthOnLines) -> String {
-    let assumed = if *is_prescribed { "m is stated, and stays" } else { "m was assumed" };
+fn describe_length(
+    LengthOnLines {
+        size,
+        frames,
+        is_prescribed,
+        ..
+    }: &LengthOnLines,
+) -> String {
+    let assumed = if *is_prescribed {
+        "m is stated, and stays"
+    } else {
+        "m was assumed"
+    };
     format!(
         "The painted lines of {frames} frames ask for a length of {:.2} ± {:.2} m, where {} {assumed}.",
         size.value_m, size.sigma_m, size.assumed_m
@@ -379,7 +518,10 @@ fn describe_tracked(tracked: &TrackedClip, taken: usize) -> String {
         many => format!("; {many} also checked against their painted lines"),
     };
     let ended = if let Some(stop) = tracked.stops.first() {
-        format!(". It stopped at {}: only {} of {} points agree", stop.picture, stop.agreeing, stop.seen)
+        format!(
+            ". It stopped at {}: only {} of {} points agree",
+            stop.picture, stop.agreeing, stop.seen
+        )
     } else if tracked.missed.is_empty() {
         String::new()
     } else {
@@ -403,14 +545,29 @@ mod tests {
         let mut document = Document::new(FieldSpec::new("soccer"));
         let mut camera = Camera::new("main".into(), size);
         let rotation = BaseAngles::default().base_from_world();
-        camera.set_base(&CameraBase::new(Vec3::new(1.0, -62.0, 17.0), rotation, size.centre()));
+        camera.set_base(&CameraBase::new(
+            Vec3::new(1.0, -62.0, 17.0),
+            rotation,
+            size.centre(),
+        ));
         document.cameras.push(camera.into());
-        document.frames.push(Frame::from_image("a.jpg", "main".into(), size).into());
+        document
+            .frames
+            .push(Frame::from_image("a.jpg", "main".into(), size).into());
         let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
-        let finder = Finder::Command { name: Command::Track.name().to_owned() };
+        app.update(Action::Opened(Box::new(Opened::new(
+            document,
+            "/match/project.json",
+        ))));
+        let finder = Finder::Command {
+            name: Command::Track.name().to_owned(),
+        };
         let batch = app.open.as_mut().unwrap().project.open_batch(finder);
-        let carried = LastCarried { evidence: Arc::default(), batch, length: None };
+        let carried = LastCarried {
+            evidence: Arc::default(),
+            batch,
+            length: None,
+        };
         app.operations.clip_tracking.carried = Some(carried);
         app
     }
@@ -418,8 +575,20 @@ mod tests {
     fn measured(is_prescribed: bool) -> LengthOnLines {
         let (assumed_m, value_m, sigma_m) = (105.0, 101.0, 0.3);
         let name = "length_m".to_owned();
-        let size = FittedSize { name, assumed_m, value_m, sigma_m, position_sigma_m: Vec3::zeros(), is_open: false };
-        LengthOnLines { size, shifts: vec![("main".into(), Vec3::new(2.0, 0.0, 0.0))], frames: 4, is_prescribed }
+        let size = FittedSize {
+            name,
+            assumed_m,
+            value_m,
+            sigma_m,
+            position_sigma_m: Vec3::zeros(),
+            is_open: false,
+        };
+        LengthOnLines {
+            size,
+            shifts: vec![("main".into(), Vec3::new(2.0, 0.0, 0.0))],
+            frames: 4,
+            is_prescribed,
+        }
     }
 
     #[test]
@@ -427,15 +596,22 @@ mod tests {
         let mut app = app();
         assert!(app.why_not(Command::TakeLength).is_some());
         app.tell_length(Ok(Some(measured(false))));
-        assert!(app.session.offers(Command::TakeLength) && app.why_not(Command::TakeLength).is_none());
+        assert!(
+            app.session.offers(Command::TakeLength) && app.why_not(Command::TakeLength).is_none()
+        );
         let before = (*app.open().unwrap().document).clone();
         app.update(Action::Command(Command::TakeLength));
         let now = |app: &App| {
             let document = &app.open().unwrap().document;
-            (document.field.params.get("length_m").copied(), document.cameras[0].position_m.map(|at| at.x))
+            (
+                document.field.params.get("length_m").copied(),
+                document.cameras[0].position_m.map(|at| at.x),
+            )
         };
         assert_eq!(now(&app), (Some(101.0), Some(3.0)));
-        assert!(!app.session.offers(Command::TakeLength) && app.why_not(Command::TakeLength).is_some());
+        assert!(
+            !app.session.offers(Command::TakeLength) && app.why_not(Command::TakeLength).is_some()
+        );
         app.update(Action::Command(Command::Undo));
         assert_eq!(*app.open().unwrap().document, before);
     }
@@ -445,12 +621,25 @@ mod tests {
         let mut app = app();
         app.tell_length(Ok(Some(measured(true))));
         assert!(app.why_not(Command::TakeLength).is_some());
-        app.tell_length(Err(FieldError::BeingRead { place: "own.json".to_owned() }));
-        let texts: Vec<&str> = app.session.messages.notices.iter().map(|notice| notice.text.as_str()).collect();
+        app.tell_length(Err(FieldError::BeingRead {
+            place: "own.json".to_owned(),
+        }));
+        let texts: Vec<&str> = app
+            .session
+            .messages
+            .notices
+            .iter()
+            .map(|notice| notice.text.as_str())
+            .collect();
         assert!(
-            texts[0].ends_with("ask for a length of 101.00 ± 0.30 m, where 105 m is stated, and stays."),
+            texts[0].ends_with(
+                "ask for a length of 101.00 ± 0.30 m, where 105 m is stated, and stays."
+            ),
             "{texts:?}"
         );
-        assert!(texts[1].starts_with("The length of the field was not measured: "), "{texts:?}");
+        assert!(
+            texts[1].starts_with("The length of the field was not measured: "),
+            "{texts:?}"
+        );
     }
 }

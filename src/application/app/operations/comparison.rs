@@ -84,7 +84,11 @@ impl Operation for Comparison {
     fn run(&self, _: &Context<'_, Infallible>) -> Result<Compared, ComparisonError> {
         let (location, other, _) = read(&self.with)?;
         let agreement = agreement(self.document.at(&self.folder), other.at(location.folder()))?;
-        Ok(Compared { file: self.with.clone(), revision: self.revision, agreement })
+        Ok(Compared {
+            file: self.with.clone(),
+            revision: self.revision,
+            agreement,
+        })
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
@@ -102,7 +106,10 @@ impl Operation for Comparison {
 impl App {
     /// Why the document cannot be compared now; none if it can.
     pub(in crate::app) fn why_not_compare(&self) -> Option<&'static str> {
-        self.operations.comparison.is_running().then_some("A comparison is under way.")
+        self.operations
+            .comparison
+            .is_running()
+            .then_some("A comparison is under way.")
     }
 
     /// Compares the document as it is now with another one, on the quality page.
@@ -111,8 +118,14 @@ impl App {
             self.toggle_quality();
         }
         let Some(open) = &self.open else { return };
-        let (document, folder, revision) = ((*open.document).clone(), open.folder.clone(), open.revision);
+        let (document, folder, revision) =
+            ((*open.document).clone(), open.folder.clone(), open.revision);
         self.operations.comparison.made = None;
-        self.start(Comparison { document, folder, revision, with });
+        self.start(Comparison {
+            document,
+            folder,
+            revision,
+            with,
+        });
     }
 }

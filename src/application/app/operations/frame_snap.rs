@@ -8,7 +8,9 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
-use touchline_calibration::calibrate::{OnPaintError, camera_on_paint, record_found_by_paint, record_snapped};
+use touchline_calibration::calibrate::{
+    OnPaintError, camera_on_paint, record_found_by_paint, record_snapped,
+};
 use touchline_calibration::proposals::{Finder, Offer, PictureError, read_picture};
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
@@ -70,8 +72,14 @@ impl Operation for FrameSnap {
     fn run(&self, context: &Context<'_, f64>) -> Result<Box<CameraOnPaint>, FrameSnapError> {
         let picture = read_picture(&mut *context.open_reader(), &self.frame, &self.folder)?;
         let how = (&FindOptions::default(), self.from_scratch);
-        let (base, found) =
-            camera_on_paint(&self.document, &self.frame, &self.field, &picture, how, &context.progress())?;
+        let (base, found) = camera_on_paint(
+            &self.document,
+            &self.frame,
+            &self.field,
+            &picture,
+            how,
+            &context.progress(),
+        )?;
         Ok(Box::new(CameraOnPaint { base, found }))
     }
 
@@ -79,12 +87,21 @@ impl Operation for FrameSnap {
         &mut app.operations.frame_snap.slot
     }
 
-    fn take_over(&self, app: &mut App, result: Result<Box<CameraOnPaint>, Failure<FrameSnapError>>) {
+    fn take_over(
+        &self,
+        app: &mut App,
+        result: Result<Box<CameraOnPaint>, Failure<FrameSnapError>>,
+    ) {
         match result {
             Ok(found) => app.take_camera_on_paint(self, &found),
             Err(failure) => {
-                let what = if self.from_scratch { "No camera found" } else { "Not snapped" };
-                app.session.notify(failure.level(), format!("{what}: {failure}."));
+                let what = if self.from_scratch {
+                    "No camera found"
+                } else {
+                    "Not snapped"
+                };
+                app.session
+                    .notify(failure.level(), format!("{what}: {failure}."));
             }
         }
     }
@@ -101,7 +118,9 @@ impl FrameSnapState {
 
     /// The search by the lines alone that is running.
     fn search(&self) -> Option<&Running<FrameSnap>> {
-        self.slot.running().filter(|running| running.operation().from_scratch)
+        self.slot
+            .running()
+            .filter(|running| running.operation().from_scratch)
     }
 }
 
@@ -120,16 +139,26 @@ impl App {
 
     fn why_not_snap(&self) -> Option<&'static str> {
         self.why_no_paint().or_else(|| {
-            self.current.camera.is_none().then_some("There is no camera to snap yet: click two points first.")
+            self.current
+                .camera
+                .is_none()
+                .then_some("There is no camera to snap yet: click two points first.")
         })
     }
 
     fn why_not_search_lines(&self) -> Option<&'static str> {
         let frame = self.frame()?;
         let document = &self.open.as_ref()?.document;
-        let base = document.camera_of(frame).and_then(|camera| camera.base_for(frame));
+        let base = document
+            .camera_of(frame)
+            .and_then(|camera| camera.base_for(frame));
         self.why_no_paint()
-            .or_else(|| self.current.camera.is_some().then_some("This frame has a camera: snap it."))
+            .or_else(|| {
+                self.current
+                    .camera
+                    .is_some()
+                    .then_some("This frame has a camera: snap it.")
+            })
             .or_else(|| base.is_none().then_some("Its camera has no base yet."))
     }
 
@@ -142,7 +171,11 @@ impl App {
         if frame.status == FrameStatus::Rejected {
             return Some("This frame is marked as not calibratable.");
         }
-        self.operations.frame_snap.slot.is_running().then_some("The lines are being searched.")
+        self.operations
+            .frame_snap
+            .slot
+            .is_running()
+            .then_some("The lines are being searched.")
     }
 
     /// Carries out a command about the painted lines.
@@ -152,7 +185,8 @@ impl App {
             Command::SearchLines => self.snap(true),
             Command::StopSearch => {
                 self.operations.frame_snap.slot.cancel();
-                self.session.notify(Level::Info, "The search was stopped; nothing was changed.");
+                self.session
+                    .notify(Level::Info, "The search was stopped; nothing was changed.");
             }
             _ => {}
         }
@@ -160,35 +194,65 @@ impl App {
 
     /// Has the shown frame's camera aligned to the painted lines, or found by them alone.
     fn snap(&mut self, from_scratch: bool) {
-        let Some(field) = self.current.field().cloned() else { return };
+        let Some(field) = self.current.field().cloned() else {
+            return;
+        };
         self.commit_open_step();
         let Some(open) = &self.open else { return };
-        let Some(frame) = open.document.frames.get(self.session.frame).cloned() else { return };
+        let Some(frame) = open.document.frames.get(self.session.frame).cloned() else {
+            return;
+        };
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
-        self.start(FrameSnap { document, folder, frame, field, from_scratch });
+        self.start(FrameSnap {
+            document,
+            folder,
+            frame,
+            field,
+            from_scratch,
+        });
     }
 
     /// Takes over a camera on the painted lines. A frame that has changed since keeps its camera.
     fn take_camera_on_paint(&mut self, asked: &FrameSnap, found: &CameraOnPaint) {
         let position = self.open.as_ref().and_then(|open| {
             let position = open.document.frames.position_of(&asked.frame.id)?;
-            open.document.frames[position].is_same(&asked.frame).then_some(position)
+            open.document.frames[position]
+                .is_same(&asked.frame)
+                .then_some(position)
         });
         let Some(position) = position.filter(|_| self.session.mode == Mode::Idle) else {
-            self.session.notify(Level::Info, "The frame changed in the meantime and was not snapped.");
+            self.session.notify(
+                Level::Info,
+                "The frame changed in the meantime and was not snapped.",
+            );
             return;
         };
         if asked.from_scratch && asked.frame.is_open() {
             self.suggest_camera_on_paint(position, found);
             return;
         }
-        let before = self.open.as_ref().and_then(|open| open.document.pointed(&asked.frame));
-        let step = if asked.from_scratch { "Search the painted lines" } else { "Snap to the painted lines" };
+        let before = self
+            .open
+            .as_ref()
+            .and_then(|open| open.document.pointed(&asked.frame));
+        let step = if asked.from_scratch {
+            "Search the painted lines"
+        } else {
+            "Snap to the painted lines"
+        };
         if !self.begin_step(self.step_at(step, position)) {
             return;
         }
-        if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(position)) {
-            let record = if asked.from_scratch { record_found_by_paint } else { record_snapped };
+        if let Some(frame) = self
+            .open
+            .as_mut()
+            .and_then(|open| open.document.frames.get_mut(position))
+        {
+            let record = if asked.from_scratch {
+                record_found_by_paint
+            } else {
+                record_snapped
+            };
             record(frame, &found.base, &found.found);
             if asked.frame.shows_suggestion() && frame.status == FrameStatus::Suggested {
                 // A suggestion is no step of undo, and what a person asked for is.
@@ -198,32 +262,47 @@ impl App {
         self.commit();
         if let Some(before) = before {
             let text = describe_snap(&before, found, &asked.frame);
-            self.operations.frame_snap.before.insert(asked.frame.id.clone(), before);
+            self.operations
+                .frame_snap
+                .before
+                .insert(asked.frame.id.clone(), before);
             self.session.notify(Level::Info, text);
         } else if asked.from_scratch {
             let samples = found.found.samples;
             self.session.notify(
                 Level::Info,
-                format!("Found from {samples} points on painted lines. Check it before you accept."),
+                format!(
+                    "Found from {samples} points on painted lines. Check it before you accept."
+                ),
             );
         }
     }
 
     /// Takes a camera that was found by the painted lines alone as a suggestion for its frame,
     /// which nobody has touched.
-    fn suggest_camera_on_paint(&mut self, position: usize, CameraOnPaint { base, found }: &CameraOnPaint) {
+    fn suggest_camera_on_paint(
+        &mut self,
+        position: usize,
+        CameraOnPaint { base, found }: &CameraOnPaint,
+    ) {
         if self.refuses_changes() {
             return;
         }
         let Some(open) = &mut self.open else { return };
         let record = |frame: &mut Frame| record_found_by_paint(frame, base, found);
-        let Some(offer) = Offer::from_recorded(&open.document, position, record) else { return };
-        let batch = open.project.open_batch(Finder::Command { name: Command::SearchLines.name().to_owned() });
+        let Some(offer) = Offer::from_recorded(&open.document, position, record) else {
+            return;
+        };
+        let batch = open.project.open_batch(Finder::Command {
+            name: Command::SearchLines.name().to_owned(),
+        });
         if let Some(edit) = open.suggest(batch, &[offer]) {
             self.journal_edit(edit);
         }
         let samples = found.samples;
-        let text = format!("Suggested from {samples} points on painted lines. Check it before you accept it.");
+        let text = format!(
+            "Suggested from {samples} points on painted lines. Check it before you accept it."
+        );
         self.session.notify(Level::Info, text);
     }
 
@@ -250,18 +329,37 @@ impl FrameSnapState {
     /// The search under way, with how far it has come. An alignment is over at once.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
         let search = self.search()?;
-        let far = search.progress().map(|share| format!(": {:.0} %", 100.0 * share)).unwrap_or_default();
-        let text = format!("Searching the painted lines of {}{far}…", search.operation().frame.name());
-        Some(UnderWay { text, share: None, stop: Command::StopSearch })
+        let far = search
+            .progress()
+            .map(|share| format!(": {:.0} %", 100.0 * share))
+            .unwrap_or_default();
+        let text = format!(
+            "Searching the painted lines of {}{far}…",
+            search.operation().frame.name()
+        );
+        Some(UnderWay {
+            text,
+            share: None,
+            stop: Command::StopSearch,
+        })
     }
 }
 
 /// How far the picture's middle moved, and what it rests on.
-fn describe_snap(before: &PtzCamera, CameraOnPaint { base, found }: &CameraOnPaint, frame: &Frame) -> String {
+fn describe_snap(
+    before: &PtzCamera,
+    CameraOnPaint { base, found }: &CameraOnPaint,
+    frame: &Frame,
+) -> String {
     let after = PtzCamera::new(*base, found.ptz);
     let centre = frame.image_size.centre();
-    let moved = before.ray_from_image(centre).ok().and_then(|ray| after.image_from_ray(ray).ok());
-    let moved = moved.map(|to| format!(", {:.1} px away", to.distance_px(centre))).unwrap_or_default();
+    let moved = before
+        .ray_from_image(centre)
+        .ok()
+        .and_then(|ray| after.image_from_ray(ray).ok());
+    let moved = moved
+        .map(|to| format!(", {:.1} px away", to.distance_px(centre)))
+        .unwrap_or_default();
     format!(
         "Snapped to {} points on painted lines (within {:.1} px){moved}. Hold S to see it before.",
         found.samples, found.rms_px

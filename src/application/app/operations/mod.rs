@@ -1,7 +1,9 @@
-//! The operations, one file each: its input and its work, when it is available, what becomes of its result, and its words.
+//! The operations, one file each: its input and its work, when it is available, what becomes of its
+//! result, and its words.
 //!
-//! To add one, write its file, give [`Operations`] a field for its state, and let a command or an action start it: commands of
-//! operations and what starts unasked are listed here, so that the rest of the application names none.
+//! To add one, write its file, give [`Operations`] a field for its state, and let a command or an
+//! action start it: commands of operations and what starts unasked are listed here, so that the
+//! rest of the application names none.
 
 pub mod base_estimate;
 mod base_refinement;
@@ -52,7 +54,8 @@ use std::sync::Arc;
 use touchline_calibration::calibrate::EstimatedBase;
 use transfer::TransferState;
 
-/// The state of each operation on the open document. Another document begins with a new one: whatever runs is cancelled.
+/// The state of each operation on the open document. Another document begins with a new one:
+/// whatever runs is cancelled.
 #[derive(Debug, Default)]
 pub struct Operations {
     /// The estimation of a camera's base.
@@ -110,7 +113,8 @@ impl Operations {
             .or_else(|| self.frame_snap.under_way())
     }
 
-    /// The estimation of a base that is under way: the status row speaks of it once nothing is being clicked.
+    /// The estimation of a base that is under way: the status row speaks of it once nothing is
+    /// being clicked.
     pub(super) fn base_under_way(&self) -> Option<UnderWay> {
         self.base_estimate.under_way()
     }
@@ -135,9 +139,11 @@ impl App {
             C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
                 self.why_not_camera_search(command)
             }
-            C::Track | C::DiscardCarried | C::StopTracking | C::TakeLength | C::RefineBaseOnShot => {
-                self.why_not_clip_tracking(command)
-            }
+            C::Track
+            | C::DiscardCarried
+            | C::StopTracking
+            | C::TakeLength
+            | C::RefineBaseOnShot => self.why_not_clip_tracking(command),
             C::CompareAnnotators => self.why_not_compare(),
             C::Snap | C::SearchLines | C::StopSearch => self.why_not_frame_snap(command),
             C::FindShots | C::StopShotSearch => self.why_not_shot_search(command),
@@ -158,7 +164,11 @@ impl App {
             C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
                 self.camera_search_command(command);
             }
-            C::Track | C::DiscardCarried | C::StopTracking | C::TakeLength | C::RefineBaseOnShot => {
+            C::Track
+            | C::DiscardCarried
+            | C::StopTracking
+            | C::TakeLength
+            | C::RefineBaseOnShot => {
                 self.clip_tracking_command(command);
             }
             C::CompareAnnotators => self.effects.push(Effect::Ask(Question::CompareWith)),

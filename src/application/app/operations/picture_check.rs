@@ -1,7 +1,9 @@
-//! Whether the pictures are those that the document means, compared in the background when it is opened.
+//! Whether the pictures are those that the document means, compared in the background when it is
+//! opened.
 //!
-//! Another file under the name of a labelled one shows another moment: its lines lie elsewhere, and a label that was good is wrong. Only
-//! what the document states can be compared: SHA-256, size, number and time in a video.
+//! Another file under the name of a labelled one shows another moment: its lines lie elsewhere, and
+//! a label that was good is wrong. Only what the document states can be compared: SHA-256, size,
+//! number and time in a video.
 
 use crate::app::App;
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
@@ -32,12 +34,20 @@ struct Stated {
 
 impl Stated {
     fn by(frame: &Frame) -> Self {
-        Self { image: frame.image.clone(), video: frame.video.clone(), sha256: frame.sha256.clone() }
+        Self {
+            image: frame.image.clone(),
+            video: frame.video.clone(),
+            sha256: frame.sha256.clone(),
+        }
     }
 
     /// Whether anything can be compared.
     fn is_comparable(frame: &Frame) -> bool {
-        frame.sha256.is_some() || frame.video.as_ref().is_some_and(|video| video.pts_s.is_some())
+        frame.sha256.is_some()
+            || frame
+                .video
+                .as_ref()
+                .is_some_and(|video| video.pts_s.is_some())
     }
 }
 
@@ -74,12 +84,27 @@ impl Operation for PictureComparison {
             if context.check().is_break() {
                 break;
             }
-            let Some(frame) = self.document.frames.get(index).filter(|frame| Stated::is_comparable(frame)) else {
+            let Some(frame) = self
+                .document
+                .frames
+                .get(index)
+                .filter(|frame| Stated::is_comparable(frame))
+            else {
                 continue;
             };
             context.give_way_to_window();
-            if let Some(fault) = check.faults(index).iter().find(|fault| is_of_another_picture(fault)) {
-                found.insert(frame.id.clone(), OtherPicture { stated: Stated::by(frame), says: fault.to_string() });
+            if let Some(fault) = check
+                .faults(index)
+                .iter()
+                .find(|fault| is_of_another_picture(fault))
+            {
+                found.insert(
+                    frame.id.clone(),
+                    OtherPicture {
+                        stated: Stated::by(frame),
+                        says: fault.to_string(),
+                    },
+                );
                 let _ = context.report(Arc::new(found.clone()));
             }
         }
@@ -93,7 +118,11 @@ impl Operation for PictureComparison {
     fn take_over(&self, app: &mut App, result: Result<Self::Output, Failure<Infallible>>) {
         match result {
             Ok(found) => {
-                let first = self.document.frames.iter().find(|frame| found.contains_key(&frame.id));
+                let first = self
+                    .document
+                    .frames
+                    .iter()
+                    .find(|frame| found.contains_key(&frame.id));
                 if let Some(first) = first {
                     let (name, text) = (first.name(), "not the pictures that were labelled");
                     let text = match found.len() {
@@ -109,7 +138,8 @@ impl Operation for PictureComparison {
     }
 }
 
-/// Whether a fault means that the picture is not the one of the frame. That a picture is missing the window says by itself.
+/// Whether a fault means that the picture is not the one of the frame. That a picture is missing
+/// the window says by itself.
 const fn is_of_another_picture(fault: &Fault) -> bool {
     matches!(
         fault,
@@ -126,7 +156,11 @@ impl App {
     pub fn other_picture(&self, index: usize) -> Option<&str> {
         let frame = self.open.as_ref()?.frame(index)?;
         let state = &self.operations.picture_comparison;
-        let found = state.slot.running().and_then(Running::progress).unwrap_or(&state.found);
+        let found = state
+            .slot
+            .running()
+            .and_then(Running::progress)
+            .unwrap_or(&state.found);
         let other = found.get(&frame.id)?;
         (other.stated == Stated::by(frame)).then_some(other.says.as_str())
     }
@@ -134,10 +168,19 @@ impl App {
     /// Compares the pictures with the document that was opened.
     pub(in crate::app) fn compare_pictures(&mut self) {
         let Some(open) = &self.open else { return };
-        if !open.document.frames.iter().any(|frame| Stated::is_comparable(frame)) {
+        if !open
+            .document
+            .frames
+            .iter()
+            .any(|frame| Stated::is_comparable(frame))
+        {
             return;
         }
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
-        self.start(PictureComparison { document, folder, shown: self.session.frame });
+        self.start(PictureComparison {
+            document,
+            folder,
+            shown: self.session.frame,
+        });
     }
 }

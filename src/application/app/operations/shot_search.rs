@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::progress::{Progress, Share};
-use touchline_documents::document::{Document, EditKind, Frame, FrameStatus, ShotKind, Step, VideoShots};
+use touchline_documents::document::{
+    Document, EditKind, Frame, FrameStatus, ShotKind, Step, VideoShots,
+};
 use touchline_vision::media::{FrameReader, FrameRef, FrameStream, MediaError};
 use touchline_vision::track::{CutFinder, Miniature};
 
@@ -18,7 +20,8 @@ pub struct ShotSearch {
     pub video: String,
     /// Its file.
     pub path: PathBuf,
-    /// How many steps could be undone when the search began: what it finds goes beneath those that come later.
+    /// How many steps could be undone when the search began: what it finds goes beneath those that
+    /// come later.
     pub num_below: usize,
 }
 
@@ -47,7 +50,11 @@ impl ShotSearchState {
     /// How far that has come.
     #[must_use]
     pub fn progress(&self) -> Share {
-        self.slot.running().and_then(Running::progress).copied().unwrap_or_default()
+        self.slot
+            .running()
+            .and_then(Running::progress)
+            .copied()
+            .unwrap_or_default()
     }
 }
 
@@ -65,7 +72,8 @@ impl Operation for ShotSearch {
         let percent = AtomicUsize::new(usize::MAX);
         let progress = Progress::new(|frames: Share| {
             context.give_way_to_window();
-            // The window shows whole percents and is painted after each report: a long match has thousands of frames a percent.
+            // The window shows whole percents and is painted after each report: a long match has
+            // thousands of frames a percent.
             if percent.swap(frames.percent(), Ordering::Relaxed) == frames.percent() {
                 return context.check();
             }
@@ -100,13 +108,20 @@ impl ShotSearch {
     ///
     /// # Errors
     /// The video cannot be opened, or `progress` cancelled the search: [`MediaError::Stopped`].
-    pub fn look(&self, reader: &mut FrameReader, progress: &Progress<'_, Share>) -> Result<FoundShots, MediaError> {
+    pub fn look(
+        &self,
+        reader: &mut FrameReader,
+        progress: &Progress<'_, Share>,
+    ) -> Result<FoundShots, MediaError> {
         let of = reader.video_info(&self.path)?.decoded_frames;
         let mut finder = CutFinder::default();
         let mut last: Option<Miniature> = None;
         let path: Arc<Path> = Arc::from(self.path.as_path());
         let frames = (0..of).map(|index| FrameRef::video(Arc::clone(&path), index));
-        for frame in FrameStream::new(frames).with_reader(reader).with_progress(progress.part(|frames| frames)) {
+        for frame in FrameStream::new(frames)
+            .with_reader(reader)
+            .with_progress(progress.part(|frames| frames))
+        {
             // A frame that does not decode shows nothing new.
             if let Ok(picture) = frame.picture {
                 last = Some(Miniature::of(&picture));
@@ -116,17 +131,32 @@ impl ShotSearch {
             }
         }
         if progress.is_cancelled() {
-            return Err(MediaError::Stopped { path: self.path.clone() });
+            return Err(MediaError::Stopped {
+                path: self.path.clone(),
+            });
         }
         // Frames that did not decode at the start were not counted by the finder.
         let missing = of - finder.frames();
-        let kind = |is_fade| if is_fade { ShotKind::Fade } else { ShotKind::Cut };
-        let cuts = finder.cuts().into_iter().map(|cut| ((cut.frame + missing) as u64, kind(cut.is_fade)));
-        Ok(FoundShots { last: of.saturating_sub(1) as u64, cuts: cuts.collect() })
+        let kind = |is_fade| {
+            if is_fade {
+                ShotKind::Fade
+            } else {
+                ShotKind::Cut
+            }
+        };
+        let cuts = finder
+            .cuts()
+            .into_iter()
+            .map(|cut| ((cut.frame + missing) as u64, kind(cut.is_fade)));
+        Ok(FoundShots {
+            last: of.saturating_sub(1) as u64,
+            cuts: cuts.collect(),
+        })
     }
 }
 
-/// The videos of a document of which nobody has said what their shots are, by name and file: no frame of theirs belongs to one.
+/// The videos of a document of which nobody has said what their shots are, by name and file: no
+/// frame of theirs belongs to one.
 fn without_shots(document: &Document, folder: &Path) -> Vec<(String, PathBuf)> {
     let mut videos: Vec<(String, PathBuf, bool)> = Vec::new();
     for frame in &document.frames {
@@ -134,10 +164,15 @@ fn without_shots(document: &Document, folder: &Path) -> Vec<(String, PathBuf)> {
         let is_in_shot = frame.clip.is_some();
         match videos.iter_mut().find(|(name, ..)| *name == video.path) {
             Some((.., has_shots)) => *has_shots |= is_in_shot,
-            None => videos.extend(file_of(frame, folder).map(|file| (video.path.clone(), file, is_in_shot))),
+            None => videos
+                .extend(file_of(frame, folder).map(|file| (video.path.clone(), file, is_in_shot))),
         }
     }
-    videos.into_iter().filter(|(.., has_shots)| !has_shots).map(|(name, file, _)| (name, file)).collect()
+    videos
+        .into_iter()
+        .filter(|(.., has_shots)| !has_shots)
+        .map(|(name, file, _)| (name, file))
+        .collect()
 }
 
 /// The file of a frame's video.
@@ -176,21 +211,35 @@ impl App {
         }
     }
 
-    /// Looks for the cuts of a video that has just been imported: the user has done nothing in the document yet.
+    /// Looks for the cuts of a video that has just been imported: the user has done nothing in the
+    /// document yet.
     pub(in crate::app) fn find_shots_of_new(&mut self) {
-        let Some(open) = self.open.as_ref().filter(|open| open.read_only.is_none()) else { return };
+        let Some(open) = self.open.as_ref().filter(|open| open.read_only.is_none()) else {
+            return;
+        };
         let is_new = |status| matches!(status, FrameStatus::New | FrameStatus::Suggested);
-        if !open.document.shots.is_empty() || !open.document.frames.iter().all(|frame| is_new(frame.status)) {
+        if !open.document.shots.is_empty()
+            || !open
+                .document
+                .frames
+                .iter()
+                .all(|frame| is_new(frame.status))
+        {
             return;
         }
-        if let Some((video, path)) = without_shots(&open.document, &open.folder).into_iter().next() {
+        if let Some((video, path)) = without_shots(&open.document, &open.folder)
+            .into_iter()
+            .next()
+        {
             self.begin_shot_search(video, path);
         }
     }
 
     /// Looks for the cuts of the shown frame's video, again if need be.
     fn find_shots(&mut self) {
-        let Some((open, frame)) = self.open.as_ref().zip(self.frame()) else { return };
+        let Some((open, frame)) = self.open.as_ref().zip(self.frame()) else {
+            return;
+        };
         let video = frame.video.as_ref().map(|video| video.path.clone());
         if let Some((video, path)) = video.zip(file_of(frame, &open.folder)) {
             self.begin_shot_search(video, path);
@@ -199,13 +248,21 @@ impl App {
 
     fn begin_shot_search(&mut self, video: String, path: PathBuf) {
         let num_below = self.open.as_ref().map_or(0, |open| open.history.num_done());
-        self.start(ShotSearch { video, path, num_below });
+        self.start(ShotSearch {
+            video,
+            path,
+            num_below,
+        });
     }
 
     /// Marks the shots that were found.
     fn mark_found_shots(&mut self, search: &ShotSearch, found: &FoundShots) {
         let count = found.cuts.len() + 1;
-        let name = if count == 1 { "Mark the shot".to_owned() } else { format!("Mark {count} shots") };
+        let name = if count == 1 {
+            "Mark the shot".to_owned()
+        } else {
+            format!("Mark {count} shots")
+        };
         if self.refuses_changes() {
             return;
         }
@@ -228,7 +285,11 @@ impl App {
 
 /// What was found.
 fn describe(found: &FoundShots) -> String {
-    let fades = found.cuts.iter().filter(|(_, kind)| *kind == ShotKind::Fade).count();
+    let fades = found
+        .cuts
+        .iter()
+        .filter(|(_, kind)| *kind == ShotKind::Fade)
+        .count();
     let unsure = match fades {
         0 => String::new(),
         1 => " One is a fade; its position is uncertain.".to_owned(),

@@ -78,7 +78,8 @@ pub struct CoursePoint {
     pub frame: usize,
     /// When: in the units of the axis.
     pub at: f64,
-    /// Pan and tilt in degrees, focal length in px of the frame. The pans of a course have no jump at ±180°: see
+    /// Pan and tilt in degrees, focal length in px of the frame. The pans of a course have no jump
+    /// at ±180°: see
     /// [`AngleRange::unwrapped`].
     pub values: [f64; 3],
     /// How it got them.
@@ -112,14 +113,20 @@ pub struct Course {
     pub points: Vec<CoursePoint>,
     /// Where a shot ends and the next one begins.
     pub cuts: Vec<f64>,
-    /// The points that disagree with their neighbours, by their places among the points, the farthest off first.
+    /// The points that disagree with their neighbours, by their places among the points, the
+    /// farthest off first.
     pub standing_out: Vec<usize>,
 }
 
 impl Course {
     /// The course of a camera; `found` is how the document's frames lie to their neighbours.
     #[must_use]
-    pub fn of(document: &Document, found: &Disagreements, camera: &CameraId, axis: TimeAxis) -> Self {
+    pub fn of(
+        document: &Document,
+        found: &Disagreements,
+        camera: &CameraId,
+        axis: TimeAxis,
+    ) -> Self {
         let frames: Vec<(usize, &Frame)> = document
             .frames
             .iter()
@@ -128,15 +135,27 @@ impl Course {
             .map(|(index, frame)| (index, &**frame))
             .collect();
         let has_video_time = has_video_time(&frames);
-        let axis = if has_video_time { axis } else { TimeAxis::Frame };
+        let axis = if has_video_time {
+            axis
+        } else {
+            TimeAxis::Frame
+        };
         let at = |index: usize, frame: &Frame| match axis {
             TimeAxis::Frame => index as f64,
-            TimeAxis::Video => frame.video.as_ref().and_then(|video| video.pts_s).unwrap_or(0.0),
+            TimeAxis::Video => frame
+                .video
+                .as_ref()
+                .and_then(|video| video.pts_s)
+                .unwrap_or(0.0),
         };
-        let mut timed: Vec<(f64, usize, &Frame)> =
-            frames.into_iter().map(|(index, frame)| (at(index, frame), index, frame)).collect();
+        let mut timed: Vec<(f64, usize, &Frame)> = frames
+            .into_iter()
+            .map(|(index, frame)| (at(index, frame), index, frame))
+            .collect();
         timed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let pans = timed.iter().filter_map(|(_, _, frame)| Some(frame.ptz.as_ref()?.ptz().pan));
+        let pans = timed
+            .iter()
+            .filter_map(|(_, _, frame)| Some(frame.ptz.as_ref()?.ptz().pan));
         let seen = AngleRange::smallest(pans).unwrap_or(AngleRange::FULL);
         let mut course = Self {
             axis,
@@ -154,28 +173,41 @@ impl Course {
                 course.cuts.push(f64::midpoint(then, at));
             }
             before = Some((at, frame.clip.as_ref()));
-            let (Some(ptz), Some(kind)) = (&frame.ptz, PointKind::of(frame)) else { continue };
+            let (Some(ptz), Some(kind)) = (&frame.ptz, PointKind::of(frame)) else {
+                continue;
+            };
             let disagreement = found.of_frame(index);
             course.points.push(CoursePoint {
                 frame: index,
                 at,
-                values: [seen.unwrapped(ptz.ptz().pan).degrees(), ptz.tilt_deg, ptz.focal_px],
+                values: [
+                    seen.unwrapped(ptz.ptz().pan).degrees(),
+                    ptz.tilt_deg,
+                    ptz.focal_px,
+                ],
                 kind,
                 shot: course.cuts.len(),
                 apart_px: disagreement.map(|found| found.apart_px),
                 stands_out: disagreement.as_ref().is_some_and(disagrees),
             });
         }
-        course.standing_out = (0..course.points.len()).filter(|&point| course.points[point].stands_out).collect();
+        course.standing_out = (0..course.points.len())
+            .filter(|&point| course.points[point].stands_out)
+            .collect();
         let apart_px = |point: &usize| course.points[*point].apart_px.unwrap_or(0.0);
-        course.standing_out.sort_by(|a, b| apart_px(b).total_cmp(&apart_px(a)));
+        course
+            .standing_out
+            .sort_by(|a, b| apart_px(b).total_cmp(&apart_px(a)));
         course
     }
 
     /// How many points are of a kind.
     #[must_use]
     pub fn count(&self, kind: PointKind) -> usize {
-        self.points.iter().filter(|point| point.kind == kind).count()
+        self.points
+            .iter()
+            .filter(|point| point.kind == kind)
+            .count()
     }
 
     /// The points within a span of time, both ends included.
@@ -191,25 +223,38 @@ impl Course {
     pub fn at_of(&self, frame: usize) -> Option<f64> {
         match self.axis {
             TimeAxis::Frame => Some(frame as f64),
-            TimeAxis::Video => self.points.iter().find(|point| point.frame == frame).map(|point| point.at),
+            TimeAxis::Video => self
+                .points
+                .iter()
+                .find(|point| point.frame == frame)
+                .map(|point| point.at),
         }
     }
 }
 
 fn has_video_time(frames: &[(usize, &Frame)]) -> bool {
     let mut videos = frames.iter().map(|(_, frame)| frame.video.as_ref());
-    let Some(Some(first)) = videos.next() else { return false };
+    let Some(Some(first)) = videos.next() else {
+        return false;
+    };
     first.pts_s.is_some()
-        && videos.all(|video| video.is_some_and(|video| video.pts_s.is_some() && video.path == first.path))
+        && videos.all(|video| {
+            video.is_some_and(|video| video.pts_s.is_some() && video.path == first.path)
+        })
 }
 
 /// From the first to the last; a single moment gets some room.
 fn whole(timed: &[(f64, usize, &Frame)]) -> Option<[f64; 2]> {
     let (from, upto) = (timed.first()?.0, timed.last()?.0);
-    Some(if from < upto { [from, upto] } else { [from - 0.5, upto + 0.5] })
+    Some(if from < upto {
+        [from, upto]
+    } else {
+        [from - 0.5, upto + 0.5]
+    })
 }
 
-/// A span of time enlarged by a factor around a moment that stays where it is; none where it becomes the whole.
+/// A span of time enlarged by a factor around a moment that stays where it is; none where it
+/// becomes the whole.
 #[must_use]
 pub fn zoomed(span: [f64; 2], whole: [f64; 2], around: f64, factor: f64) -> Option<[f64; 2]> {
     let smallest = ((whole[1] - whole[0]) * SMALLEST_SHARE).max(1e-3);
@@ -243,14 +288,21 @@ mod tests {
     fn document() -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
         let mut camera = Camera::new("main".into(), SIZE);
-        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        let base = CameraBase::new(
+            Vec3::new(0.0, -60.0, 18.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        );
         camera.set_base(&base);
         document.cameras.push(camera.into());
         for index in 0..12_u32 {
             let video = VideoFrame::new("m.mp4", u64::from(index), Some(0.04 * f64::from(index)));
             let mut frame = Frame::from_video(video, "main".into(), SIZE);
             frame.clip = Some(Clip::Number(i64::from(index / 6)));
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.1 * f64::from(index), -10.0, 2000.0), None));
+            frame.ptz = Some(FramePtz::new(
+                Ptz::from_degrees(0.1 * f64::from(index), -10.0, 2000.0),
+                None,
+            ));
             frame.status = FrameStatus::Suggested;
             document.frames.push(frame.into());
         }
@@ -266,7 +318,10 @@ mod tests {
         let mut document = document();
         assert!(course(&document, TimeAxis::Frame).standing_out.is_empty());
         for (frame, tilt_deg) in [(2, -11.5), (9, -14.0)] {
-            document.frames[frame].ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, tilt_deg, 2000.0), None));
+            document.frames[frame].ptz = Some(FramePtz::new(
+                Ptz::from_degrees(0.0, tilt_deg, 2000.0),
+                None,
+            ));
         }
         let found = course(&document, TimeAxis::Frame);
         assert_eq!(found.standing_out, [9, 2], "the farthest off first");
@@ -284,8 +339,18 @@ mod tests {
         assert_eq!(found.cuts, [5.5]);
         let shots: Vec<usize> = found.points.iter().map(|point| point.shot).collect();
         assert_eq!(shots, [0, 0, 0, 0, 1, 1, 1, 1, 1, 1]);
-        assert_eq!((found.count(PointKind::Reference), found.count(PointKind::Suggested)), (1, 9));
-        assert_eq!(found.whole, Some([0.0, 11.0]), "frames without a camera have their place in time, too");
+        assert_eq!(
+            (
+                found.count(PointKind::Reference),
+                found.count(PointKind::Suggested)
+            ),
+            (1, 9)
+        );
+        assert_eq!(
+            found.whole,
+            Some([0.0, 11.0]),
+            "frames without a camera have their place in time, too"
+        );
         assert_eq!(found.within([3.0, 5.0]).len(), 3);
         assert_eq!(found.within([5.2, 5.1]).len(), 0);
     }
@@ -295,13 +360,24 @@ mod tests {
         let mut document = document();
         let video = course(&document, TimeAxis::Video);
         assert_eq!((video.axis, video.has_video_time), (TimeAxis::Video, true));
-        assert!((video.points[11].at - 0.44).abs() < 1e-12 && video.at_of(11) == Some(video.points[11].at));
+        assert!(
+            (video.points[11].at - 0.44).abs() < 1e-12
+                && video.at_of(11) == Some(video.points[11].at)
+        );
         document.frames[4].video = Some(VideoFrame::new("m.mp4", 4, None));
         let numbers = course(&document, TimeAxis::Video);
-        assert_eq!((numbers.axis, numbers.has_video_time), (TimeAxis::Frame, false));
+        assert_eq!(
+            (numbers.axis, numbers.has_video_time),
+            (TimeAxis::Frame, false)
+        );
         assert_eq!(numbers.points[11].at, 11.0);
         assert_eq!(
-            Course::of(&document, &Disagreements::of(&document), &"other".into(), TimeAxis::Frame),
+            Course::of(
+                &document,
+                &Disagreements::of(&document),
+                &"other".into(),
+                TimeAxis::Frame
+            ),
             Course::default()
         );
     }
@@ -310,8 +386,15 @@ mod tests {
     fn a_span_is_enlarged_around_the_pointer_and_stays_within_the_whole() {
         let whole = [0.0, 100.0];
         assert_eq!(zoomed(whole, whole, 20.0, 2.0), Some([10.0, 60.0]));
-        assert_eq!(zoomed([10.0, 60.0], whole, 20.0, 0.5), None, "back to the whole");
-        assert_eq!(zoomed([80.0, 100.0], whole, 100.0, 0.5), Some([60.0, 100.0]));
+        assert_eq!(
+            zoomed([10.0, 60.0], whole, 20.0, 0.5),
+            None,
+            "back to the whole"
+        );
+        assert_eq!(
+            zoomed([80.0, 100.0], whole, 100.0, 0.5),
+            Some([60.0, 100.0])
+        );
         let [from, upto] = zoomed([50.0, 50.01], whole, 50.0, 1e9).unwrap();
         assert!(upto - from >= 1e-3 - 1e-12, "not for ever");
         assert_eq!(within_whole([-5.0, 5.0], whole), Some([0.0, 10.0]));

@@ -7,7 +7,9 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::quantile;
 use touchline_core::score::{median_normal_size, median_rayleigh, rayleigh_share};
 use touchline_core::solve::Observation;
-use touchline_documents::document::{CameraId, Document, Fields, Frame, FrameStatus, Shared, Target};
+use touchline_documents::document::{
+    CameraId, Document, Fields, Frame, FrameStatus, Shared, Target,
+};
 
 /// The approximate number of bins of a histogram.
 const BINS: usize = 24;
@@ -30,10 +32,11 @@ pub struct ClickError {
     pub target: Target,
     /// It was held out of the solve.
     pub check: bool,
-    /// How far off it is, px at 1920 px width; infinite where the camera does not show what it names.
+    /// How far off it is, px at 1920 px width; infinite where the camera does not show what it
+    /// names.
     pub error_px: f64,
-    /// What half of such clicks stay below where all names are right: from the click noise of the landmark or line, and less
-    /// for clicks that the camera was fitted to.
+    /// What half of such clicks stay below where all names are right: from the click noise of the
+    /// landmark or line, and less for clicks that the camera was fitted to.
     pub expected_px: f64,
 }
 
@@ -68,13 +71,26 @@ impl ClickErrors {
     #[must_use]
     pub fn of(document: &Document, fields: &Fields, camera: &CameraId) -> Self {
         let of_frame = |(index, frame): (usize, &Shared<Frame>)| {
-            let counts = frame.camera == *camera && frame.status != FrameStatus::Rejected && !frame.clicks.is_empty();
-            counts.then(|| OfFrame::of(document, index, frame, fields.of_frame(document, frame))).flatten()
+            let counts = frame.camera == *camera
+                && frame.status != FrameStatus::Rejected
+                && !frame.clicks.is_empty();
+            counts
+                .then(|| OfFrame::of(document, index, frame, fields.of_frame(document, frame)))
+                .flatten()
         };
-        let of_frames: Vec<OfFrame> = document.frames.par_iter().enumerate().filter_map(of_frame).collect();
+        let of_frames: Vec<OfFrame> = document
+            .frames
+            .par_iter()
+            .enumerate()
+            .filter_map(of_frame)
+            .collect();
         let without_evidence = of_frames.iter().filter(|of| !of.is_evident).count();
         let clicks = of_frames.into_iter().flat_map(|of| of.clicks).collect();
-        let mut found = Self { clicks, without_evidence, ..Self::default() };
+        let mut found = Self {
+            clicks,
+            without_evidence,
+            ..Self::default()
+        };
         let step_px = Histogram::step_for(&found.clicks);
         [found.used, found.held_out] = [false, true].map(|check| found.spread(check, step_px));
         found
@@ -84,7 +100,12 @@ impl ClickErrors {
     fn spread(&self, check: bool, step_px: f64) -> Option<Spread> {
         let those = || self.clicks.iter().filter(|click| click.check == check);
         let [median_px, most_px] = middle_and_most(those().map(|click| click.error_px))?;
-        Some(Spread { count: those().count(), median_px, most_px, histogram: Histogram::of(those(), step_px) })
+        Some(Spread {
+            count: those().count(),
+            median_px,
+            most_px,
+            histogram: Histogram::of(those(), step_px),
+        })
     }
 }
 
@@ -115,25 +136,41 @@ impl OfFrame {
                 click: observation.click,
                 target,
                 check: observation.check,
-                error_px: observation.distance_px(&camera).map_or(f64::INFINITY, |px| px / scale),
+                error_px: observation
+                    .distance_px(&camera)
+                    .map_or(f64::INFINITY, |px| px / scale),
                 expected_px: share * usual_px(observation) / scale,
             })
         };
-        let telling = observed.iter().filter(|observation| evident || observation.check);
-        Some(Self { clicks: telling.filter_map(of_click).collect(), is_evident: evident || used().count() == 0 })
+        let telling = observed
+            .iter()
+            .filter(|observation| evident || observation.check);
+        Some(Self {
+            clicks: telling.filter_map(of_click).collect(),
+            is_evident: evident || used().count() == 0,
+        })
     }
 }
 
 /// The median distance of right clicks, px of the frame.
 fn usual_px(observation: &Observation) -> f64 {
-    let median = if observation.equations() == 2 { median_rayleigh() } else { median_normal_size() };
+    let median = if observation.equations() == 2 {
+        median_rayleigh()
+    } else {
+        median_normal_size()
+    };
     median * observation.sigma_px
 }
 
-/// The share of the distances below a limit where both coordinates scatter alike and half of the distances lie below the
-/// median (Rayleigh's distribution). A point on a line has one coordinate; it counts as if it had two.
+/// The share of the distances below a limit where both coordinates scatter alike and half of the
+/// distances lie below the median (Rayleigh's distribution). A point on a line has one coordinate;
+/// it counts as if it had two.
 fn share_below(limit_px: f64, median_px: f64) -> f64 {
-    if median_px > 0.0 { rayleigh_share(limit_px / median_px * median_rayleigh()) } else { 1.0 }
+    if median_px > 0.0 {
+        rayleigh_share(limit_px / median_px * median_rayleigh())
+    } else {
+        1.0
+    }
 }
 
 /// Median and nine tenths of some errors, px; none without any.
@@ -165,16 +202,31 @@ pub struct Bin {
 }
 
 impl Histogram {
-    /// The width of a bin such that nearly all errors, and nearly all of right clicks, have a bin of their own size, px: 1, 2 or
-    /// 5 times a power of ten.
+    /// The width of a bin such that nearly all errors, and nearly all of right clicks, have a bin
+    /// of their own size, px: 1, 2 or 5 times a power of ten.
     fn step_for(errors: &[ClickError]) -> f64 {
-        let mut sorted: Vec<f64> = errors.iter().map(|click| click.error_px).filter(|px| px.is_finite()).collect();
+        let mut sorted: Vec<f64> = errors
+            .iter()
+            .map(|click| click.error_px)
+            .filter(|px| px.is_finite())
+            .collect();
         sorted.sort_by(f64::total_cmp);
-        let nearly_all = if sorted.is_empty() { 0.0 } else { quantile(&sorted, NEARLY_ALL) };
-        let right = errors.iter().map(|click| NEARLY_ALL_OF_RIGHT * click.expected_px).fold(0.0, f64::max);
+        let nearly_all = if sorted.is_empty() {
+            0.0
+        } else {
+            quantile(&sorted, NEARLY_ALL)
+        };
+        let right = errors
+            .iter()
+            .map(|click| NEARLY_ALL_OF_RIGHT * click.expected_px)
+            .fold(0.0, f64::max);
         let reach_px = FARTHER * nearly_all.max(right);
-        let steps = (-1..4).flat_map(|power| [1.0, 2.0, 5.0].map(|factor| factor * 10f64.powi(power)));
-        steps.into_iter().find(|step| step * BINS as f64 >= reach_px).unwrap_or(1e4)
+        let steps =
+            (-1..4).flat_map(|power| [1.0, 2.0, 5.0].map(|factor| factor * 10f64.powi(power)));
+        steps
+            .into_iter()
+            .find(|step| step * BINS as f64 >= reach_px)
+            .unwrap_or(1e4)
     }
 
     /// The histogram of some errors.
@@ -193,12 +245,20 @@ impl Histogram {
         let below = |bin: usize| -> f64 {
             noises
                 .iter()
-                .map(|(median, count)| count * share_below(bin as f64 * step_px, f64::from_bits(*median)))
+                .map(|(median, count)| {
+                    count * share_below(bin as f64 * step_px, f64::from_bits(*median))
+                })
                 .sum()
         };
         let all: f64 = noises.values().sum();
-        let expected = (0..=BINS).map(|bin| if bin < BINS { below(bin + 1) } else { all } - below(bin)).collect();
-        Self { step_px, bins, expected }
+        let expected = (0..=BINS)
+            .map(|bin| if bin < BINS { below(bin + 1) } else { all } - below(bin))
+            .collect();
+        Self {
+            step_px,
+            bins,
+            expected,
+        }
     }
 
     /// How many the fullest bin has.
@@ -219,9 +279,14 @@ pub(super) mod tests {
 
     const SIZE: ImageSize = ImageSize::new(960, 540);
 
-    /// A document of frames with clicks this far to the right of where they belong, px of the frame.
+    /// A document of frames with clicks this far to the right of where they belong, px of the
+    /// frame.
     pub fn document(frames: &[&[(&str, f64, bool)]]) -> Document {
-        let base = CameraBase::new(Vec3::new(0.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        let base = CameraBase::new(
+            Vec3::new(0.0, -62.0, 17.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        );
         let ptz = Ptz::from_degrees(0.0, -14.0, 900.0);
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let mut document = Document::new(FieldSpec::new("soccer"));
@@ -235,7 +300,10 @@ pub(super) mod tests {
                 let world = field.landmark_in_world(field.landmark(name).unwrap());
                 let mut at = PtzCamera::new(base, ptz).image_from_world(world).unwrap();
                 at.x += off_px;
-                frame.clicks.push(Click { check, ..Click::landmark(name.into(), at) });
+                frame.clicks.push(Click {
+                    check,
+                    ..Click::landmark(name.into(), at)
+                });
             }
             document.frames.push(frame.into());
         }
@@ -243,30 +311,53 @@ pub(super) mod tests {
     }
 
     pub fn errors(document: &Document) -> ClickErrors {
-        ClickErrors::of(document, &Fields::of(document.at(Path::new(""))).unwrap(), &"main".into())
+        ClickErrors::of(
+            document,
+            &Fields::of(document.at(Path::new(""))).unwrap(),
+            &"main".into(),
+        )
     }
 
-    const THREE: [(&str, f64, bool); 3] =
-        [("centre_mark", 1.0, false), ("halfway_far", 0.5, false), ("centre_circle_left", 0.0, false)];
+    const THREE: [(&str, f64, bool); 3] = [
+        ("centre_mark", 1.0, false),
+        ("halfway_far", 0.5, false),
+        ("centre_circle_left", 0.0, false),
+    ];
 
     #[test]
     fn errors_are_told_at_1920_px_and_against_the_noise_of_clicks() {
         let found = errors(&document(&[&THREE, &[("centre_mark", 3.0, true)]]));
-        let off: Vec<f64> = found.clicks.iter().map(|click| (click.error_px * 10.0).round() / 10.0).collect();
+        let off: Vec<f64> = found
+            .clicks
+            .iter()
+            .map(|click| (click.error_px * 10.0).round() / 10.0)
+            .collect();
         assert_eq!(off, [2.0, 1.0, 0.0, 6.0], "a picture of half the width");
-        let sigma_px =
-            builtin("soccer").unwrap().default_model().unwrap().landmark("centre_mark").unwrap().click_sigma_px;
+        let sigma_px = builtin("soccer")
+            .unwrap()
+            .default_model()
+            .unwrap()
+            .landmark("centre_mark")
+            .unwrap()
+            .click_sigma_px;
         assert!((found.clicks[3].expected_px - median_rayleigh() * sigma_px).abs() < 1e-9);
         let fitted = (3.0_f64 / 6.0).sqrt();
         assert!((found.clicks[0].expected_px - fitted * median_rayleigh() * sigma_px).abs() < 1e-9);
         let (used, held_out) = (found.used.unwrap(), found.held_out.unwrap());
-        assert_eq!((used.count, held_out.count, found.without_evidence), (3, 1, 0));
+        assert_eq!(
+            (used.count, held_out.count, found.without_evidence),
+            (3, 1, 0)
+        );
         assert!((used.median_px - 1.0).abs() < 1e-6 && (held_out.most_px - 6.0).abs() < 1e-6);
     }
 
     #[test]
     fn two_clicks_are_no_evidence_but_a_check_click_beside_them_is() {
-        let two = [("centre_mark", 0.0, false), ("halfway_far", 0.0, false), ("centre_circle_left", 2.0, true)];
+        let two = [
+            ("centre_mark", 0.0, false),
+            ("halfway_far", 0.0, false),
+            ("centre_circle_left", 2.0, true),
+        ];
         let found = errors(&document(&[&two]));
         assert_eq!((found.clicks.len(), found.without_evidence), (1, 1));
         assert!(found.clicks[0].check && found.clicks[0].click == 2);
@@ -280,13 +371,22 @@ pub(super) mod tests {
         let mut clicks = errors(&document(&[&THREE, &THREE])).clicks;
         clicks[5].error_px = f64::INFINITY;
         let step_px = Histogram::step_for(&clicks);
-        assert!(step_px < 0.7 && step_px * BINS as f64 > 2.4, "2.0 px and more in 24 bins: {step_px}");
+        assert!(
+            step_px < 0.7 && step_px * BINS as f64 > 2.4,
+            "2.0 px and more in 24 bins: {step_px}"
+        );
         let histogram = Histogram::of(&clicks, step_px);
         assert_eq!(histogram.bins.iter().map(|bin| bin.count).sum::<usize>(), 6);
-        assert_eq!((histogram.bins[BINS].count, histogram.bins[BINS].worst), (1, Some((1, 2))));
+        assert_eq!(
+            (histogram.bins[BINS].count, histogram.bins[BINS].worst),
+            (1, Some((1, 2)))
+        );
         assert_eq!(histogram.highest(), 2);
         assert!((histogram.expected.iter().sum::<f64>() - 6.0).abs() < 1e-9);
-        assert!((share_below(3.0, 3.0) - 0.5).abs() < 1e-12, "half lie below the median");
+        assert!(
+            (share_below(3.0, 3.0) - 0.5).abs() < 1e-12,
+            "half lie below the median"
+        );
         assert_eq!(Histogram::step_for(&[]), 0.1);
         assert_eq!(middle_and_most([4.0, 1.0, 2.0]), Some([2.0, 3.6]));
         assert_eq!(middle_and_most([]), None);

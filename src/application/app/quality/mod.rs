@@ -1,8 +1,8 @@
-//! What the quality page shows, derived and never stored: how the cameras of the frames run over time, how far clicks lie from
-//! what they name, where frames look.
+//! What the quality page shows, derived and never stored: how the cameras of the frames run over
+//! time, how far clicks lie from what they name, where frames look.
 //!
-//! Nothing is derived while the page is closed, and only what changed is derived again. The page speaks of one camera of the
-//! document at a time.
+//! Nothing is derived while the page is closed, and only what changed is derived again. The page
+//! speaks of one camera of the document at a time.
 
 mod course;
 mod errors;
@@ -57,14 +57,23 @@ impl Quality {
     }
 
     fn derive(open: &mut OpenProject, camera: Option<CameraId>, axis: TimeAxis) -> Self {
-        let Some(id) = &camera else { return Self::default() };
+        let Some(id) = &camera else {
+            return Self::default();
+        };
         let fields = open.fields();
         let disagreements = open.derived.disagreements(&open.document);
         let document = &*open.document;
         let off_paint = off_paint(document, id);
         let course_of = || Course::of(document, disagreements, id, axis);
         // Without a valid field nothing can be off.
-        let Ok(fields) = fields else { return Self { course: course_of(), camera, off_paint, ..Self::default() } };
+        let Ok(fields) = fields else {
+            return Self {
+                course: course_of(),
+                camera,
+                off_paint,
+                ..Self::default()
+            };
+        };
         let errors_of = || {
             let errors = ClickErrors::of(document, &fields, id);
             let targets = by_target(&errors);
@@ -73,21 +82,40 @@ impl Quality {
         let place = document.cameras.iter().position(|camera| camera.id == *id);
         let field = place.map(|place| fields.of_cameras(document).swap_remove(place));
         let seen_of = || Seen::of(document, &*field?, id);
-        let (course, ((errors, targets), seen)) = rayon::join(course_of, || rayon::join(errors_of, seen_of));
-        Self { course, errors, targets, off_paint, seen, camera, derived_from: None }
+        let (course, ((errors, targets), seen)) =
+            rayon::join(course_of, || rayon::join(errors_of, seen_of));
+        Self {
+            course,
+            errors,
+            targets,
+            off_paint,
+            seen,
+            camera,
+            derived_from: None,
+        }
     }
 }
 
 /// The accepted frames of a camera that their paint contradicts.
 fn off_paint(document: &Document, camera: &CameraId) -> Vec<usize> {
     let is_off = |frame: &Frame| frame.camera == *camera && frame.accepted_off_paint().is_some();
-    document.frames.iter().enumerate().filter(|(_, frame)| is_off(frame)).map(|(index, _)| index).collect()
+    document
+        .frames
+        .iter()
+        .enumerate()
+        .filter(|(_, frame)| is_off(frame))
+        .map(|(index, _)| index)
+        .collect()
 }
 
 /// The camera that was chosen, while the document has it; else the shown frame's, else the first.
 fn chosen_camera(open: &OpenProject, session: &Session) -> Option<CameraId> {
     let document = &open.document;
-    let chosen = session.quality.camera.clone().filter(|id| document.camera(id).is_some());
+    let chosen = session
+        .quality
+        .camera
+        .clone()
+        .filter(|id| document.camera(id).is_some());
     chosen
         .or_else(|| open.frame(session.frame).map(|frame| frame.camera.clone()))
         .or_else(|| document.cameras.first().map(|camera| camera.id.clone()))

@@ -18,10 +18,17 @@ impl Seen {
     #[must_use]
     pub fn of(document: &Document, field: &FieldModel, camera: &CameraId) -> Option<Self> {
         let of = |status: FrameStatus| {
-            let frames = document.frames.iter().enumerate().filter(|(_, frame)| frame.status == status);
+            let frames = document
+                .frames
+                .iter()
+                .enumerate()
+                .filter(|(_, frame)| frame.status == status);
             let frames: Vec<usize> = frames.map(|(index, _)| index).collect();
             Coverage::of(document, field, camera, &frames)
         };
-        Some(Self { references: of(FrameStatus::Reference)?, suggestions: of(FrameStatus::Suggested)? })
+        Some(Self {
+            references: of(FrameStatus::Reference)?,
+            suggestions: of(FrameStatus::Suggested)?,
+        })
     }
 }

@@ -46,26 +46,42 @@ impl TargetErrors {
     }
 }
 
-/// Every landmark and line that was clicked: those with enough clicks first, and of these the one that is hit worst.
+/// Every landmark and line that was clicked: those with enough clicks first, and of these the one
+/// that is hit worst.
 #[must_use]
 pub fn by_target(errors: &ClickErrors) -> Vec<TargetErrors> {
     let mut clicked: BTreeMap<&Target, Vec<&ClickError>> = BTreeMap::new();
     for click in &errors.clicks {
         clicked.entry(&click.target).or_default().push(click);
     }
-    let mut found: Vec<TargetErrors> =
-        clicked.into_iter().filter_map(|(target, clicks)| of_target(target, &clicks)).collect();
-    found.sort_by(|a, b| b.is_known().cmp(&a.is_known()).then(b.excess().total_cmp(&a.excess())));
+    let mut found: Vec<TargetErrors> = clicked
+        .into_iter()
+        .filter_map(|(target, clicks)| of_target(target, &clicks))
+        .collect();
+    found.sort_by(|a, b| {
+        b.is_known()
+            .cmp(&a.is_known())
+            .then(b.excess().total_cmp(&a.excess()))
+    });
     found
 }
 
 fn of_target(target: &Target, clicks: &[&ClickError]) -> Option<TargetErrors> {
     let [median_px, most_px] = middle_and_most(clicks.iter().map(|click| click.error_px))?;
     let [expected_px, _] = middle_and_most(clicks.iter().map(|click| click.expected_px))?;
-    let mut worst: Vec<(usize, usize, f64)> =
-        clicks.iter().map(|click| (click.frame, click.click, click.error_px)).collect();
+    let mut worst: Vec<(usize, usize, f64)> = clicks
+        .iter()
+        .map(|click| (click.frame, click.click, click.error_px))
+        .collect();
     worst.sort_by(|a, b| b.2.total_cmp(&a.2));
-    Some(TargetErrors { target: target.clone(), clicks: clicks.len(), median_px, most_px, expected_px, worst })
+    Some(TargetErrors {
+        target: target.clone(),
+        clicks: clicks.len(),
+        median_px,
+        most_px,
+        expected_px,
+        worst,
+    })
 }
 
 #[cfg(test)]
@@ -76,7 +92,12 @@ mod tests {
     #[test]
     fn the_landmark_that_is_hit_worst_comes_first_and_a_few_clicks_come_last() {
         let frame = |far_px| {
-            [("centre_mark", 0.2, false), ("halfway_far", far_px, false), ("centre_circle_left", 0.1, false)].to_vec()
+            [
+                ("centre_mark", 0.2, false),
+                ("halfway_far", far_px, false),
+                ("centre_circle_left", 0.1, false),
+            ]
+            .to_vec()
         };
         let mut frames = [frame(20.0), frame(30.0), frame(25.0)];
         frames[2].push(("centre_circle_right", 90.0, true));
@@ -86,7 +107,14 @@ mod tests {
         assert_eq!((names[0], names[3]), ("halfway_far", "centre_circle_right"));
         assert!(found[0].is_bad() && !found[1].is_bad());
         assert!(!found[3].is_bad(), "one click says little, however far off");
-        assert_eq!(found[0].worst.iter().map(|worst| worst.0).collect::<Vec<_>>(), [1, 2, 0]);
+        assert_eq!(
+            found[0]
+                .worst
+                .iter()
+                .map(|worst| worst.0)
+                .collect::<Vec<_>>(),
+            [1, 2, 0]
+        );
         assert!((found[0].median_px - 50.0).abs() < 1e-6 && found[0].clicks == 3);
     }
 }

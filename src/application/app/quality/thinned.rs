@@ -24,10 +24,15 @@ pub struct Column {
     pub high: f64,
 }
 
-/// What is drawn of the points of a span on a number of columns: each by itself while they are few, else from the smallest to
-/// the largest of each kind and column, so that no spike gets lost.
+/// What is drawn of the points of a span on a number of columns: each by itself while they are few,
+/// else from the smallest to the largest of each kind and column, so that no spike gets lost.
 #[must_use]
-pub fn drawn(points: &[CoursePoint], quantity: Quantity, span: [f64; 2], columns: usize) -> Drawn<'_> {
+pub fn drawn(
+    points: &[CoursePoint],
+    quantity: Quantity,
+    span: [f64; 2],
+    columns: usize,
+) -> Drawn<'_> {
     if points.len() <= columns || !(span[1] > span[0]) {
         return Drawn::Points(points);
     }
@@ -43,7 +48,12 @@ pub fn drawn(points: &[CoursePoint], quantity: Quantity, span: [f64; 2], columns
                 known.low = known.low.min(value);
                 known.high = known.high.max(value);
             }
-            _ => found.extend(open.replace(Column { column, kind: point.kind, low: value, high: value })),
+            _ => found.extend(open.replace(Column {
+                column,
+                kind: point.kind,
+                low: value,
+                high: value,
+            })),
         }
     }
     found.extend(open.into_iter().flatten());
@@ -60,7 +70,11 @@ mod tests {
             frame,
             at: frame as f64,
             values: [(frame % 7) as f64, 0.0, 1000.0],
-            kind: if frame.is_multiple_of(10) { PointKind::Reference } else { PointKind::Suggested },
+            kind: if frame.is_multiple_of(10) {
+                PointKind::Reference
+            } else {
+                PointKind::Suggested
+            },
             shot: 0,
             apart_px: None,
             stands_out: false,
@@ -71,8 +85,15 @@ mod tests {
     #[test]
     fn few_points_are_drawn_as_they_are() {
         let points = points(50);
-        assert_eq!(drawn(&points, Quantity::Pan, [0.0, 49.0], 50), Drawn::Points(&points));
-        assert_eq!(drawn(&points, Quantity::Pan, [3.0, 3.0], 5), Drawn::Points(&points), "no time at all");
+        assert_eq!(
+            drawn(&points, Quantity::Pan, [0.0, 49.0], 50),
+            Drawn::Points(&points)
+        );
+        assert_eq!(
+            drawn(&points, Quantity::Pan, [3.0, 3.0], 5),
+            Drawn::Points(&points),
+            "no time at all"
+        );
     }
 
     #[test]
@@ -83,11 +104,27 @@ mod tests {
             panic!("10,000 points on 500 columns")
         };
         assert!(columns.len() <= 1000, "{}", columns.len());
-        let spike: Vec<&Column> = columns.iter().filter(|column| column.high == 170.0).collect();
-        assert_eq!((spike.len(), spike[0].kind, spike[0].column), (1, PointKind::Suggested, 216));
-        let references = columns.iter().filter(|column| column.kind == PointKind::Reference).count();
+        let spike: Vec<&Column> = columns
+            .iter()
+            .filter(|column| column.high == 170.0)
+            .collect();
+        assert_eq!(
+            (spike.len(), spike[0].kind, spike[0].column),
+            (1, PointKind::Suggested, 216)
+        );
+        let references = columns
+            .iter()
+            .filter(|column| column.kind == PointKind::Reference)
+            .count();
         assert_eq!(references, 500, "each column has two");
-        assert!(columns.is_sorted_by_key(|column| (column.kind, column.column)), "references are drawn last");
-        assert!(columns.iter().all(|column| column.low >= 0.0 && column.high >= column.low));
+        assert!(
+            columns.is_sorted_by_key(|column| (column.kind, column.column)),
+            "references are drawn last"
+        );
+        assert!(
+            columns
+                .iter()
+                .all(|column| column.low >= 0.0 && column.high >= column.low)
+        );
     }
 }

@@ -4,14 +4,22 @@ use super::{Concerned, Review, ReviewRow, shot_of};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Review {
-    /// Takes new rows of some frames in: rows keep their places, those that wait no more are marked, new ones come last. With one
-    /// row a shot a shot that has one gets no other.
-    pub(super) fn keep_places(&mut self, concerned: &Concerned, now: Vec<ReviewRow>, one_per_shot: bool) {
-        let mut newer: BTreeMap<usize, ReviewRow> = now.iter().map(|row| (row.frame, *row)).collect();
+    /// Takes new rows of some frames in: rows keep their places, those that wait no more are
+    /// marked, new ones come last. With one row a shot a shot that has one gets no other.
+    pub(super) fn keep_places(
+        &mut self,
+        concerned: &Concerned,
+        now: Vec<ReviewRow>,
+        one_per_shot: bool,
+    ) {
+        let mut newer: BTreeMap<usize, ReviewRow> =
+            now.iter().map(|row| (row.frame, *row)).collect();
         let mut shown = BTreeSet::new();
         for row in &mut self.rows {
             if concerned.has(row.frame) {
-                *row = newer.remove(&row.frame).unwrap_or(ReviewRow { gone: true, ..*row });
+                *row = newer
+                    .remove(&row.frame)
+                    .unwrap_or(ReviewRow { gone: true, ..*row });
             }
             if one_per_shot && !row.gone {
                 shown.insert(shot_of(&self.frames, row));
@@ -48,22 +56,34 @@ mod tests {
             frame.clip = Some(Clip::Number(index as i64 % 2));
             document.frames.push(frame.into());
         }
-        OpenProject::new(document, "/match/project.json".into(), "/match".into(), None)
+        OpenProject::new(
+            document,
+            "/match/project.json".into(),
+            "/match".into(),
+            None,
+        )
     }
 
     /// A frame is proposed, or proposed anew.
     fn propose(open: &mut OpenProject, index: usize, confidence: f64) {
         let frame = &mut open.document.frames[index];
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -9.0, 900.0), None));
-        let solution =
-            Solution { source: Some(SolutionSource::Forest), confidence: Some(confidence), ..Solution::default() };
+        let solution = Solution {
+            source: Some(SolutionSource::Forest),
+            confidence: Some(confidence),
+            ..Solution::default()
+        };
         frame.solution = Some(solution);
         frame.status = FrameStatus::Suggested;
         open.revision += 1;
     }
 
     fn session(held: bool, one_per_shot: bool) -> Session {
-        let review = ReviewChoice { one_per_shot, held, ..ReviewChoice::default() };
+        let review = ReviewChoice {
+            one_per_shot,
+            held,
+            ..ReviewChoice::default()
+        };
         let mut session = Session::default();
         (session.panel, session.review) = (SidePanel::Review, review);
         session
@@ -90,9 +110,25 @@ mod tests {
         review.refresh(Some(&mut open), &held);
         assert_eq!((frames(&review), review.late), (vec![0, 1, 2, 3], 2));
         assert_eq!(review.rows[0].confidence, Some(0.95), "what it says is new");
-        assert_eq!(review.rows.iter().map(|row| row.gone).collect::<Vec<_>>(), [false, true, false, false]);
-        assert_eq!((review.count(), review.bulk(&ReviewChoice::default()).rows.len()), (3, 2));
-        assert_eq!((review.next(1, true), review.next(2, true), review.next(0, false)), (Some(2), Some(3), Some(3)));
+        assert_eq!(
+            review.rows.iter().map(|row| row.gone).collect::<Vec<_>>(),
+            [false, true, false, false]
+        );
+        assert_eq!(
+            (
+                review.count(),
+                review.bulk(&ReviewChoice::default()).rows.len()
+            ),
+            (3, 2)
+        );
+        assert_eq!(
+            (
+                review.next(1, true),
+                review.next(2, true),
+                review.next(0, false)
+            ),
+            (Some(2), Some(3), Some(3))
+        );
         open.document.frames[1].status = FrameStatus::Suggested;
         open.revision += 1;
         review.refresh(Some(&mut open), &held);
@@ -121,6 +157,9 @@ mod tests {
         propose(&mut open, 5, 0.65);
         review.refresh(Some(&mut open), &session(true, true));
         assert_eq!(frames(&review), [0, 1, 3]);
-        assert_eq!((review.hidden.len(), review.late, review.count()), (2, 1, 4));
+        assert_eq!(
+            (review.hidden.len(), review.late, review.count()),
+            (2, 1, 4)
+        );
     }
 }

@@ -1,7 +1,8 @@
 //! What waits to be looked at: the suggested frames in an order, and what has no answer.
 //!
-//! Suggestions come while a person looks through them. While the list is held, because the pointer is over it, no row moves:
-//! one that is accepted or withdrawn stays in its place and new ones come last. Let go of, the list is in order again.
+//! Suggestions come while a person looks through them. While the list is held, because the pointer
+//! is over it, no row moves: one that is accepted or withdrawn stays in its place and new ones come
+//! last. Let go of, the list is in order again.
 
 mod held;
 
@@ -13,9 +14,12 @@ use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use touchline_calibration::calibrate::{Disagreement, Disagreements};
 use touchline_calibration::proposals::{ExpectedWrong, LabelAdvice};
-use touchline_documents::document::{CameraId, Clip, Document, Frame, FrameChanges, FrameStatus, Frames, Shared};
+use touchline_documents::document::{
+    CameraId, Clip, Document, Frame, FrameChanges, FrameStatus, Frames, Shared,
+};
 
-/// Suggestions that lie farther than this from their neighbours' way are to be looked at one by one, px at 1920 px width.
+/// Suggestions that lie farther than this from their neighbours' way are to be looked at one by
+/// one, px at 1920 px width.
 pub const DISAGREES_PX: f64 = 20.0;
 
 /// A suggested frame.
@@ -27,12 +31,13 @@ pub struct ReviewRow {
     pub confidence: Option<f64>,
     /// How it lies to the frames before and after; none where there are none.
     pub disagreement: Option<Disagreement>,
-    /// It is no longer a suggestion: accepted, rejected, corrected or withdrawn while the list was held.
+    /// It is no longer a suggestion: accepted, rejected, corrected or withdrawn while the list was
+    /// held.
     pub gone: bool,
 }
 
-/// Whether a frame is to be looked at by itself: it lies off its neighbours' way by more than they are apart, since between
-/// frames that are seconds apart a camera goes anywhere.
+/// Whether a frame is to be looked at by itself: it lies off its neighbours' way by more than they
+/// are apart, since between frames that are seconds apart a camera goes anywhere.
 #[must_use]
 pub fn disagrees(found: &Disagreement) -> bool {
     found.apart_px > DISAGREES_PX.max(found.neighbours_px)
@@ -45,10 +50,13 @@ impl ReviewRow {
         self.disagreement.as_ref().is_some_and(disagrees)
     }
 
-    /// Whether its camera is exactly that of the frames before and after: only a picture that stands still bears that out.
+    /// Whether its camera is exactly that of the frames before and after: only a picture that
+    /// stands still bears that out.
     #[must_use]
     pub fn is_still(&self) -> bool {
-        self.disagreement.as_ref().is_some_and(Disagreement::is_still)
+        self.disagreement
+            .as_ref()
+            .is_some_and(Disagreement::is_still)
     }
 
     /// How far it is from its neighbours' way, px.
@@ -77,27 +85,36 @@ impl BulkAccept {
     /// and as many of the others, spread over the whole range of confidence.
     const SAMPLES: usize = 6;
 
-    /// Leaves out what is not as it was when the question was asked: `asked` are the frames as they were then, `now` as they are.
+    /// Leaves out what is not as it was when the question was asked: `asked` are the frames as they
+    /// were then, `now` as they are.
     #[must_use]
     pub(super) fn without_late(mut self, asked: &Frames, now: &Frames) -> Self {
         let found = self.rows.len();
-        self.rows.retain(|row| asked.get(row.frame) == now.get(row.frame));
+        self.rows
+            .retain(|row| asked.get(row.frame) == now.get(row.frame));
         self.late = found - self.rows.len();
         self
     }
 
     /// Those that are accepted.
     pub fn taken(&self) -> impl Iterator<Item = &ReviewRow> {
-        self.rows.iter().filter(|row| !self.unticked.contains(&row.frame))
+        self.rows
+            .iter()
+            .filter(|row| !self.unticked.contains(&row.frame))
     }
 
-    /// What a person looks at before: the most doubtful, then samples over the whole range of confidence up to the most certain.
-    /// Where all are as certain as each other, samples alone.
+    /// What a person looks at before: the most doubtful, then samples over the whole range of
+    /// confidence up to the most certain. Where all are as certain as each other, samples alone.
     #[must_use]
     pub fn preview(&self) -> Vec<ReviewRow> {
         let shown = |row: &ReviewRow| row.confidence.map(percent);
         let certain = self.rows.last().and_then(shown);
-        let less_certain = self.rows.iter().take(Self::DOUBTFUL).take_while(|row| shown(row) != certain).count();
+        let less_certain = self
+            .rows
+            .iter()
+            .take(Self::DOUBTFUL)
+            .take_while(|row| shown(row) != certain)
+            .count();
         let (doubtful, others) = self.rows.split_at(less_certain);
         let samples = (Self::DOUBTFUL + Self::SAMPLES - doubtful.len()).min(others.len());
         let spread = (1..=samples).map(|sample| others[sample * others.len() / samples - 1]);
@@ -111,7 +128,8 @@ impl BulkAccept {
     }
 }
 
-/// What is accepted together while the sheet that asks for it is open, and what follows from it: derived once for each change.
+/// What is accepted together while the sheet that asks for it is open, and what follows from it:
+/// derived once for each change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AcceptSheet {
     /// What is accepted.
@@ -123,7 +141,10 @@ pub struct AcceptSheet {
 impl From<BulkAccept> for AcceptSheet {
     fn from(bulk: BulkAccept) -> Self {
         let expected_wrong = bulk.expected_wrong();
-        Self { bulk, expected_wrong }
+        Self {
+            bulk,
+            expected_wrong,
+        }
     }
 }
 
@@ -152,16 +173,24 @@ struct Source {
     suggestions: u64,
     order: ReviewOrder,
     one_per_shot: bool,
-    /// Neighbours are compared only while somebody looks at the result; it grows with every change of that.
+    /// Neighbours are compared only while somebody looks at the result; it grows with every change
+    /// of that.
     neighbours: Option<u64>,
     held: bool,
 }
 
 impl Source {
-    /// Whether it lists the same frames in the same order as another, as far as nothing else has changed.
+    /// Whether it lists the same frames in the same order as another, as far as nothing else has
+    /// changed.
     fn is_same_list(self, other: Self) -> bool {
-        let Self { order, one_per_shot, neighbours, .. } = other;
-        (self.order, self.one_per_shot, self.neighbours.is_some()) == (order, one_per_shot, neighbours.is_some())
+        let Self {
+            order,
+            one_per_shot,
+            neighbours,
+            ..
+        } = other;
+        (self.order, self.one_per_shot, self.neighbours.is_some())
+            == (order, one_per_shot, neighbours.is_some())
     }
 }
 
@@ -191,7 +220,8 @@ impl Concerned {
 }
 
 impl Review {
-    /// Derives it anew if something changed since the last time; where few frames changed, from what it was.
+    /// Derives it anew if something changed since the last time; where few frames changed, from
+    /// what it was.
     pub(super) fn refresh(&mut self, open: Option<&mut OpenProject>, session: &Session) {
         let Some(open) = open else {
             *self = Self::default();
@@ -204,7 +234,8 @@ impl Review {
             suggestions: open.derived.counts(&open.document).suggestions_edition(),
             order: choice.order,
             one_per_shot: choice.one_per_shot,
-            neighbours: with_neighbours.then(|| open.derived.disagreements(&open.document).edition()),
+            neighbours: with_neighbours
+                .then(|| open.derived.disagreements(&open.document).edition()),
             held: choice.held && listed,
         };
         let before = self.derived_from.replace(source);
@@ -212,29 +243,49 @@ impl Review {
             let frames = std::mem::replace(&mut self.frames, open.document.frames.clone());
             let disagreements = with_neighbours.then(|| open.derived.disagreements(&open.document));
             let before = before.filter(|before| before.is_same_list(source));
-            // Let go of, all rows have to be sorted; and which row stands for a shot depends on all of it.
-            let stays = before.filter(|before| !source.one_per_shot && (source.held || !before.held));
-            let few = stays.and_then(|before| changed(&open.document, &frames, before, disagreements));
-            let rows = rows_of(&open.document.frames, few.as_ref(), disagreements, choice.order);
-            let concerned = few.map_or(Concerned::All, |few| Concerned::places(&few, open.document.frames.len()));
+            // Let go of, all rows have to be sorted; and which row stands for a shot depends on all
+            // of it.
+            let stays =
+                before.filter(|before| !source.one_per_shot && (source.held || !before.held));
+            let few =
+                stays.and_then(|before| changed(&open.document, &frames, before, disagreements));
+            let rows = rows_of(
+                &open.document.frames,
+                few.as_ref(),
+                disagreements,
+                choice.order,
+            );
+            let concerned = few.map_or(Concerned::All, |few| {
+                Concerned::places(&few, open.document.frames.len())
+            });
             if source.held && !self.rows.is_empty() && before.is_some() {
                 self.keep_places(&concerned, rows, choice.one_per_shot);
             } else {
                 self.put_in_order(&concerned, rows, choice.order);
-                (self.rows, self.hidden) =
-                    one_of_each(std::mem::take(&mut self.rows), &self.frames, choice.one_per_shot);
+                (self.rows, self.hidden) = one_of_each(
+                    std::mem::take(&mut self.rows),
+                    &self.frames,
+                    choice.one_per_shot,
+                );
                 self.late = 0;
             }
             self.several_shots = self.is_of_several_shots(&concerned);
         }
-        self.advice = open.derived.label_advice(&open.document, open.revision, &session.trainer.status.coverage);
+        self.advice = open.derived.label_advice(
+            &open.document,
+            open.revision,
+            &session.trainer.status.coverage,
+        );
     }
 
     /// Takes new rows of some frames in, in order themselves, where the list is in order.
     fn put_in_order(&mut self, concerned: &Concerned, rows: Vec<ReviewRow>, order: ReviewOrder) {
         let mut newer = rows.into_iter().peekable();
         let mut merged = Vec::with_capacity(self.rows.len() + newer.len());
-        for row in std::mem::take(&mut self.rows).into_iter().filter(|row| !concerned.has(row.frame)) {
+        for row in std::mem::take(&mut self.rows)
+            .into_iter()
+            .filter(|row| !concerned.has(row.frame))
+        {
             while let Some(before) = newer.next_if(|newer| in_order(order, newer, &row).is_lt()) {
                 merged.push(before);
             }
@@ -244,10 +295,13 @@ impl Review {
         self.rows = merged;
     }
 
-    /// Whether the suggestions that wait are of more than one shot. Where all were of one, it is asked of those that changed.
+    /// Whether the suggestions that wait are of more than one shot. Where all were of one, it is
+    /// asked of those that changed.
     fn is_of_several_shots(&self, concerned: &Concerned) -> bool {
         let first = self.waiting().next().map(|row| shot_of(&self.frames, row));
-        let mut asked = self.waiting().filter(|row| self.several_shots || concerned.has(row.frame));
+        let mut asked = self
+            .waiting()
+            .filter(|row| self.several_shots || concerned.has(row.frame));
         asked.any(|row| Some(shot_of(&self.frames, row)) != first)
     }
 
@@ -262,13 +316,16 @@ impl Review {
         self.waiting().count()
     }
 
-    /// How many suggestions are accepted together by a choice, how many are left out, and the least certain one's
-    /// probability.
+    /// How many suggestions are accepted together by a choice, how many are left out, and the least
+    /// certain one's probability.
     #[must_use]
     pub fn bulk_size(&self, choice: &ReviewChoice) -> (usize, usize, Option<f64>) {
         let (mut taken, mut left_out, mut lowest) = (0, 0, None);
         for row in self.waiting() {
-            let Some(confidence) = row.confidence.filter(|confidence| *confidence >= choice.threshold) else {
+            let Some(confidence) = row
+                .confidence
+                .filter(|confidence| *confidence >= choice.threshold)
+            else {
                 continue;
             };
             if row.disagrees() && !choice.with_disagreeing {
@@ -284,14 +341,25 @@ impl Review {
     /// What is accepted together by a choice.
     #[must_use]
     pub fn bulk(&self, choice: &ReviewChoice) -> BulkAccept {
-        let certain = |row: &&ReviewRow| row.confidence.is_some_and(|confidence| confidence >= choice.threshold);
-        let (disagreeing, mut rows): (Vec<ReviewRow>, Vec<ReviewRow>) =
-            self.waiting().filter(certain).partition(|row| row.disagrees() && !choice.with_disagreeing);
+        let certain = |row: &&ReviewRow| {
+            row.confidence
+                .is_some_and(|confidence| confidence >= choice.threshold)
+        };
+        let (disagreeing, mut rows): (Vec<ReviewRow>, Vec<ReviewRow>) = self
+            .waiting()
+            .filter(certain)
+            .partition(|row| row.disagrees() && !choice.with_disagreeing);
         rows.sort_by(doubtful_first);
-        BulkAccept { rows, left_out: disagreeing.len(), late: 0, unticked: BTreeSet::new() }
+        BulkAccept {
+            rows,
+            left_out: disagreeing.len(),
+            late: 0,
+            unticked: BTreeSet::new(),
+        }
     }
 
-    /// The suggestion after a frame, or before it, in the list's order, round and round; none where there is no other.
+    /// The suggestion after a frame, or before it, in the list's order, round and round; none where
+    /// there is no other.
     #[must_use]
     pub fn next(&self, frame: usize, forward: bool) -> Option<usize> {
         let here = self.rows.iter().position(|row| row.frame == frame);
@@ -300,8 +368,11 @@ impl Review {
             None => (&self.rows[..], &self.rows[..0]),
         };
         let waits = |row: &&ReviewRow| !row.gone;
-        let next =
-            if forward { after.iter().chain(before).find(waits) } else { after.iter().chain(before).rfind(waits) };
+        let next = if forward {
+            after.iter().chain(before).find(waits)
+        } else {
+            after.iter().chain(before).rfind(waits)
+        };
         next.map(|row| row.frame)
     }
 }
@@ -323,14 +394,17 @@ fn in_order(order: ReviewOrder, a: &ReviewRow, b: &ReviewRow) -> Ordering {
     by_choice.then(a.frame.cmp(&b.frame))
 }
 
-/// The places of the frames whose rows may be others since a state of the list; none where these are many.
+/// The places of the frames whose rows may be others since a state of the list; none where these
+/// are many.
 fn changed(
     document: &Document,
     frames: &Frames,
     before: Source,
     disagreements: Option<&Disagreements>,
 ) -> Option<BTreeSet<usize>> {
-    let FrameChanges::At(changed) = document.frames.changes_since(frames) else { return None };
+    let FrameChanges::At(changed) = document.frames.changes_since(frames) else {
+        return None;
+    };
     let mut places: BTreeSet<usize> = changed.into_iter().collect();
     if let Some((disagreements, edition)) = disagreements.zip(before.neighbours) {
         places.extend(disagreements.changed_since(edition)?);
@@ -347,11 +421,19 @@ fn rows_of(
 ) -> Vec<ReviewRow> {
     let row = |(place, frame): (usize, &Shared<Frame>)| {
         let disagreement = disagreements.and_then(|disagreements| disagreements.of_frame(place));
-        let row = ReviewRow { frame: place, confidence: confidence(frame), disagreement, gone: false };
+        let row = ReviewRow {
+            frame: place,
+            confidence: confidence(frame),
+            disagreement,
+            gone: false,
+        };
         (frame.status == FrameStatus::Suggested).then_some(row)
     };
     let mut rows: Vec<ReviewRow> = match places {
-        Some(places) => places.iter().filter_map(|place| row((*place, frames.get(*place)?))).collect(),
+        Some(places) => places
+            .iter()
+            .filter_map(|place| row((*place, frames.get(*place)?)))
+            .collect(),
         None => frames.iter().enumerate().filter_map(row).collect(),
     };
     rows.sort_unstable_by(|a, b| in_order(order, a, b));
@@ -359,29 +441,43 @@ fn rows_of(
 }
 
 /// The first row of each shot and the others, if one is to stand for all of a shot.
-fn one_of_each(rows: Vec<ReviewRow>, frames: &Frames, one_per_shot: bool) -> (Vec<ReviewRow>, Vec<ReviewRow>) {
+fn one_of_each(
+    rows: Vec<ReviewRow>,
+    frames: &Frames,
+    one_per_shot: bool,
+) -> (Vec<ReviewRow>, Vec<ReviewRow>) {
     if !one_per_shot {
         return (rows, Vec::new());
     }
     let mut shots = BTreeSet::new();
-    rows.into_iter().partition(|row| shots.insert(shot_of(frames, row)))
+    rows.into_iter()
+        .partition(|row| shots.insert(shot_of(frames, row)))
 }
 
 /// The shot that a row's frame belongs to.
 fn shot_of<'a>(frames: &'a Frames, row: &ReviewRow) -> Option<(&'a CameraId, &'a Option<Clip>)> {
-    frames.get(row.frame).map(|frame| (&frame.camera, &frame.clip))
+    frames
+        .get(row.frame)
+        .map(|frame| (&frame.camera, &frame.clip))
 }
 
 /// The probability that a frame's suggestion is right.
 fn confidence(frame: &Frame) -> Option<f64> {
-    frame.solution.as_ref().and_then(|solution| solution.confidence)
+    frame
+        .solution
+        .as_ref()
+        .and_then(|solution| solution.confidence)
 }
 
 /// A probability as a person reads it: certainty is never claimed.
 #[must_use]
 pub fn percent(probability: f64) -> String {
     let percent = 100.0 * probability;
-    if percent >= 99.5 { format!("{:.1} %", percent.min(99.9)) } else { format!("{percent:.0} %") }
+    if percent >= 99.5 {
+        format!("{:.1} %", percent.min(99.9))
+    } else {
+        format!("{percent:.0} %")
+    }
 }
 
 #[cfg(test)]
@@ -390,19 +486,30 @@ mod tests {
     use touchline_core::camera::Ptz;
     use touchline_core::camera::{BaseAngles, CameraBase};
     use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{Camera, Document, FieldSpec, FramePtz, Solution, SolutionSource};
+    use touchline_documents::document::{
+        Camera, Document, FieldSpec, FramePtz, Solution, SolutionSource,
+    };
 
     fn opened(confidences: &[Option<f64>]) -> OpenProject {
         let mut document = Document::new(FieldSpec::new("soccer"));
         for &confidence in confidences {
             let mut frame = Frame::from_image("x.jpg", "main".into(), ImageSize::new(64, 36));
             frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -9.0, 900.0), None));
-            let solution = Solution { source: Some(SolutionSource::Forest), confidence, ..Solution::default() };
+            let solution = Solution {
+                source: Some(SolutionSource::Forest),
+                confidence,
+                ..Solution::default()
+            };
             frame.solution = Some(solution);
             frame.status = FrameStatus::Suggested;
             document.frames.push(frame.into());
         }
-        OpenProject::new(document, "/match/project.json".into(), "/match".into(), None)
+        OpenProject::new(
+            document,
+            "/match/project.json".into(),
+            "/match".into(),
+            None,
+        )
     }
 
     fn review_of(open: &mut OpenProject, choice: ReviewChoice) -> Review {
@@ -414,7 +521,13 @@ mod tests {
     }
 
     fn review(confidences: &[Option<f64>], order: ReviewOrder) -> Review {
-        review_of(&mut opened(confidences), ReviewChoice { order, ..ReviewChoice::default() })
+        review_of(
+            &mut opened(confidences),
+            ReviewChoice {
+                order,
+                ..ReviewChoice::default()
+            },
+        )
     }
 
     #[test]
@@ -423,11 +536,19 @@ mod tests {
         for (frame, shot) in open.document.frames.iter_mut().zip([1, 1, 2, 2]) {
             frame.clip = Some(Clip::Number(shot));
         }
-        let choice = ReviewChoice { one_per_shot: true, threshold: 0.5, ..ReviewChoice::default() };
+        let choice = ReviewChoice {
+            one_per_shot: true,
+            threshold: 0.5,
+            ..ReviewChoice::default()
+        };
         let review = review_of(&mut open, choice);
         assert!(review.several_shots);
         assert_eq!((frames(&review), review.hidden.len()), (vec![3, 0], 2));
-        assert_eq!(review.bulk(&choice).rows.len(), 4, "what is accepted together is all of them");
+        assert_eq!(
+            review.bulk(&choice).rows.len(),
+            4,
+            "what is accepted together is all of them"
+        );
     }
 
     fn frames(review: &Review) -> Vec<usize> {
@@ -441,50 +562,113 @@ mod tests {
         assert_eq!(frames(&review), [1, 0, 3, 4, 2]);
         assert_eq!(review.next(4, true), Some(2));
         assert_eq!(review.next(4, false), Some(3));
-        assert_eq!((review.next(2, true), review.next(1, false)), (Some(1), Some(2)), "round and round");
-        assert_eq!((review.next(77, true), review.next(77, false)), (Some(1), Some(2)));
+        assert_eq!(
+            (review.next(2, true), review.next(1, false)),
+            (Some(1), Some(2)),
+            "round and round"
+        );
+        assert_eq!(
+            (review.next(77, true), review.next(77, false)),
+            (Some(1), Some(2))
+        );
         assert_eq!(Review::default().next(0, true), None);
     }
 
     #[test]
     fn together_are_accepted_the_certain_ones_that_agree_with_their_neighbours() {
-        let mut review = review(&[Some(0.97), Some(0.99), Some(0.5), None], ReviewOrder::Time);
-        review.rows[1].disagreement = Some(Disagreement { apart_px: DISAGREES_PX + 1.0, neighbours_px: 5.0 });
-        review.rows[0].disagreement = Some(Disagreement { apart_px: 90.0, neighbours_px: 100.0 });
-        let choice = ReviewChoice { threshold: 0.9, ..ReviewChoice::default() };
+        let mut review = review(
+            &[Some(0.97), Some(0.99), Some(0.5), None],
+            ReviewOrder::Time,
+        );
+        review.rows[1].disagreement = Some(Disagreement {
+            apart_px: DISAGREES_PX + 1.0,
+            neighbours_px: 5.0,
+        });
+        review.rows[0].disagreement = Some(Disagreement {
+            apart_px: 90.0,
+            neighbours_px: 100.0,
+        });
+        let choice = ReviewChoice {
+            threshold: 0.9,
+            ..ReviewChoice::default()
+        };
         let bulk = review.bulk(&choice);
-        assert_eq!((bulk.rows.iter().map(|row| row.frame).collect::<Vec<_>>(), bulk.left_out), (vec![0], 1));
-        let bulk = review.bulk(&ReviewChoice { with_disagreeing: true, ..choice });
-        assert_eq!((bulk.rows.iter().map(|row| row.frame).collect::<Vec<_>>(), bulk.left_out), (vec![0, 1], 0));
+        assert_eq!(
+            (
+                bulk.rows.iter().map(|row| row.frame).collect::<Vec<_>>(),
+                bulk.left_out
+            ),
+            (vec![0], 1)
+        );
+        let bulk = review.bulk(&ReviewChoice {
+            with_disagreeing: true,
+            ..choice
+        });
+        assert_eq!(
+            (
+                bulk.rows.iter().map(|row| row.frame).collect::<Vec<_>>(),
+                bulk.left_out
+            ),
+            (vec![0, 1], 0)
+        );
         assert_eq!(review.bulk_size(&choice), (1, 1, Some(0.97)));
-        let none = ReviewChoice { threshold: 1.0, ..choice };
+        let none = ReviewChoice {
+            threshold: 1.0,
+            ..choice
+        };
         assert!(review.bulk(&none).rows.is_empty());
         assert_eq!(review.bulk_size(&none), (0, 0, None));
     }
 
     #[test]
     fn before_many_are_accepted_the_doubtful_and_samples_of_the_whole_range_are_shown() {
-        let confidences: Vec<Option<f64>> = (0..100).map(|index| Some(0.5 + 0.004 * f64::from(index))).collect();
+        let confidences: Vec<Option<f64>> = (0..100)
+            .map(|index| Some(0.5 + 0.004 * f64::from(index)))
+            .collect();
         let review = review(&confidences, ReviewOrder::Time);
-        let choice = ReviewChoice { threshold: 0.6, ..ReviewChoice::default() };
+        let choice = ReviewChoice {
+            threshold: 0.6,
+            ..ReviewChoice::default()
+        };
         let mut bulk = review.bulk(&choice);
         assert_eq!(bulk.rows.len(), 75);
         let shown: Vec<usize> = bulk.preview().iter().map(|row| row.frame).collect();
         assert_eq!(shown, [25, 26, 27, 28, 29, 30, 41, 53, 64, 76, 87, 99]);
         let all = bulk.expected_wrong();
-        assert!((all.mean - bulk.rows.iter().map(|row| 1.0 - row.confidence.unwrap()).sum::<f64>()).abs() < 1e-9);
+        assert!(
+            (all.mean
+                - bulk
+                    .rows
+                    .iter()
+                    .map(|row| 1.0 - row.confidence.unwrap())
+                    .sum::<f64>())
+            .abs()
+                < 1e-9
+        );
         assert!(all.least > 0 && (all.least as f64) < all.mean && all.mean < all.most as f64);
         bulk.unticked.extend([25, 26]);
-        assert_eq!((bulk.taken().count(), bulk.preview().len()), (73, 12), "what is taken out stays in sight");
+        assert_eq!(
+            (bulk.taken().count(), bulk.preview().len()),
+            (73, 12),
+            "what is taken out stays in sight"
+        );
         assert!((all.mean - bulk.expected_wrong().mean - 0.796).abs() < 1e-9);
-        let few = review.bulk(&ReviewChoice { threshold: 0.885, ..choice });
+        let few = review.bulk(&ReviewChoice {
+            threshold: 0.885,
+            ..choice
+        });
         assert_eq!(few.preview(), few.rows);
     }
 
     #[test]
     fn where_all_are_as_certain_samples_over_all_of_them_are_shown() {
         let review = self::review(&[Some(0.99); 48], ReviewOrder::Time);
-        let shown: Vec<usize> = review.bulk(&ReviewChoice::default()).preview().iter().map(|row| row.frame).collect();
+        let shown: Vec<usize> = review
+            .bulk(&ReviewChoice::default())
+            .preview()
+            .iter()
+            .map(|row| row.frame)
+            .collect();
         assert_eq!(shown, [3, 7, 11, 15, 19, 23, 27, 31, 35, 39, 43, 47]);
     }
 
@@ -494,15 +678,28 @@ mod tests {
         let size = ImageSize::new(64, 36);
         let mut camera = Camera::new("main".into(), size);
         let level = BaseAngles::default().base_from_world();
-        camera.set_base(&CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, size.centre()));
+        camera.set_base(&CameraBase::new(
+            Vec3::new(0.0, -60.0, 15.0),
+            level,
+            size.centre(),
+        ));
         open.document.cameras.push(camera.into());
         for (index, frame) in open.document.frames.iter_mut().enumerate() {
             frame.clip = Some(Clip::Number(1));
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(index as f64, -9.0, 90.0), None));
+            frame.ptz = Some(FramePtz::new(
+                Ptz::from_degrees(index as f64, -9.0, 90.0),
+                None,
+            ));
         }
         for order in ReviewOrder::ALL {
             let mut session = Session::default();
-            (session.panel, session.review) = (SidePanel::Review, ReviewChoice { order, ..ReviewChoice::default() });
+            (session.panel, session.review) = (
+                SidePanel::Review,
+                ReviewChoice {
+                    order,
+                    ..ReviewChoice::default()
+                },
+            );
             let mut review = Review::default();
             review.refresh(Some(&mut open), &session);
             let mut step = |change: &dyn Fn(&mut Document), open: &mut OpenProject| {
@@ -510,23 +707,49 @@ mod tests {
                 open.revision += 1;
                 review.refresh(Some(open), &session);
                 let anew = review_of(open, session.review);
-                assert!(review.rows.iter().any(|row| row.disagreement.is_some()), "neighbours are compared");
-                assert_eq!((&review.rows, review.several_shots), (&anew.rows, anew.several_shots), "{order:?}");
+                assert!(
+                    review.rows.iter().any(|row| row.disagreement.is_some()),
+                    "neighbours are compared"
+                );
+                assert_eq!(
+                    (&review.rows, review.several_shots),
+                    (&anew.rows, anew.several_shots),
+                    "{order:?}"
+                );
             };
-            step(&|document| document.frames[1].status = FrameStatus::Reference, &mut open);
+            step(
+                &|document| document.frames[1].status = FrameStatus::Reference,
+                &mut open,
+            );
             let turned = |document: &mut Document| {
-                document.frames[3].ptz = Some(FramePtz::new(Ptz::from_degrees(9.0, -9.0, 90.0), None));
+                document.frames[3].ptz =
+                    Some(FramePtz::new(Ptz::from_degrees(9.0, -9.0, 90.0), None));
             };
             step(&turned, &mut open);
-            step(&|document| document.frames[4].clip = Some(Clip::Number(2)), &mut open);
-            step(&|document| document.frames[4].clip = Some(Clip::Number(1)), &mut open);
-            step(&|document| document.frames[1].status = FrameStatus::Suggested, &mut open);
-            step(&|document| document.frames[3].ptz = document.frames[2].ptz.clone(), &mut open);
+            step(
+                &|document| document.frames[4].clip = Some(Clip::Number(2)),
+                &mut open,
+            );
+            step(
+                &|document| document.frames[4].clip = Some(Clip::Number(1)),
+                &mut open,
+            );
+            step(
+                &|document| document.frames[1].status = FrameStatus::Suggested,
+                &mut open,
+            );
+            step(
+                &|document| document.frames[3].ptz = document.frames[2].ptz.clone(),
+                &mut open,
+            );
         }
     }
 
     #[test]
     fn a_probability_is_never_a_certainty() {
-        assert_eq!([0.42, 0.97, 0.9951, 1.0].map(percent), ["42 %", "97 %", "99.5 %", "99.9 %"]);
+        assert_eq!(
+            [0.42, 0.97, 0.9951, 1.0].map(percent),
+            ["42 %", "97 %", "99.5 %", "99.9 %"]
+        );
     }
 }

@@ -29,7 +29,9 @@ impl App {
             ViewAction::SetFilter(filter) => self.session.filter = filter,
             ViewAction::HoldReview(held) => self.session.review.held = held,
             ViewAction::SetReviewOrder(order) => self.session.review.order = order,
-            ViewAction::SetReviewThreshold(threshold) => self.session.review.threshold = threshold.clamp(0.0, 1.0),
+            ViewAction::SetReviewThreshold(threshold) => {
+                self.session.review.threshold = threshold.clamp(0.0, 1.0)
+            }
             ViewAction::SetWithDisagreeing(with) => self.session.review.with_disagreeing = with,
             ViewAction::SetOnePerShot(one) => self.session.review.one_per_shot = one,
             ViewAction::TickSuggestion { frame, ticked } => self.tick_suggestion(frame, ticked),
@@ -38,7 +40,11 @@ impl App {
             ViewAction::ShowSpan(span) => self.show_span(span),
             ViewAction::CloseDialog => self.close_dialog(),
             ViewAction::ShowGuidePage(page) => self.show_guide_page(page),
-            ViewAction::DismissNotice(id) => self.session.messages.notices.retain(|notice| notice.id != id),
+            ViewAction::DismissNotice(id) => self
+                .session
+                .messages
+                .notices
+                .retain(|notice| notice.id != id),
             ViewAction::Notify(level, text) => self.session.notify(level, text),
             ViewAction::TypePath(question) => self.session.dialog = Some(Dialog::Path(question)),
             ViewAction::ReadFailedTemplatesAgain => self.read_failed_templates_again(),
@@ -58,7 +64,9 @@ impl App {
             Navigation::OfferLines(lines) => self.offer_lines(lines),
             Navigation::GoTo(frame) => self.go_to(frame),
             Navigation::SelectFrame { frame, how } => self.select_frame(frame, how),
-            Navigation::AskCamera(scope) => self.session.dialog = Some(Dialog::AssignToCamera(scope)),
+            Navigation::AskCamera(scope) => {
+                self.session.dialog = Some(Dialog::AssignToCamera(scope))
+            }
             Navigation::LookAt { frame, click } => self.look_at(frame, click),
             Navigation::GoToPlace(place) => self.go_to_place(place),
         }
@@ -108,7 +116,8 @@ impl App {
                 if self.tour_waits {
                     self.begin_waiting_tour();
                 } else {
-                    self.session.notify(Level::Info, format!("{} is already open.", file.display()));
+                    self.session
+                        .notify(Level::Info, format!("{} is already open.", file.display()));
                 }
             }
             DiskReport::Failed(message) => {
@@ -116,13 +125,20 @@ impl App {
                 self.tour_waits = false;
                 self.session.notify(Level::Error, message);
             }
-            DiskReport::TemplateRead { of, name, template } => self.template_read(&of, &name, template),
+            DiskReport::TemplateRead { of, name, template } => {
+                self.template_read(&of, &name, template)
+            }
             DiskReport::CameraLoaded(camera) => self.camera_loaded(&camera),
-            DiskReport::Saved { revision, at, document } => self.saved(revision, at, document),
+            DiskReport::Saved {
+                revision,
+                at,
+                document,
+            } => self.saved(revision, at, document),
             DiskReport::SaveFailed(message) => self.save_failed(message),
             DiskReport::Copied(path) => {
                 self.session.disk.copies.written = self.session.disk.copies.begun.take();
-                self.session.notify(Level::Info, format!("Copy written: {}", path.display()));
+                self.session
+                    .notify(Level::Info, format!("Copy written: {}", path.display()));
             }
             DiskReport::ChangedOutside { path, own } => self.changed_outside(path, own),
             DiskReport::Outside(outside) => self.merge_outside(&outside),
@@ -130,10 +146,15 @@ impl App {
             DiskReport::OrphanSaved { document } => {
                 self.session.notify(
                     Level::Info,
-                    format!("The edits were saved as a separate document: {}", document.display()),
+                    format!(
+                        "The edits were saved as a separate document: {}",
+                        document.display()
+                    ),
                 );
             }
-            DiskReport::OrphanPutAway { orphan, renamed } => self.orphan_put_away(&orphan, &renamed),
+            DiskReport::OrphanPutAway { orphan, renamed } => {
+                self.orphan_put_away(&orphan, &renamed)
+            }
         }
     }
 
@@ -145,7 +166,8 @@ impl App {
             TrainerReport::Status(status) => self.trainer_reported(*status),
             TrainerReport::Features(used) => self.session.trainer.features = Some(*used),
             TrainerReport::Broken { message } => {
-                let text = format!("The trainer stopped: internal error (please report it): {message}");
+                let text =
+                    format!("The trainer stopped: internal error (please report it): {message}");
                 self.session.notify(Level::Error, text);
             }
         }

@@ -1,4 +1,5 @@
-//! What a camera's base is estimated from: which frames take part, which to click next, names that are mirrored.
+//! What a camera's base is estimated from: which frames take part, which to click next, names that
+//! are mirrored.
 
 use super::App;
 use crate::app::Command;
@@ -17,12 +18,15 @@ impl App {
 
     /// Goes to the frame whose points would tell most about the base of the shown frame's camera.
     pub(super) fn show_for_base(&mut self) {
-        let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else { return };
-        let Some(field) = self.current.field() else { return };
+        let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else {
+            return;
+        };
+        let Some(field) = self.current.field() else {
+            return;
+        };
         let offer = [("Estimate the base", Command::EstimateBase)];
         let Some(next) = next_for_base(&open.document, &camera, field) else {
-            let text =
-                "Every frame of this camera that shows enough of the field has its points. Estimate the base again.";
+            let text = "Every frame of this camera that shows enough of the field has its points. Estimate the base again.";
             self.session.notify_with(Level::Info, text, offer);
             return;
         };
@@ -35,13 +39,23 @@ impl App {
 
     /// A frame takes part in the estimation, or does not.
     pub(super) fn use_for_base(&mut self, index: usize, used: bool) {
-        let Some(frame) = self.open.as_ref().and_then(|open| open.frame(index)) else { return };
+        let Some(frame) = self.open.as_ref().and_then(|open| open.frame(index)) else {
+            return;
+        };
         if frame.use_for_base == used {
             return;
         }
-        let name = if used { "Put frame back" } else { "Leave frame out" };
+        let name = if used {
+            "Put frame back"
+        } else {
+            "Leave frame out"
+        };
         if self.begin_step(self.step_at(name, index)) {
-            if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(index)) {
+            if let Some(frame) = self
+                .open
+                .as_mut()
+                .and_then(|open| open.document.frames.get_mut(index))
+            {
                 frame.use_for_base = used;
             }
             self.commit();
@@ -51,7 +65,9 @@ impl App {
     /// Mirrors the names of a frame's clicks: left and right, near and far, or both.
     pub(super) fn mirror_names(&mut self, index: usize, symmetry: Symmetry) {
         self.go_to(index);
-        let Some(Ok(field)) = self.open.as_mut().map(|open| open.field_of(index)) else { return };
+        let Some(Ok(field)) = self.open.as_mut().map(|open| open.field_of(index)) else {
+            return;
+        };
         if self.begin("Mirror names") {
             if let Some(frame) = self.frame_mut() {
                 mirror(frame, &field, symmetry);
@@ -66,7 +82,11 @@ impl App {
     pub(super) fn tell_when_enough(&mut self, before: BaseReadiness) {
         if self.current.base.is_none() && !before.is_enough() && self.base_readiness().is_enough() {
             let text = "These frames are enough to estimate the base.";
-            self.session.notify_with(Level::Info, text, [("Estimate the base", Command::EstimateBase)]);
+            self.session.notify_with(
+                Level::Info,
+                text,
+                [("Estimate the base", Command::EstimateBase)],
+            );
         }
     }
 }

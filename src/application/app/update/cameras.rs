@@ -11,7 +11,11 @@ use touchline_documents::document::Step;
 
 impl App {
     pub(super) fn select_frame(&mut self, frame: usize, how: Selecting) {
-        if let Some(open) = self.open.as_ref().filter(|open| open.frame(frame).is_some()) {
+        if let Some(open) = self
+            .open
+            .as_ref()
+            .filter(|open| open.frame(frame).is_some())
+        {
             self.session.frames_selected = after_click(open, &self.session, frame, how);
         }
     }
@@ -20,7 +24,8 @@ impl App {
         let Some(open) = &self.open else { return };
         let frames = Scope::Shot.frames(open, &self.session);
         if frames.len() < 2 {
-            self.session.notify(Level::Info, "This shot has no other frames.");
+            self.session
+                .notify(Level::Info, "This shot has no other frames.");
             return;
         }
         self.session.frames_selected = frames.into_iter().collect();
@@ -28,7 +33,11 @@ impl App {
 
     /// Opens the dialog that assigns frames to a camera; it begins with the selected frames.
     pub(super) fn ask_camera(&mut self) {
-        let scope = if self.session.frames_selected.is_empty() { Scope::Frame } else { Scope::Selected };
+        let scope = if self.session.frames_selected.is_empty() {
+            Scope::Frame
+        } else {
+            Scope::Selected
+        };
         self.session.dialog = Some(Dialog::AssignToCamera(scope));
     }
 
@@ -36,14 +45,26 @@ impl App {
     pub(super) fn assign_to_camera(&mut self, scope: Scope, choice: &CameraChoice) {
         let Some(open) = &self.open else { return };
         let frames = scope.frames(open, &self.session);
-        let Some(like) = self.camera_id().cloned().filter(|_| !frames.is_empty()) else { return };
+        let Some(like) = self.camera_id().cloned().filter(|_| !frames.is_empty()) else {
+            return;
+        };
         let Some(open) = &self.open else { return };
         let (CameraChoice::Known(name) | CameraChoice::New(name)) = choice;
-        let step = Step::on_document(format!("Assign {} to {name}", counted(frames.len(), "frame")));
+        let step = Step::on_document(format!(
+            "Assign {} to {name}",
+            counted(frames.len(), "frame")
+        ));
         let is_new = matches!(choice, CameraChoice::New(_));
-        let frames = frames.into_iter().filter_map(|index| Some(open.frame(index)?.id.clone())).collect();
+        let frames = frames
+            .into_iter()
+            .filter_map(|index| Some(open.frame(index)?.id.clone()))
+            .collect();
         let new = is_new.then_some(NewCamera { like, base: None });
-        let change = BulkChange::Assign(Box::new(AssignedFrames { frames, camera: name.clone(), new }));
+        let change = BulkChange::Assign(Box::new(AssignedFrames {
+            frames,
+            camera: name.clone(),
+            new,
+        }));
         if self.change_in_bulk(step, change, Self::tell_assigned) {
             self.session.dialog = None;
             self.session.frames_selected.clear();
@@ -52,7 +73,9 @@ impl App {
 
     /// Tells of frames that were assigned to a camera.
     fn tell_assigned(&mut self, change: &BulkChange) {
-        let BulkChange::Assign(given) = change else { return };
+        let BulkChange::Assign(given) = change else {
+            return;
+        };
         let (count, name) = (counted(given.frames.len(), "frame"), &given.camera);
         let has_base = given.new.as_ref().is_some_and(|new| new.base.is_some());
         let mut text = format!("{count} assigned to camera “{name}”.");
@@ -63,11 +86,21 @@ impl App {
         self.session.notify(Level::Info, text);
     }
 
-    /// Makes a new camera for the frames that the shown one's camera no longer fits: one step of undo.
+    /// Makes a new camera for the frames that the shown one's camera no longer fits: one step of
+    /// undo.
     pub(super) fn new_camera_from_change(&mut self) {
-        let (Some(change), Some(open)) = (self.camera_change(), &self.open) else { return };
-        let step = Step::on_document(format!("New camera from frame {}", open.frame_number(change.frame)));
+        let (Some(change), Some(open)) = (self.camera_change(), &self.open) else {
+            return;
+        };
+        let step = Step::on_document(format!(
+            "New camera from frame {}",
+            open.frame_number(change.frame)
+        ));
         let given = change.assigned(&open.document);
-        self.change_in_bulk(step, BulkChange::Assign(Box::new(given)), Self::tell_assigned);
+        self.change_in_bulk(
+            step,
+            BulkChange::Assign(Box::new(given)),
+            Self::tell_assigned,
+        );
     }
 }

@@ -32,7 +32,10 @@ impl App {
             let name = self.click_name(click);
             self.session.points.selected = Some(click);
             if self.begin(format!("Move {name}")) {
-                self.session.mode = Mode::Dragging { click, placed: false };
+                self.session.mode = Mode::Dragging {
+                    click,
+                    placed: false,
+                };
             }
             return;
         }
@@ -41,7 +44,10 @@ impl App {
             return;
         }
         if rejected {
-            self.session.notify(Level::Info, "This frame is marked as not calibratable. X removes the mark.");
+            self.session.notify(
+                Level::Info,
+                "This frame is marked as not calibratable. X removes the mark.",
+            );
             return;
         }
         let placing = match std::mem::take(&mut self.session.mode) {
@@ -56,11 +62,16 @@ impl App {
         if !self.begin("Place point") {
             return;
         }
-        let Some(frame) = self.frame_mut() else { return };
+        let Some(frame) = self.frame_mut() else {
+            return;
+        };
         frame.clicks.push(click);
         let index = frame.clicks.len() - 1;
         self.session.points.selected = Some(index);
-        self.session.mode = Mode::Dragging { click: index, placed };
+        self.session.mode = Mode::Dragging {
+            click: index,
+            placed,
+        };
         if placed {
             self.name_if_certain(index);
         }
@@ -75,7 +86,9 @@ impl App {
             self.hold_again(to, false);
             return;
         }
-        let Mode::Dragging { click, placed } = self.session.mode else { return };
+        let Mode::Dragging { click, placed } = self.session.mode else {
+            return;
+        };
         self.move_click(click, to);
         if placed {
             self.name_if_certain(click);
@@ -89,7 +102,9 @@ impl App {
             self.release_again();
             return;
         }
-        let Mode::Dragging { click, placed } = self.session.mode else { return };
+        let Mode::Dragging { click, placed } = self.session.mode else {
+            return;
+        };
         self.session.mode = Mode::Idle;
         let revision = self.open.as_ref().map(|open| open.revision);
         self.commit();
@@ -97,8 +112,10 @@ impl App {
         if moved {
             self.snap_later(click, exactly);
         }
-        let unnamed =
-            self.frame().and_then(|frame| frame.clicks.get(click)).is_some_and(|click| click.target.is_none());
+        let unnamed = self
+            .frame()
+            .and_then(|frame| frame.clicks.get(click))
+            .is_some_and(|click| click.target.is_none());
         if unnamed {
             self.open_naming(click);
         } else if placed {
@@ -108,8 +125,13 @@ impl App {
 
     /// Puts a click somewhere within the picture.
     fn move_click(&mut self, click: usize, to: ImagePoint) {
-        let Some(frame) = self.frame_mut() else { return };
-        let (width, height) = (f64::from(frame.image_size.width), f64::from(frame.image_size.height));
+        let Some(frame) = self.frame_mut() else {
+            return;
+        };
+        let (width, height) = (
+            f64::from(frame.image_size.width),
+            f64::from(frame.image_size.height),
+        );
         if let Some(click) = frame.clicks.get_mut(click)
             && to.is_finite()
         {
@@ -125,8 +147,16 @@ impl App {
 
     /// Moves the selected click; a key that is held down is one step of undo.
     pub(super) fn nudge(&mut self, dx_px: f64, dy_px: f64, held: bool) {
-        let Some(click) = self.session.points.selected else { return };
-        let Some(at) = self.frame().and_then(|frame| frame.clicks.get(click)).map(|click| click.image) else { return };
+        let Some(click) = self.session.points.selected else {
+            return;
+        };
+        let Some(at) = self
+            .frame()
+            .and_then(|frame| frame.clicks.get(click))
+            .map(|click| click.image)
+        else {
+            return;
+        };
         let name = self.click_name(click);
         let step = self.step_at(format!("Nudge {name}"), self.session.frame);
         let resumed = held && self.open.as_mut().is_some_and(|open| open.resume(&step));
@@ -158,9 +188,16 @@ impl App {
 
     pub(super) fn set_check(&mut self, click: usize, check: bool) {
         let name = self.click_name(click);
-        let step = if check { format!("Make {name} a check point") } else { format!("Use {name}") };
+        let step = if check {
+            format!("Make {name} a check point")
+        } else {
+            format!("Use {name}")
+        };
         if self.begin(step) {
-            if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
+            if let Some(click) = self
+                .frame_mut()
+                .and_then(|frame| frame.clicks.get_mut(click))
+            {
                 click.check = check;
             }
             self.clicks_changed();
@@ -184,7 +221,10 @@ impl App {
 
     /// What messages and undo call a click: its label in lower case.
     pub(super) fn click_name(&self, click: usize) -> String {
-        let target = self.frame().and_then(|frame| frame.clicks.get(click)).and_then(|click| click.target.as_ref());
+        let target = self
+            .frame()
+            .and_then(|frame| frame.clicks.get(click))
+            .and_then(|click| click.target.as_ref());
         target.map_or_else(|| "point".to_owned(), |target| self.label(target))
     }
 }
@@ -201,17 +241,34 @@ mod tests {
         let size = ImageSize::new(1920, 1080);
         let at = ImagePoint::new(500.0, 400.0);
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(Camera::new("main".into(), size).into());
-        let mut frame = Frame { status: FrameStatus::Draft, ..Frame::from_image("a.jpg", "main".into(), size) };
+        document
+            .cameras
+            .push(Camera::new("main".into(), size).into());
+        let mut frame = Frame {
+            status: FrameStatus::Draft,
+            ..Frame::from_image("a.jpg", "main".into(), size)
+        };
         frame.clicks.push(Click::landmark("centre_mark".into(), at));
         document.frames.push(frame.into());
         let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        app.update(Action::Opened(Box::new(Opened::new(
+            document,
+            "/match/project.json",
+        ))));
         app.update(Action::Navigate(Navigation::Select(Some(0))));
         let image = |app: &App| app.frame().unwrap().clicks[0].image;
         let nudge = |app: &mut App, dx_px: f64, held: bool| {
-            let effects = app.update(Action::Edit(EditAction::Nudge { dx_px, dy_px: 0.0, held }));
-            assert!(effects.iter().any(|effect| matches!(effect, Effect::Journal { .. })), "{dx_px}");
+            let effects = app.update(Action::Edit(EditAction::Nudge {
+                dx_px,
+                dy_px: 0.0,
+                held,
+            }));
+            assert!(
+                effects
+                    .iter()
+                    .any(|effect| matches!(effect, Effect::Journal { .. })),
+                "{dx_px}"
+            );
         };
         nudge(&mut app, 1.0, false);
         for _ in 0..5 {

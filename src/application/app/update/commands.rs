@@ -27,8 +27,14 @@ impl App {
             _ if self.round().is_some() && !command.kind().is_blind() => Some(IN_ROUND),
             C::Undo if self.round().is_some() => None,
             C::StartTour if self.session.tour.is_some() => Some("The tour is under way."),
-            C::LeaveTour => self.session.tour.is_none().then_some("No tour is under way."),
-            C::DismissNotices if self.session.messages.notices.is_empty() => Some("There are no messages."),
+            C::LeaveTour => self
+                .session
+                .tour
+                .is_none()
+                .then_some("No tour is under way."),
+            C::DismissNotices if self.session.messages.notices.is_empty() => {
+                Some("There are no messages.")
+            }
             C::OpenProject
             | C::OpenFolder
             | C::OpenVideo
@@ -50,8 +56,12 @@ impl App {
             C::OverlayStyle | C::PictureLook => None,
             C::ShowFeatures => self.no_trainer(),
             _ if no_document => Some("No document is open."),
-            C::Orphans if self.session.disk.orphans.is_empty() => Some("No edits were set aside beside this document."),
-            C::Save | C::Import | C::ChooseSport if self.is_read_only() => Some("The document is read-only."),
+            C::Orphans if self.session.disk.orphans.is_empty() => {
+                Some("No edits were set aside beside this document.")
+            }
+            C::Save | C::Import | C::ChooseSport if self.is_read_only() => {
+                Some("The document is read-only.")
+            }
             C::Undo if !self.can_undo() => Some("There is nothing to undo."),
             C::Redo if !self.can_redo() => Some("There is nothing to redo."),
             C::Orphans
@@ -75,7 +85,10 @@ impl App {
                 Some("Every point of this frame has a name.")
             }
             C::SkipAgain if self.round().is_none() => Some("No blind round is under way."),
-            C::MarkGold => self.frame().filter(|frame| !frame.gold).and_then(Frame::why_not_gold),
+            C::MarkGold => self
+                .frame()
+                .filter(|frame| !frame.gold)
+                .and_then(Frame::why_not_gold),
             C::ChooseGold if !self.gold().can_choose => {
                 Some("Every suitable reference is gold already. Accept more frames first.")
             }
@@ -83,12 +96,24 @@ impl App {
             C::UseUsualNoise => self.why_not_usual_noise(),
             C::DiscardBatch => self.why_not_discard_batch(),
             C::AcceptAllAbove if self.review.rows.is_empty() => Some("There are no suggestions."),
-            C::NextUnanswered if self.review.advice.next.is_none() => Some("No frame needs a label."),
-            C::UseForTraining if self.frame().is_some_and(|frame| frame.status != FrameStatus::Reference) => {
+            C::NextUnanswered if self.review.advice.next.is_none() => {
+                Some("No frame needs a label.")
+            }
+            C::UseForTraining
+                if self
+                    .frame()
+                    .is_some_and(|frame| frame.status != FrameStatus::Reference) =>
+            {
                 Some("Only references are used for training.")
             }
-            C::NewCameraFromChange if self.camera_change().is_none() => Some("This camera fits all its frames."),
-            C::ConfirmFieldSize if self.shown_field_spec().is_none_or(|spec| spec.assumed_size().is_none()) => {
+            C::NewCameraFromChange if self.camera_change().is_none() => {
+                Some("This camera fits all its frames.")
+            }
+            C::ConfirmFieldSize
+                if self
+                    .shown_field_spec()
+                    .is_none_or(|spec| spec.assumed_size().is_none()) =>
+            {
                 Some("The field's size is confirmed already.")
             }
             C::Accept | C::AcceptAndStay if self.session.picture.masks => {
@@ -111,23 +136,35 @@ impl App {
                 Some("This frame does not come from a video.")
             }
             C::Compare if self.current.proposal.is_some() => None,
-            C::SwitchRoot if self.current.other_root().is_none() => Some("Only one focal length fits these points."),
-            C::Compare if self.current.alternative().is_none() => Some("No other solution fits these points."),
-            C::MendNames if self.current.other_names().is_none() => Some("No other names fit these points."),
+            C::SwitchRoot if self.current.other_root().is_none() => {
+                Some("Only one focal length fits these points.")
+            }
+            C::Compare if self.current.alternative().is_none() => {
+                Some("No other solution fits these points.")
+            }
+            C::MendNames if self.current.other_names().is_none() => {
+                Some("No other names fit these points.")
+            }
             _ => self.why_not_operation(command),
         }
     }
 
     pub(in crate::app) fn is_read_only(&self) -> bool {
-        self.open.as_ref().is_some_and(|open| open.read_only.is_some())
+        self.open
+            .as_ref()
+            .is_some_and(|open| open.read_only.is_some())
     }
 
     fn can_undo(&self) -> bool {
-        self.open.as_ref().is_some_and(|open| open.history.is_open() || open.history.next_undo().is_some())
+        self.open
+            .as_ref()
+            .is_some_and(|open| open.history.is_open() || open.history.next_undo().is_some())
     }
 
     fn can_redo(&self) -> bool {
-        self.open.as_ref().is_some_and(|open| open.history.next_redo().is_some())
+        self.open
+            .as_ref()
+            .is_some_and(|open| open.history.next_redo().is_some())
     }
 
     pub(in crate::app) fn command(&mut self, command: Command) {
@@ -224,17 +261,24 @@ impl App {
             C::Reject => self.ask_reject(false),
             C::RejectShot => self.ask_reject(true),
             C::Comment => {
-                let comment = self.frame().and_then(|frame| frame.comment.clone()).unwrap_or_default();
+                let comment = self
+                    .frame()
+                    .and_then(|frame| frame.comment.clone())
+                    .unwrap_or_default();
                 self.session.dialog = Some(Dialog::Comment(comment));
             }
             C::MendNames => self.mend_names(),
             C::SwitchRoot => self.switch_root(),
-            C::ZoomIn | C::ZoomOut | C::ZoomToFit if self.session.quality.open => self.zoom_time(command),
+            C::ZoomIn | C::ZoomOut | C::ZoomToFit if self.session.quality.open => {
+                self.zoom_time(command)
+            }
             C::ZoomIn => self.zoom_by(ZOOM_STEP),
             C::ZoomOut => self.zoom_by(1.0 / ZOOM_STEP),
             C::ZoomToFit => self.session.picture.view = PictureView::Fit,
             C::ZoomToClick => self.zoom_to_click(),
-            C::HideOverlay => self.session.picture.held.hide_overlay = !self.session.picture.held.hide_overlay,
+            C::HideOverlay => {
+                self.session.picture.held.hide_overlay = !self.session.picture.held.hide_overlay
+            }
             C::Compare => self.session.picture.held.compare = !self.session.picture.held.compare,
             C::OverlayStyle => self.session.dialog = Some(Dialog::OverlayStyle),
             C::ShowMasks => self.session.picture.masks = !self.session.picture.masks,
@@ -269,7 +313,9 @@ impl App {
                 let used = self.frame().is_some_and(|frame| !frame.use_for_base);
                 self.use_for_base(self.session.frame, used);
             }
-            C::Uncertainty => self.session.picture.uncertainty = self.session.picture.uncertainty.next(),
+            C::Uncertainty => {
+                self.session.picture.uncertainty = self.session.picture.uncertainty.next()
+            }
             C::Palette => self.session.dialog = Some(Dialog::Palette),
             C::Keys => self.session.dialog = Some(Dialog::Keys),
             C::Messages => self.session.dialog = Some(Dialog::Messages),
@@ -308,7 +354,9 @@ impl App {
         match command {
             Command::HideOverlay => self.session.picture.held.hide_overlay = down,
             Command::Snap => self.hold_snap(down),
-            Command::Compare => self.session.picture.held.compare = down && self.why_not(command).is_none(),
+            Command::Compare => {
+                self.session.picture.held.compare = down && self.why_not(command).is_none()
+            }
             _ => {}
         }
     }
@@ -351,39 +399,59 @@ impl App {
             }
             Mode::Placing(_) | Mode::Rejecting { .. } => self.session.mode = Mode::Idle,
             Mode::ClickingAgain(_) => self.end_round(),
-            Mode::Idle if self.session.points.next_on_line => self.session.points.next_on_line = false,
-            Mode::Idle if self.session.points.selected.is_none() => self.session.frames_selected.clear(),
+            Mode::Idle if self.session.points.next_on_line => {
+                self.session.points.next_on_line = false
+            }
+            Mode::Idle if self.session.points.selected.is_none() => {
+                self.session.frames_selected.clear()
+            }
             Mode::Idle => self.session.points.selected = None,
         }
     }
 
-    /// Takes the last step back, or does it again. A step on another frame is gone to first and said; the second press
-    /// changes it.
+    /// Takes the last step back, or does it again. A step on another frame is gone to first and
+    /// said; the second press changes it.
     fn undo(&mut self, back: bool) {
         self.session.mode = Mode::Idle;
         self.commit_open_step();
         let Some(open) = &mut self.open else { return };
-        let next = if back { open.history.next_undo() } else { open.history.next_redo() };
+        let next = if back {
+            open.history.next_undo()
+        } else {
+            open.history.next_redo()
+        };
         let Some(step) = next.cloned() else { return };
         let word = if back { "undo" } else { "redo" };
-        let position = step.frame.and_then(|id| open.document.frames.position_of(&id));
+        let position = step
+            .frame
+            .and_then(|id| open.document.frames.position_of(&id));
         if let Some(position) = position.filter(|position| *position != self.session.frame) {
             self.go_to(position);
-            let text = format!("The last change was here: {}. Press again to {word} it.", step.name);
+            let text = format!(
+                "The last change was here: {}. Press again to {word} it.",
+                step.name
+            );
             self.session.notify(Level::Info, text);
             return;
         }
         let frames = open.document.frames.clone();
         open.undo(back);
         self.follow_frames(&frames);
-        let (title, kind) = if back { ("Undone", EditKind::Undone) } else { ("Redone", EditKind::Redone) };
+        let (title, kind) = if back {
+            ("Undone", EditKind::Undone)
+        } else {
+            ("Redone", EditKind::Redone)
+        };
         self.journal(&format!("{title}: {}", step.name), kind);
-        self.session.notify(Level::Info, format!("{title}: {}.", step.name));
+        self.session
+            .notify(Level::Info, format!("{title}: {}.", step.name));
         self.clamp_selection();
     }
 
     fn zoom_by(&mut self, factor: f64) {
-        let Some(size) = self.frame().map(|frame| frame.image_size) else { return };
+        let Some(size) = self.frame().map(|frame| frame.image_size) else {
+            return;
+        };
         let (scale, centre) = match self.session.picture.view {
             PictureView::Zoomed { scale, centre } => (scale, centre),
             PictureView::Fit => (self.session.picture.fit_scale, size.centre()),
@@ -392,21 +460,35 @@ impl App {
         self.session.picture.view = if wanted <= self.session.picture.fit_scale {
             PictureView::Fit
         } else {
-            PictureView::Zoomed { scale: wanted.min(MAX_SCALE), centre }
+            PictureView::Zoomed {
+                scale: wanted.min(MAX_SCALE),
+                centre,
+            }
         };
     }
 
     fn zoom_to_click(&mut self) {
-        let click = self.session.points.selected.and_then(|click| self.frame()?.clicks.get(click));
+        let click = self
+            .session
+            .points
+            .selected
+            .and_then(|click| self.frame()?.clicks.get(click));
         if let Some(centre) = click.map(|click| click.image) {
-            self.session.picture.view = PictureView::Zoomed { scale: POINT_SCALE, centre };
+            self.session.picture.view = PictureView::Zoomed {
+                scale: POINT_SCALE,
+                centre,
+            };
         }
     }
 
     pub(super) fn assign_key(&mut self, command: Command, chord: Chord) {
         let shown = chord.to_string();
         if let Some(loser) = self.settings.keys.assign(command, chord) {
-            let text = format!("{shown} is now “{}”; “{}” no longer has a key.", command.name(), loser.name());
+            let text = format!(
+                "{shown} is now “{}”; “{}” no longer has a key.",
+                command.name(),
+                loser.name()
+            );
             self.session.notify(Level::Info, text);
         }
     }

@@ -28,7 +28,10 @@ impl App {
 
     pub(super) fn begin_opening(&mut self, path: PathBuf) {
         // What failed before is answered by another try.
-        self.session.messages.notices.retain(|notice| notice.level != Level::Error);
+        self.session
+            .messages
+            .notices
+            .retain(|notice| notice.level != Level::Error);
         self.session.disk.opening = Some(format!("Opening {}…", path.display()));
         self.effects.push(Effect::Open(Opening::Path(path)));
     }
@@ -46,7 +49,8 @@ impl App {
             self.session.notify(*level, text.clone());
         }
         if let Some(reason) = &opened.read_only {
-            self.session.notify(Level::Warning, format!("Opened read-only: {reason}"));
+            self.session
+                .notify(Level::Warning, format!("Opened read-only: {reason}"));
         }
         if opened.is_new {
             self.session.dialog = Some(Dialog::Sport);
@@ -56,7 +60,14 @@ impl App {
         self.tell_orphans();
         self.settings.remember(&opened.file);
         self.effects.push(Effect::SaveSettings);
-        let Opened { prepared, history, folder, file, read_only, .. } = opened;
+        let Opened {
+            prepared,
+            history,
+            folder,
+            file,
+            read_only,
+            ..
+        } = opened;
         let mut open = OpenProject::of(prepared, file, folder, read_only);
         open.history = history;
         self.session.frame = left_at(&open);
@@ -74,16 +85,32 @@ impl App {
     pub(super) fn read_templates(&mut self) {
         let Some(open) = &mut self.open else { return };
         let (of, folder) = (&open.file, &open.folder);
-        let read = |name| Effect::ReadTemplate { of: of.clone(), folder: folder.clone(), name };
-        self.effects.extend(open.derived.take_wanted_templates().into_iter().map(read));
+        let read = |name| Effect::ReadTemplate {
+            of: of.clone(),
+            folder: folder.clone(),
+            name,
+        };
+        self.effects
+            .extend(open.derived.take_wanted_templates().into_iter().map(read));
     }
 
     /// A template was read; the document that names it may have been closed since.
-    pub(super) fn template_read(&mut self, of: &Path, name: &str, template: Result<Box<Template>, FieldError>) {
-        let Some(open) = self.open.as_mut().filter(|open| open.file == of) else { return };
+    pub(super) fn template_read(
+        &mut self,
+        of: &Path,
+        name: &str,
+        template: Result<Box<Template>, FieldError>,
+    ) {
+        let Some(open) = self.open.as_mut().filter(|open| open.file == of) else {
+            return;
+        };
         if let Err(error) = &template {
             let said = format!("The field's lines are not drawn: {error}");
-            self.session.notify_with(Level::Warning, said, [("Camera panel", Command::CameraPanel)]);
+            self.session.notify_with(
+                Level::Warning,
+                said,
+                [("Camera panel", Command::CameraPanel)],
+            );
         }
         open.template_read(name, template);
     }
@@ -99,7 +126,9 @@ impl App {
         let Some(open) = &self.open else { return };
         if open.read_only.is_none() {
             self.session.disk.save_requests += 1;
-            self.effects.push(Effect::Save { request: self.session.disk.save_requests });
+            self.effects.push(Effect::Save {
+                request: self.session.disk.save_requests,
+            });
         }
     }
 
@@ -135,7 +164,10 @@ impl App {
                 self.session.disk.changed_outside = None;
                 // The document holds it now.
                 if let Some(own) = self.session.disk.own_version.take() {
-                    self.session.disk.orphans.retain(|orphan| orphan.path != own);
+                    self.session
+                        .disk
+                        .orphans
+                        .retain(|orphan| orphan.path != own);
                 }
             }
             self.go_on_leaving(document);
@@ -157,39 +189,65 @@ impl App {
     }
 }
 
-/// Where work goes on: at the frame that was changed last, or the next one from there that is to do; at the first frame where all are done.
+/// Where work goes on: at the frame that was changed last, or the next one from there that is to
+/// do; at the first frame where all are done.
 fn left_at(open: &OpenProject) -> usize {
     let frames = &open.document.frames;
-    let changed = open.history.next_undo().and_then(|step| frames.position_of(step.frame.as_ref()?)).unwrap_or(0);
+    let changed = open
+        .history
+        .next_undo()
+        .and_then(|step| frames.position_of(step.frame.as_ref()?))
+        .unwrap_or(0);
     let to_do = |position: &usize| frames.get(*position).is_some_and(|frame| is_to_do(frame));
-    (changed..frames.len()).chain(0..changed).find(to_do).unwrap_or(0)
+    (changed..frames.len())
+        .chain(0..changed)
+        .find(to_do)
+        .unwrap_or(0)
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::app::{Action, App, DiskReport, Effect, Navigation, Opened, PointerAction, Settings, ViewAction};
+    use crate::app::{
+        Action, App, DiskReport, Effect, Navigation, Opened, PointerAction, Settings, ViewAction,
+    };
     use touchline_core::field::{FieldError, Template, builtin};
     use touchline_core::geometry::{ImagePoint, ImageSize};
     use touchline_documents::document::{Camera, Document, FieldSpec, Frame, FrameStatus};
 
-    /// Two frames of a field whose template lies beside the document, and what opening them asked for.
+    /// Two frames of a field whose template lies beside the document, and what opening them asked
+    /// for.
     fn opened_with_own_template() -> (App, Vec<Effect>) {
-        let (size, mut document) = (ImageSize::new(1280, 720), Document::new(FieldSpec::new("own.json")));
-        document.cameras.push(Camera::new("main".into(), size).into());
+        let (size, mut document) = (
+            ImageSize::new(1280, 720),
+            Document::new(FieldSpec::new("own.json")),
+        );
+        document
+            .cameras
+            .push(Camera::new("main".into(), size).into());
         let frame = |index| Frame::from_image(&format!("{index}.jpg"), "main".into(), size).into();
         document.frames.extend((0..2).map(frame));
         let mut app = App::new(Settings::default());
-        let effects = app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        let effects = app.update(Action::Opened(Box::new(Opened::new(
+            document,
+            "/match/project.json",
+        ))));
         (app, asked(effects))
     }
 
     /// The templates that are to be read.
     fn asked(effects: Vec<Effect>) -> Vec<Effect> {
-        effects.into_iter().filter(|effect| matches!(effect, Effect::ReadTemplate { .. })).collect()
+        effects
+            .into_iter()
+            .filter(|effect| matches!(effect, Effect::ReadTemplate { .. }))
+            .collect()
     }
 
     fn read(of: &str, template: Result<Box<Template>, FieldError>) -> Action {
-        Action::Disk(DiskReport::TemplateRead { of: of.into(), name: "own.json".to_owned(), template })
+        Action::Disk(DiskReport::TemplateRead {
+            of: of.into(),
+            name: "own.json".to_owned(),
+            template,
+        })
     }
 
     fn soccer() -> Box<Template> {
@@ -199,12 +257,26 @@ mod tests {
     #[test]
     fn a_template_of_ones_own_is_read_in_the_background() {
         let (mut app, effects) = opened_with_own_template();
-        let (of, folder, name) = ("/match/project.json".into(), "/match".into(), "own.json".to_owned());
+        let (of, folder, name) = (
+            "/match/project.json".into(),
+            "/match".into(),
+            "own.json".to_owned(),
+        );
         assert_eq!(effects, [Effect::ReadTemplate { of, folder, name }]);
-        assert!(matches!(app.current().field, Some(Err(FieldError::BeingRead { .. }))));
-        assert_eq!(asked(app.update(Action::Navigate(Navigation::GoTo(1)))), [], "asked once");
+        assert!(matches!(
+            app.current().field,
+            Some(Err(FieldError::BeingRead { .. }))
+        ));
+        assert_eq!(
+            asked(app.update(Action::Navigate(Navigation::GoTo(1)))),
+            [],
+            "asked once"
+        );
         app.update(read("/another/project.json", Ok(soccer())));
-        assert!(app.current().field().is_none(), "of a document that was closed meanwhile");
+        assert!(
+            app.current().field().is_none(),
+            "of a document that was closed meanwhile"
+        );
         app.update(read("/match/project.json", Ok(soccer())));
         assert!(app.current().field().is_some(), "{:?}", app.current().field);
         assert_eq!(asked(app.update(Action::Navigate(Navigation::GoTo(0)))), []);
@@ -214,25 +286,49 @@ mod tests {
     fn a_template_that_could_not_be_read_is_read_again_when_asked_for() {
         let (mut app, _) = opened_with_own_template();
         let problem = "no such file".to_owned();
-        let missing = FieldError::Unreadable { place: "own.json".to_owned(), problem };
+        let missing = FieldError::Unreadable {
+            place: "own.json".to_owned(),
+            problem,
+        };
         app.update(read("/match/project.json", Err(missing)));
         assert_eq!(app.current().field.as_ref().map(Result::is_err), Some(true));
-        let said = app.session.messages.notices.last().map(|notice| notice.text.as_str());
+        let said = app
+            .session
+            .messages
+            .notices
+            .last()
+            .map(|notice| notice.text.as_str());
         let wanted = "The field's lines are not drawn: own.json: cannot be read: no such file";
         assert_eq!(said, Some(wanted));
-        assert_eq!(asked(app.update(Action::Navigate(Navigation::GoTo(0)))), [], "a file is not tried again unasked");
-        assert_eq!(asked(app.update(Action::View(ViewAction::ReadFailedTemplatesAgain))).len(), 1);
-        assert!(matches!(app.current().field, Some(Err(FieldError::BeingRead { .. }))));
+        assert_eq!(
+            asked(app.update(Action::Navigate(Navigation::GoTo(0)))),
+            [],
+            "a file is not tried again unasked"
+        );
+        assert_eq!(
+            asked(app.update(Action::View(ViewAction::ReadFailedTemplatesAgain))).len(),
+            1
+        );
+        assert!(matches!(
+            app.current().field,
+            Some(Err(FieldError::BeingRead { .. }))
+        ));
         app.update(read("/match/project.json", Ok(soccer())));
         assert!(app.current().field().is_some());
-        assert_eq!(asked(app.update(Action::View(ViewAction::ReadFailedTemplatesAgain))), [], "what was read stays");
+        assert_eq!(
+            asked(app.update(Action::View(ViewAction::ReadFailedTemplatesAgain))),
+            [],
+            "what was read stays"
+        );
     }
 
     #[test]
     fn a_project_opens_where_it_was_left() {
         let size = ImageSize::new(1280, 720);
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(Camera::new("main".into(), size).into());
+        document
+            .cameras
+            .push(Camera::new("main".into(), size).into());
         for index in 0..6 {
             let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), size);
             if index < 2 {
@@ -241,10 +337,16 @@ mod tests {
             document.frames.push(frame.into());
         }
         let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        app.update(Action::Opened(Box::new(Opened::new(
+            document,
+            "/match/project.json",
+        ))));
         assert_eq!(app.session.frame, 2, "the first that is to do");
         app.update(Action::Navigate(Navigation::GoTo(4)));
-        app.update(Action::Pointer(PointerAction::Press { at: ImagePoint::new(300.0, 400.0), on: None }));
+        app.update(Action::Pointer(PointerAction::Press {
+            at: ImagePoint::new(300.0, 400.0),
+            on: None,
+        }));
         app.update(Action::Pointer(PointerAction::Release));
         let left = app.open().unwrap();
         let mut again = Opened::new(left.document.clone(), "/match/project.json");

@@ -13,26 +13,36 @@ impl App {
         self.doubt_of_clicks().or_else(|| self.doubt_of_camera())
     }
 
-    /// Why the frame's camera is probably wrong although no click contradicts it: the program's own doubt, or the paint.
+    /// Why the frame's camera is probably wrong although no click contradicts it: the program's own
+    /// doubt, or the paint.
     fn doubt_of_camera(&self) -> Option<String> {
         if let Some(confidence) = self.frame()?.unlikely() {
-            return Some(format!("This proposal is right with a probability of only {}.", percent(confidence)));
+            return Some(format!(
+                "This proposal is right with a probability of only {}.",
+                percent(confidence)
+            ));
         }
         let contradicted = self.frame()?.ptz.is_some() && self.is_contradicted(self.session.frame);
-        contradicted.then(|| "The paint contradicts this camera: its lines lie elsewhere in the picture.".to_owned())
+        contradicted.then(|| {
+            "The paint contradicts this camera: its lines lie elsewhere in the picture.".to_owned()
+        })
     }
 
     /// What the clicks say against each other.
     fn doubt_of_clicks(&self) -> Option<String> {
-        let judgement = self.current.judgement.as_ref().filter(|judgement| judgement.verdict == Verdict::Wrong)?;
+        let judgement = self
+            .current
+            .judgement
+            .as_ref()
+            .filter(|judgement| judgement.verdict == Verdict::Wrong)?;
         Some(match self.farthest_click() {
             Some((click, px)) => format!("Point {} is {px:.0} px off.", click + 1),
             None => sentence(&judgement.reason),
         })
     }
 
-    /// The click that lies farthest from where the camera puts it, in its own sigmas, and how far, px; none where that is
-    /// within what clicks scatter.
+    /// The click that lies farthest from where the camera puts it, in its own sigmas, and how far,
+    /// px; none where that is within what clicks scatter.
     fn farthest_click(&self) -> Option<(usize, f64)> {
         /// As the list of points counts a residual as large.
         const SIGMAS: f64 = 3.0;
@@ -45,7 +55,10 @@ impl App {
         if solved.residuals.len() + solved.checks.len() <= 2 {
             return None;
         }
-        let held_out = solved.checks.iter().filter_map(|check| Some((check.click, check.error_px?, check.z_score?)));
+        let held_out = solved
+            .checks
+            .iter()
+            .filter_map(|check| Some((check.click, check.error_px?, check.z_score?)));
         let (click, px, sigmas) = used.chain(held_out).max_by(|a, b| a.2.total_cmp(&b.2))?;
         (sigmas > SIGMAS).then_some((click, px))
     }
@@ -54,7 +67,11 @@ impl App {
     #[must_use]
     pub fn cause(&self) -> Option<&Warning> {
         let reason = &self.current.judgement.as_ref()?.reason;
-        self.current.solved()?.warnings.iter().find(|warning| warning.message == *reason)
+        self.current
+            .solved()?
+            .warnings
+            .iter()
+            .find(|warning| warning.message == *reason)
     }
 
     /// What mends the shown frame in one click: the command, and what its button says.
@@ -69,25 +86,40 @@ impl App {
             };
             return Some((Command::MendNames, word));
         }
-        let two_roots = solved.warnings.iter().any(|warning| warning.code == WarningCode::TwoRoots);
-        (two_roots && self.current.other_root().is_some()).then_some((Command::SwitchRoot, "Switch"))
+        let two_roots = solved
+            .warnings
+            .iter()
+            .any(|warning| warning.code == WarningCode::TwoRoots);
+        (two_roots && self.current.other_root().is_some())
+            .then_some((Command::SwitchRoot, "Switch"))
     }
 
-    /// Asks whether a frame that looks wrong is to be accepted; false if nothing contradicts it, or it was asked already.
+    /// Asks whether a frame that looks wrong is to be accepted; false if nothing contradicts it, or
+    /// it was asked already.
     pub(super) fn asks_about_doubt(&mut self, stay: bool) -> bool {
-        let (Some(doubt), Some(open)) = (self.doubt(), &self.open) else { return false };
-        let Some(frame) = open.frame(self.session.frame) else { return false };
-        let doubted = Doubted { frame: frame.id.clone(), version: open.document.version(), stay };
-        let again = self
-            .session
-            .doubted
-            .as_ref()
-            .is_some_and(|before| (&before.frame, before.version) == (&doubted.frame, doubted.version));
+        let (Some(doubt), Some(open)) = (self.doubt(), &self.open) else {
+            return false;
+        };
+        let Some(frame) = open.frame(self.session.frame) else {
+            return false;
+        };
+        let doubted = Doubted {
+            frame: frame.id.clone(),
+            version: open.document.version(),
+            stay,
+        };
+        let again = self.session.doubted.as_ref().is_some_and(|before| {
+            (&before.frame, before.version) == (&doubted.frame, doubted.version)
+        });
         if again {
             return false;
         }
         let farthest = self.farthest_click().map(|(click, _)| click);
-        let mut offers: Vec<_> = self.mend().map(|(command, word)| (word, command)).into_iter().collect();
+        let mut offers: Vec<_> = self
+            .mend()
+            .map(|(command, word)| (word, command))
+            .into_iter()
+            .collect();
         if offers.is_empty() && farthest.is_some() {
             self.session.points.selected = farthest;
             offers.push(("Rename", Command::RenameClick));
@@ -102,9 +134,19 @@ impl App {
     /// Accepts a frame that looks wrong.
     pub(super) fn accept_anyway(&mut self) {
         let Some(open) = &self.open else { return };
-        let Some(frame) = open.frame(self.session.frame) else { return };
-        let stay = self.session.doubted.take().is_some_and(|doubted| doubted.frame == frame.id && doubted.stay);
-        self.session.doubted = Some(Doubted { frame: frame.id.clone(), version: open.document.version(), stay });
+        let Some(frame) = open.frame(self.session.frame) else {
+            return;
+        };
+        let stay = self
+            .session
+            .doubted
+            .take()
+            .is_some_and(|doubted| doubted.frame == frame.id && doubted.stay);
+        self.session.doubted = Some(Doubted {
+            frame: frame.id.clone(),
+            version: open.document.version(),
+            stay,
+        });
         self.accept(stay);
     }
 }

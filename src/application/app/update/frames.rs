@@ -8,7 +8,10 @@ use touchline_documents::document::{Frame, FrameStatus, RejectReason};
 
 impl App {
     pub(super) fn go_to(&mut self, frame: usize) {
-        let count = self.open.as_ref().map_or(0, |open| open.document.frames.len());
+        let count = self
+            .open
+            .as_ref()
+            .map_or(0, |open| open.document.frames.len());
         let frame = frame.min(count.saturating_sub(1));
         if frame == self.session.frame {
             return;
@@ -27,7 +30,12 @@ impl App {
         self.go_to(self.session.frame.saturating_add_signed(by));
     }
 
-    pub(super) fn go_to_next(&mut self, forward: bool, wanted: impl Fn(&Frame) -> bool, none: &str) {
+    pub(super) fn go_to_next(
+        &mut self,
+        forward: bool,
+        wanted: impl Fn(&Frame) -> bool,
+        none: &str,
+    ) {
         let Some(open) = &self.open else { return };
         let (here, end) = (self.session.frame, open.document.frames.len());
         // Past the end the search goes on from the other end.
@@ -49,27 +57,37 @@ impl App {
     pub fn unacceptable(&self) -> Option<String> {
         let frame = self.frame()?;
         if self.session.video.picture_awaited {
-            return Some("The picture of this frame is still loading. Accept it once you have seen it.".to_owned());
+            return Some(
+                "The picture of this frame is still loading. Accept it once you have seen it."
+                    .to_owned(),
+            );
         }
         if self.decides_about_base() {
             return Some("An estimated base is shown. Use it or discard it first.".to_owned());
         }
         if let Some(unnamed) = frame.unnamed_click() {
-            return Some(format!("Point {} has no name. Name it (C) or delete it (Del), then accept.", unnamed + 1));
+            return Some(format!(
+                "Point {} has no name. Name it (C) or delete it (Del), then accept.",
+                unnamed + 1
+            ));
         }
         if frame.ptz.is_some() || self.current.solved().is_some() {
             return None;
         }
         Some(match &self.current.solution {
             Some(Err(error)) => format!("Nothing to accept: {error}."),
-            _ => "Nothing to accept yet. Click two points first, or reject the frame with X.".to_owned(),
+            _ => "Nothing to accept yet. Click two points first, or reject the frame with X."
+                .to_owned(),
         })
     }
 
     pub(super) fn accept(&mut self, stay: bool) {
         if let Some(reason) = self.unacceptable() {
             self.session.notify(Level::Info, reason);
-            self.session.points.selected = self.frame().and_then(Frame::unnamed_click).or(self.session.points.selected);
+            self.session.points.selected = self
+                .frame()
+                .and_then(Frame::unnamed_click)
+                .or(self.session.points.selected);
             return;
         }
         if self.asks_about_doubt(stay) {
@@ -78,7 +96,10 @@ impl App {
         self.session.retract(Command::AcceptAnyway);
         self.session.doubted = None;
         // What comes next in the list is asked before this frame leaves it.
-        let listed = self.review.next(self.session.frame, true).filter(|_| self.session.panel == SidePanel::Review);
+        let listed = self
+            .review
+            .next(self.session.frame, true)
+            .filter(|_| self.session.panel == SidePanel::Review);
         if self.begin("Accept") {
             let solved = self.current.solved().cloned();
             if let Some(frame) = self.frame_mut() {
@@ -120,7 +141,10 @@ impl App {
             return;
         }
         if whole_shot && frame.clip.is_none() {
-            self.session.notify(Level::Info, "This frame is not in a shot. X marks it alone.");
+            self.session.notify(
+                Level::Info,
+                "This frame is not in a shot. X marks it alone.",
+            );
             return;
         }
         self.session.mode = Mode::Rejecting { whole_shot };
@@ -130,11 +154,18 @@ impl App {
         let whole_shot = matches!(self.session.mode, Mode::Rejecting { whole_shot: true });
         self.session.mode = Mode::Idle;
         let in_list = self.session.panel == SidePanel::Review && !whole_shot;
-        let listed = self.review.next(self.session.frame, true).filter(|_| in_list);
+        let listed = self
+            .review
+            .next(self.session.frame, true)
+            .filter(|_| in_list);
         let Some(frame) = self.frame() else { return };
         let clip = frame.clip.clone();
         let camera = frame.camera.clone();
-        let step = if whole_shot { "Mark shot as not calibratable" } else { "Mark as not calibratable" };
+        let step = if whole_shot {
+            "Mark shot as not calibratable"
+        } else {
+            "Mark as not calibratable"
+        };
         if !self.begin(step) {
             return;
         }
@@ -159,7 +190,8 @@ impl App {
         self.session.dialog = None;
         if self.begin("Comment") {
             if let Some(frame) = self.frame_mut() {
-                frame.comment = Some(comment.trim().to_owned()).filter(|comment| !comment.is_empty());
+                frame.comment =
+                    Some(comment.trim().to_owned()).filter(|comment| !comment.is_empty());
             }
             self.commit();
         }

@@ -27,7 +27,9 @@ impl App {
     #[must_use]
     pub fn gold(&self) -> &GoldWork {
         static NOTHING: LazyLock<GoldWork> = LazyLock::new(GoldWork::default);
-        self.open.as_ref().map_or(&NOTHING, |open| open.derived.last_gold())
+        self.open
+            .as_ref()
+            .map_or(&NOTHING, |open| open.derived.last_gold())
     }
 
     /// Whether an action would break a blind round; says so.
@@ -53,7 +55,11 @@ impl App {
             self.session.notify(Level::Info, reason);
             return;
         }
-        let step = if gold { "Mark as gold" } else { "Remove the gold mark" };
+        let step = if gold {
+            "Mark as gold"
+        } else {
+            "Remove the gold mark"
+        };
         if self.begin(step) {
             if let Some(frame) = self.frame_mut() {
                 frame.gold = gold;
@@ -79,9 +85,11 @@ impl App {
                 }
             }
             self.commit();
-            let text =
-                format!("{count}. Click them again once you no longer remember the labels, tomorrow for example.");
-            self.session.notify_with(Level::Info, text, [("Click again", Command::ClickAgain)]);
+            let text = format!(
+                "{count}. Click them again once you no longer remember the labels, tomorrow for example."
+            );
+            self.session
+                .notify_with(Level::Info, text, [("Click again", Command::ClickAgain)]);
         }
     }
 
@@ -100,7 +108,8 @@ impl App {
         let round = Reclick::of(&open.document);
         if round.is_empty() {
             let text = "No frame is gold. Mark a few references, or let the program choose them.";
-            self.session.notify_with(Level::Info, text, [("Choose them", Command::ChooseGold)]);
+            self.session
+                .notify_with(Level::Info, text, [("Choose them", Command::ChooseGold)]);
             return;
         }
         if open.history.is_open() {
@@ -137,30 +146,50 @@ impl App {
         }
     }
 
-    /// The button went down or the pointer moved with it down: the click follows within the picture.
+    /// The button went down or the pointer moved with it down: the click follows within the
+    /// picture.
     pub(super) fn hold_again(&mut self, at: ImagePoint, began: bool) {
-        let Some(size) = self.frame().map(|frame| frame.image_size) else { return };
+        let Some(size) = self.frame().map(|frame| frame.image_size) else {
+            return;
+        };
         if !at.is_finite() || (began && !size.contains(at)) {
             return;
         }
-        if let Some(round) = self.round_mut().filter(|round| began || round.held.is_some()) {
+        if let Some(round) = self
+            .round_mut()
+            .filter(|round| began || round.held.is_some())
+        {
             let (width, height) = (f64::from(size.width), f64::from(size.height));
-            round.held = Some(ImagePoint::new(at.x.clamp(0.0, width), at.y.clamp(0.0, height)));
+            round.held = Some(ImagePoint::new(
+                at.x.clamp(0.0, width),
+                at.y.clamp(0.0, height),
+            ));
         }
     }
 
     /// The button went up: the click is kept, and the next landmark is asked for.
     pub(super) fn release_again(&mut self) {
-        let Some(round) = self.round_mut() else { return };
-        let Some((at, asked)) = round.held.take().zip(round.asked().cloned()) else { return };
+        let Some(round) = self.round_mut() else {
+            return;
+        };
+        let Some((at, asked)) = round.held.take().zip(round.asked().cloned()) else {
+            return;
+        };
         let number = round.round;
         let step = self.step_at(self.step_again(&asked), asked.frame);
         if !self.begin_step(step) {
             return;
         }
         let time = self.clock.map(|clock| format!("{:.0}", clock()));
-        if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(asked.frame)) {
-            frame.repeats.push(Repeat { at: time, ..Repeat::new(asked.landmark, at, number) });
+        if let Some(frame) = self
+            .open
+            .as_mut()
+            .and_then(|open| open.document.frames.get_mut(asked.frame))
+        {
+            frame.repeats.push(Repeat {
+                at: time,
+                ..Repeat::new(asked.landmark, at, number)
+            });
         }
         self.commit();
         if let Some(round) = self.round_mut() {
@@ -178,12 +207,15 @@ impl App {
 
     /// Takes back the last click of the round and asks for it again.
     pub(super) fn undo_again(&mut self) {
-        let Some(round) = self.round_mut() else { return };
+        let Some(round) = self.round_mut() else {
+            return;
+        };
         if round.held.take().is_some() {
             return;
         }
         if round.clicked() == 0 {
-            self.session.notify(Level::Info, "No points have been clicked again yet.");
+            self.session
+                .notify(Level::Info, "No points have been clicked again yet.");
             return;
         }
         round.go_back();
@@ -194,7 +226,8 @@ impl App {
         self.show_asked();
     }
 
-    /// Takes back the click of a landmark in this round: the last step, unless something else has become that meanwhile.
+    /// Takes back the click of a landmark in this round: the last step, unless something else has
+    /// become that meanwhile.
     fn take_back_again(&mut self, asked: &Asked, round: u32) {
         let step = self.step_at(self.step_again(asked), asked.frame);
         let Some(open) = &mut self.open else { return };
@@ -207,8 +240,13 @@ impl App {
         if !self.begin_step(self.step_at(name, asked.frame)) {
             return;
         }
-        if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(asked.frame)) {
-            let is_it = |repeat: &Repeat| repeat.landmark == asked.landmark && repeat.round == round;
+        if let Some(frame) = self
+            .open
+            .as_mut()
+            .and_then(|open| open.document.frames.get_mut(asked.frame))
+        {
+            let is_it =
+                |repeat: &Repeat| repeat.landmark == asked.landmark && repeat.round == round;
             if let Some(last) = frame.repeats.iter().rposition(is_it) {
                 frame.repeats.remove(last);
             }
@@ -223,7 +261,9 @@ impl App {
 
     /// Ends the round; what was clicked stays.
     pub(super) fn end_round(&mut self) {
-        let Some(clicked) = self.round().map(Reclick::clicked) else { return };
+        let Some(clicked) = self.round().map(Reclick::clicked) else {
+            return;
+        };
         self.session.mode = Mode::Idle;
         self.refresh_gold();
         let (text, offer) = self.describe_round(clicked);
@@ -240,18 +280,28 @@ impl App {
         match &own.noise {
             Some(noise) if own.click_noise.is_some() => {
                 let [low, high] = noise.interval_95;
-                let text =
-                    format!("{clicked}. Your click noise is {:.2} px (95 %: {low:.2} to {high:.2}).", noise.sigma);
+                let text = format!(
+                    "{clicked}. Your click noise is {:.2} px (95 %: {low:.2} to {high:.2}).",
+                    noise.sigma
+                );
                 let offer = self.why_not(Command::UseOwnNoise).is_none();
                 (text, offer.then_some(("Use it", Command::UseOwnNoise)))
             }
-            _ => (format!("{clicked}; after {} more your click noise can be used.", own.missing().max(1)), None),
+            _ => (
+                format!(
+                    "{clicked}; after {} more your click noise can be used.",
+                    own.missing().max(1)
+                ),
+                None,
+            ),
         }
     }
 
     /// The click noise that the document uses.
     fn click_noise_in_use(&self) -> Option<ClickNoise> {
-        self.open.as_ref().and_then(|open| open.document.click_noise_in_use())
+        self.open
+            .as_ref()
+            .and_then(|open| open.document.click_noise_in_use())
     }
 
     pub(super) fn why_not_own_noise(&self) -> Option<&'static str> {
@@ -260,26 +310,38 @@ impl App {
         const { assert!(ENOUGH_REPEATS == 12, "the message names the number") };
         match &self.gold().own.click_noise {
             None => Some(TOO_FEW),
-            Some(noise) if self.click_noise_in_use().as_ref() == Some(noise) => Some("Your points already use it."),
+            Some(noise) if self.click_noise_in_use().as_ref() == Some(noise) => {
+                Some("Your points already use it.")
+            }
             Some(_) => None,
         }
     }
 
     pub(super) fn why_not_usual_noise(&self) -> Option<&'static str> {
-        self.click_noise_in_use().is_none().then_some("Your points already use the usual click noise.")
+        self.click_noise_in_use()
+            .is_none()
+            .then_some("Your points already use the usual click noise.")
     }
 
-    /// From now on the clicks are weighted by the annotator's own click noise, as the repeats show it now.
+    /// From now on the clicks are weighted by the annotator's own click noise, as the repeats show
+    /// it now.
     pub(super) fn use_own_noise(&mut self) {
         if let Some(noise) = self.gold().own.click_noise.clone() {
             self.weight_clicks("Use my click noise", &noise);
         }
     }
 
-    /// The clicks are weighted by the usual click noise again; the annotator's stays in the document.
+    /// The clicks are weighted by the usual click noise again; the annotator's stays in the
+    /// document.
     pub(super) fn use_usual_noise(&mut self) {
         if let Some(noise) = self.click_noise_in_use() {
-            self.weight_clicks("Use the usual click noise", &ClickNoise { in_use: false, ..noise });
+            self.weight_clicks(
+                "Use the usual click noise",
+                &ClickNoise {
+                    in_use: false,
+                    ..noise
+                },
+            );
         }
     }
 
@@ -288,10 +350,17 @@ impl App {
         let Some(open) = &self.open else { return };
         let mut numbers = open.document.clone();
         if let Err(error) = numbers.set_click_noise(noise) {
-            self.session.notify(Level::Warning, format!("The click noise cannot be stored: {error}."));
+            self.session.notify(
+                Level::Warning,
+                format!("The click noise cannot be stored: {error}."),
+            );
             return;
         }
-        if self.change_in_bulk(Step::on_document(step), BulkChange::Numbers(Box::new(numbers)), |_, _| ()) {
+        if self.change_in_bulk(
+            Step::on_document(step),
+            BulkChange::Numbers(Box::new(numbers)),
+            |_, _| (),
+        ) {
             self.session.retract(Command::UseOwnNoise);
         }
     }

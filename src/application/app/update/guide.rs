@@ -1,12 +1,13 @@
-//! The user guide: opened at the page that speaks of what is shown, over the dialog that asked for it.
+//! The user guide: opened at the page that speaks of what is shown, over the dialog that asked for
+//! it.
 
 use super::App;
 use crate::app::guide::GuidePage;
 use crate::app::session::{Dialog, SidePanel};
 
 impl App {
-    /// The page of the user guide that speaks of what is shown; none in a dialog that says everything itself, or would lose
-    /// what is typed into it.
+    /// The page of the user guide that speaks of what is shown; none in a dialog that says
+    /// everything itself, or would lose what is typed into it.
     #[must_use]
     pub fn guide_page(&self) -> Option<GuidePage> {
         Some(match &self.session.dialog {
@@ -31,12 +32,16 @@ impl App {
             Some(Dialog::AcceptAll) => GuidePage::Review,
             Some(Dialog::Transfer) => GuidePage::Export,
             Some(Dialog::ChangedOutside | Dialog::Orphans) => GuidePage::SeveralPeople,
-            Some(Dialog::Palette | Dialog::Comment(_) | Dialog::Path(_) | Dialog::Guide { .. }) => return None,
+            Some(Dialog::Palette | Dialog::Comment(_) | Dialog::Path(_) | Dialog::Guide { .. }) => {
+                return None;
+            }
         })
     }
 
     pub(super) fn open_guide(&mut self) {
-        let Some(page) = self.guide_page() else { return };
+        let Some(page) = self.guide_page() else {
+            return;
+        };
         let behind = self.session.dialog.take().map(Box::new);
         self.session.dialog = Some(Dialog::Guide { page, behind });
     }
@@ -70,7 +75,10 @@ mod tests {
         let mut app = App::default();
         app.update(Action::Command(Command::Preferences));
         app.update(Action::Command(Command::Guide));
-        let opened = Dialog::Guide { page: GuidePage::Window, behind: Some(Box::new(Dialog::Preferences)) };
+        let opened = Dialog::Guide {
+            page: GuidePage::Window,
+            behind: Some(Box::new(Dialog::Preferences)),
+        };
         assert_eq!(app.session.dialog, Some(opened));
         app.update(Action::View(ViewAction::ShowGuidePage(GuidePage::Glossary)));
         app.update(Action::View(ViewAction::CloseDialog));
@@ -79,7 +87,13 @@ mod tests {
         assert_eq!(app.session.dialog, None);
         // Without a dialog it opens where it was left.
         app.update(Action::Command(Command::Guide));
-        assert_eq!(app.session.dialog, Some(Dialog::Guide { page: GuidePage::Glossary, behind: None }));
+        assert_eq!(
+            app.session.dialog,
+            Some(Dialog::Guide {
+                page: GuidePage::Glossary,
+                behind: None
+            })
+        );
         app.update(Action::Command(Command::Cancel));
         assert_eq!(app.session.dialog, None);
     }

@@ -1,5 +1,5 @@
-//! Closing the window or opening something else while edits are only in memory, or while another program has changed the document:
-//! nothing goes unasked.
+//! Closing the window or opening something else while edits are only in memory, or while another
+//! program has changed the document: nothing goes unasked.
 
 use super::App;
 use crate::app::effect::Effect;
@@ -14,12 +14,19 @@ impl App {
         self.leave_document(Leaving::Close);
     }
 
-    /// Writes everything, then closes or opens something else; at once if there is nothing to write. Where it cannot be written,
-    /// takes its time when asked again, or another program has changed the document, a dialog says what becomes of the edits.
+    /// Writes everything, then closes or opens something else; at once if there is nothing to
+    /// write. Where it cannot be written, takes its time when asked again, or another program has
+    /// changed the document, a dialog says what becomes of the edits.
     pub(super) fn leave_document(&mut self, leaving: Leaving) {
-        let read_only = self.open.as_ref().is_none_or(|open| open.read_only.is_some());
+        let read_only = self
+            .open
+            .as_ref()
+            .is_none_or(|open| open.read_only.is_some());
         let is_changed_outside = self.session.disk.changed_outside.is_some();
-        if read_only || (self.session.disk.saving == Saving::Untouched && !is_changed_outside) || self.is_copied() {
+        if read_only
+            || (self.session.disk.saving == Saving::Untouched && !is_changed_outside)
+            || self.is_copied()
+        {
             self.leave(leaving);
             return;
         }
@@ -37,8 +44,9 @@ impl App {
         self.save();
     }
 
-    /// Every edit is on disk, in the document or in the journal: goes on with what waited for that. What waits for the document
-    /// itself goes on when the last request to write it is answered: another program may have replaced what was written before.
+    /// Every edit is on disk, in the document or in the journal: goes on with what waited for that.
+    /// What waits for the document itself goes on when the last request to write it is answered:
+    /// another program may have replaced what was written before.
     pub(super) fn go_on_leaving(&mut self, document: Option<u64>) {
         let is_answered = document == Some(self.session.disk.save_requests);
         if self.session.disk.leaving.is_none() {
@@ -81,6 +89,8 @@ impl App {
 
     /// Whether a copy elsewhere holds every edit.
     fn is_copied(&self) -> bool {
-        self.open.as_ref().is_some_and(|open| self.session.disk.copies.written == Some(open.revision))
+        self.open
+            .as_ref()
+            .is_some_and(|open| self.session.disk.copies.written == Some(open.revision))
     }
 }

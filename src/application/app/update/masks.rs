@@ -14,8 +14,11 @@ impl App {
         if !(mask.width >= SMALLEST_MASK_PX && mask.height >= SMALLEST_MASK_PX) {
             return;
         }
-        let step =
-            if of_camera { Step::on_document("Draw mask") } else { self.step_at("Draw mask", self.session.frame) };
+        let step = if of_camera {
+            Step::on_document("Draw mask")
+        } else {
+            self.step_at("Draw mask", self.session.frame)
+        };
         self.change_masks(step, |document, shown| {
             let frame = &mut document.frames[shown];
             if !of_camera {
@@ -67,17 +70,26 @@ impl App {
         let frames = match scope {
             MaskScope::Shot => Scope::Shot.frames(open, &self.session),
             MaskScope::Selected => Scope::Selected.frames(open, &self.session),
-            MaskScope::All | MaskScope::FromHere | MaskScope::UpToHere | MaskScope::Frame => vec![self.session.frame],
-        };
-        self.change_masks(Step::on_document("Change frames of mask"), |document, shown| {
-            if let Some(mask) = take_mask(document, shown, list, index) {
-                put_mask(document, shown, mask, scope, &frames);
+            MaskScope::All | MaskScope::FromHere | MaskScope::UpToHere | MaskScope::Frame => {
+                vec![self.session.frame]
             }
-        });
+        };
+        self.change_masks(
+            Step::on_document("Change frames of mask"),
+            |document, shown| {
+                if let Some(mask) = take_mask(document, shown, list, index) {
+                    put_mask(document, shown, mask, scope, &frames);
+                }
+            },
+        );
     }
 
     /// Changes masks as one step of undo.
-    pub(in crate::app) fn change_masks(&mut self, step: Step, change: impl FnOnce(&mut Document, usize)) {
+    pub(in crate::app) fn change_masks(
+        &mut self,
+        step: Step,
+        change: impl FnOnce(&mut Document, usize),
+    ) {
         let shown = self.session.frame;
         if self.frame().is_none() || !self.begin_step(step) {
             return;
@@ -90,9 +102,19 @@ impl App {
 }
 
 /// Takes a mask out of its list.
-fn take_mask(document: &mut Document, shown: usize, list: MaskList, index: usize) -> Option<RangedMask> {
-    let by_hand =
-        |pixel_box| RangedMask { pixel_box, from: None, to: None, source: MaskSource::ByHand, extra: Extra::new() };
+fn take_mask(
+    document: &mut Document,
+    shown: usize,
+    list: MaskList,
+    index: usize,
+) -> Option<RangedMask> {
+    let by_hand = |pixel_box| RangedMask {
+        pixel_box,
+        from: None,
+        to: None,
+        source: MaskSource::ByHand,
+        extra: Extra::new(),
+    };
     let frame = document.frames.get_mut(shown)?;
     if list == MaskList::Frame {
         return (index < frame.masks.len()).then(|| by_hand(frame.masks.remove(index)));
@@ -100,16 +122,28 @@ fn take_mask(document: &mut Document, shown: usize, list: MaskList, index: usize
     let camera = frame.camera.clone();
     let camera = document.camera_mut(&camera)?;
     match list {
-        MaskList::Camera => (index < camera.masks.len()).then(|| by_hand(camera.masks.remove(index))),
-        MaskList::Ranged => (index < camera.ranged_masks.len()).then(|| camera.ranged_masks.remove(index)),
+        MaskList::Camera => {
+            (index < camera.masks.len()).then(|| by_hand(camera.masks.remove(index)))
+        }
+        MaskList::Ranged => {
+            (index < camera.ranged_masks.len()).then(|| camera.ranged_masks.remove(index))
+        }
         MaskList::Frame => None,
     }
 }
 
 /// Writes a mask for some frames: with a range where they are of a video, else into each of them.
-fn put_mask(document: &mut Document, shown: usize, mask: RangedMask, scope: MaskScope, frames: &[usize]) {
+fn put_mask(
+    document: &mut Document,
+    shown: usize,
+    mask: RangedMask,
+    scope: MaskScope,
+    frames: &[usize],
+) {
     let number = |frame: &Frame| frame.video.as_ref().map(|video| video.frame_index);
-    let Some(frame) = document.frames.get(shown) else { return };
+    let Some(frame) = document.frames.get(shown) else {
+        return;
+    };
     let (here, camera) = (number(frame), frame.camera.clone());
     let range = match scope {
         MaskScope::All => Some((None, None)),
@@ -117,8 +151,10 @@ fn put_mask(document: &mut Document, shown: usize, mask: RangedMask, scope: Mask
         MaskScope::FromHere => Some((here, mask.to.filter(|to| Some(*to) >= here))),
         MaskScope::UpToHere => Some((mask.from.filter(|from| Some(*from) <= here), here)),
         MaskScope::Shot | MaskScope::Selected => {
-            let numbers: Option<Vec<u64>> =
-                frames.iter().map(|&index| document.frames.get(index).and_then(|frame| number(frame))).collect();
+            let numbers: Option<Vec<u64>> = frames
+                .iter()
+                .map(|&index| document.frames.get(index).and_then(|frame| number(frame)))
+                .collect();
             numbers.map(|numbers| (numbers.iter().min().copied(), numbers.iter().max().copied()))
         }
     };
@@ -130,7 +166,9 @@ fn put_mask(document: &mut Document, shown: usize, mask: RangedMask, scope: Mask
         }
         return;
     };
-    let Some(camera) = document.camera_mut(&camera) else { return };
+    let Some(camera) = document.camera_mut(&camera) else {
+        return;
+    };
     if (from, to, mask.source) == (None, None, MaskSource::ByHand) && mask.extra.is_empty() {
         camera.masks.push(mask.pixel_box);
     } else {

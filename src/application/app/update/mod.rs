@@ -44,13 +44,19 @@ impl App {
     /// An application with nothing open.
     #[must_use]
     pub fn new(settings: Settings) -> Self {
-        Self { settings, ..Self::default() }
+        Self {
+            settings,
+            ..Self::default()
+        }
     }
 
     /// The same application, which writes down when people click again.
     #[must_use]
     pub fn with_clock(self, clock: fn() -> jiff::Timestamp) -> Self {
-        Self { clock: Some(clock), ..self }
+        Self {
+            clock: Some(clock),
+            ..self
+        }
     }
 
     /// The document that is open.
@@ -104,10 +110,16 @@ impl App {
         self.open.as_ref().map(|open| open.revision)
     }
 
-    /// Works out again what follows from the document and the session and has changed, in the order in which one rests on another.
+    /// Works out again what follows from the document and the session and has changed, in the order
+    /// in which one rests on another.
     fn refresh_derived(&mut self) {
         let proposed = self.operations.proposed_base();
-        self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take(), proposed);
+        self.current.refresh(
+            self.open.as_mut(),
+            &self.session,
+            self.fresh.take(),
+            proposed,
+        );
         self.refresh_review();
         self.refresh_accept_sheet();
         self.quality.refresh(self.open.as_mut(), &self.session);
@@ -137,8 +149,14 @@ impl App {
             Action::Opened(opened) => self.opened(*opened),
             Action::AskOutside => self.session.dialog = Some(Dialog::ChangedOutside),
             Action::ResolveOutside(choice) => self.resolve_outside(choice),
-            Action::MergeOrphan(orphan) => self.effects.push(Effect::Orphan { file: orphan, order: OrphanOrder::Read }),
-            Action::SaveOrphan(orphan) => self.effects.push(Effect::Orphan { file: orphan, order: OrphanOrder::Save }),
+            Action::MergeOrphan(orphan) => self.effects.push(Effect::Orphan {
+                file: orphan,
+                order: OrphanOrder::Read,
+            }),
+            Action::SaveOrphan(orphan) => self.effects.push(Effect::Orphan {
+                file: orphan,
+                order: OrphanOrder::Save,
+            }),
             Action::LeaveUnsaved => self.leave_unsaved(),
             Action::CloseRequested => self.close_requested(),
         }
@@ -151,8 +169,15 @@ impl App {
 
     /// A step of undo on the frame at a position.
     pub(super) fn step_at(&self, name: impl Into<String>, position: usize) -> Step {
-        let frame = self.open.as_ref().and_then(|open| open.frame(position)).map(|frame| frame.id.clone());
-        Step { name: name.into(), frame }
+        let frame = self
+            .open
+            .as_ref()
+            .and_then(|open| open.frame(position))
+            .map(|frame| frame.id.clone());
+        Step {
+            name: name.into(),
+            frame,
+        }
     }
 
     pub(super) fn begin_step(&mut self, step: Step) -> bool {
@@ -160,14 +185,18 @@ impl App {
             return false;
         }
         self.commit_open_step();
-        let Some(open) = &mut self.open else { return false };
+        let Some(open) = &mut self.open else {
+            return false;
+        };
         open.begin(step);
         true
     }
 
     /// Whether nothing can be changed; says so.
     pub(in crate::app) fn refuses_changes(&mut self) -> bool {
-        let Some(reason) = self.open.as_ref().and_then(|open| open.read_only.as_ref()) else { return false };
+        let Some(reason) = self.open.as_ref().and_then(|open| open.read_only.as_ref()) else {
+            return false;
+        };
         let text = format!("Nothing can be changed here: {reason}");
         self.session.notify(Level::Warning, text);
         true
@@ -179,9 +208,14 @@ impl App {
         self.close_step();
     }
 
-    /// Commits the step that is open, if one is: what was begun does not go on across what comes next.
+    /// Commits the step that is open, if one is: what was begun does not go on across what comes
+    /// next.
     pub(super) fn commit_open_step(&mut self) {
-        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
+        if self
+            .open
+            .as_ref()
+            .is_some_and(|open| open.history.is_open())
+        {
             self.commit();
         }
     }
@@ -189,7 +223,11 @@ impl App {
     /// [`Self::commit`] for a step in which the frames follow their cameras already.
     pub(super) fn close_step(&mut self) {
         let Some(open) = &mut self.open else { return };
-        let name = open.history.open_step().map(|step| step.name.clone()).unwrap_or_default();
+        let name = open
+            .history
+            .open_step()
+            .map(|step| step.name.clone())
+            .unwrap_or_default();
         let kind = open.history.open_kind();
         open.commit();
         // Even where it is no step: one that was gone on with may have come back to where it began.
@@ -216,7 +254,10 @@ impl App {
     /// Passes an edit to the journal that the open document has taken in.
     pub(in crate::app) fn journal_edit(&mut self, edit: Edit) {
         let Some(open) = &self.open else { return };
-        self.effects.push(Effect::Journal { edit: Box::new(edit), to: Box::new(open.snapshot()) });
+        self.effects.push(Effect::Journal {
+            edit: Box::new(edit),
+            to: Box::new(open.snapshot()),
+        });
         if !matches!(self.session.disk.saving, Saving::Failed { .. }) {
             self.session.disk.saving = Saving::Pending;
         }
@@ -225,7 +266,12 @@ impl App {
     /// The shown frame, to change it within a step.
     pub(in crate::app) fn frame_mut(&mut self) -> Option<&mut Frame> {
         let index = self.session.frame;
-        self.open.as_mut()?.document.frames.get_mut(index).map(|frame| &mut **frame)
+        self.open
+            .as_mut()?
+            .document
+            .frames
+            .get_mut(index)
+            .map(|frame| &mut **frame)
     }
 
     /// Solves the shown frame anew after its clicks changed, within a step.
@@ -238,34 +284,58 @@ impl App {
         {
             frame.status = frame.undecided();
         }
-        self.fresh = result.map(|result| FreshSolve { frame: index, version: open.document.version(), result });
+        self.fresh = result.map(|result| FreshSolve {
+            frame: index,
+            version: open.document.version(),
+            result,
+        });
     }
 
     fn refresh_review(&mut self) {
         // The list must not change during a drag.
-        if self.open.as_ref().is_none_or(|open| !open.history.is_open()) {
+        if self
+            .open
+            .as_ref()
+            .is_none_or(|open| !open.history.is_open())
+        {
             self.review.refresh(self.open.as_mut(), &self.session);
         }
     }
 
-    /// Shows and selects the same frames as before, after frames came or went. Where the shown one went, its neighbour is shown.
+    /// Shows and selects the same frames as before, after frames came or went. Where the shown one
+    /// went, its neighbour is shown.
     fn follow_frames(&mut self, before: &Frames) {
         let Some(open) = &self.open else { return };
         let now = &open.document.frames;
         let place_now = |place: usize| now.position_of(&before.get(place)?.id);
         let last = now.len().saturating_sub(1);
-        self.session.frame = place_now(self.session.frame).unwrap_or_else(|| self.session.frame.min(last));
-        self.session.frames_selected = self.session.frames_selected.iter().copied().filter_map(place_now).collect();
+        self.session.frame =
+            place_now(self.session.frame).unwrap_or_else(|| self.session.frame.min(last));
+        self.session.frames_selected = self
+            .session
+            .frames_selected
+            .iter()
+            .copied()
+            .filter_map(place_now)
+            .collect();
     }
 
     fn clamp_selection(&mut self) {
         let clicks = self.frame().map_or(0, |frame| frame.clicks.len());
-        self.session.points.selected = self.session.points.selected.filter(|selected| *selected < clicks);
+        self.session.points.selected = self
+            .session
+            .points
+            .selected
+            .filter(|selected| *selected < clicks);
     }
 }
 
-/// Writes what a frame's clicks say into the frame: see [`record_outcome`]. None where there is nothing to solve with.
-fn solve_in_place(open: &mut OpenProject, index: usize) -> Option<Result<FrameSolution, CalibrationError>> {
+/// Writes what a frame's clicks say into the frame: see [`record_outcome`]. None where there is
+/// nothing to solve with.
+fn solve_in_place(
+    open: &mut OpenProject,
+    index: usize,
+) -> Option<Result<FrameSolution, CalibrationError>> {
     let solved = open.solve(index)?;
     record_outcome(open.document.frames.get_mut(index)?, solved.as_ref());
     Some(solved)

@@ -11,7 +11,10 @@ impl App {
     /// The label of a landmark or line; its id where the field lacks it.
     #[must_use]
     pub fn label(&self, target: &Target) -> String {
-        let label = self.current.field().and_then(|field| target.element(field)?.label(field));
+        let label = self
+            .current
+            .field()
+            .and_then(|field| target.element(field)?.label(field));
         label.unwrap_or_else(|| target.as_str()).to_owned()
     }
 
@@ -36,21 +39,34 @@ impl App {
         }
     }
 
-    /// Asks for the name of the first click that has none, in the middle of the picture where that is zoomed.
+    /// Asks for the name of the first click that has none, in the middle of the picture where that
+    /// is zoomed.
     pub(super) fn name_next(&mut self) {
-        let Some(click) = self.frame().and_then(Frame::unnamed_click) else { return };
-        let at = self.frame().and_then(|frame| frame.clicks.get(click)).map(|click| click.image);
-        if let (PictureView::Zoomed { centre, .. }, Some(at)) = (&mut self.session.picture.view, at) {
+        let Some(click) = self.frame().and_then(Frame::unnamed_click) else {
+            return;
+        };
+        let at = self
+            .frame()
+            .and_then(|frame| frame.clicks.get(click))
+            .map(|click| click.image);
+        if let (PictureView::Zoomed { centre, .. }, Some(at)) = (&mut self.session.picture.view, at)
+        {
             *centre = at;
         }
         self.open_naming(click);
     }
 
-    /// Names a click that is being placed while there is just one plausible name; the name follows the pointer.
+    /// Names a click that is being placed while there is just one plausible name; the name follows
+    /// the pointer.
     pub(super) fn name_if_certain(&mut self, click: usize) {
-        let Some(naming) = self.ranked_names(click, self.session.points.next_on_line) else { return };
+        let Some(naming) = self.ranked_names(click, self.session.points.next_on_line) else {
+            return;
+        };
         let target = unambiguous(&naming.candidates).map(|candidate| candidate.target.clone());
-        if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
+        if let Some(click) = self
+            .frame_mut()
+            .and_then(|frame| frame.clicks.get_mut(click))
+        {
             click.target = target;
         }
     }
@@ -67,9 +83,17 @@ impl App {
         }
     }
 
-    /// Offers other names for the click that was just named by itself. Until one is taken it keeps its name.
+    /// Offers other names for the click that was just named by itself. Until one is taken it keeps
+    /// its name.
     pub(super) fn refine_name(&mut self, typed: String) {
-        let Some(click) = self.session.points.named_unasked.filter(|_| self.session.mode == Mode::Idle) else { return };
+        let Some(click) = self
+            .session
+            .points
+            .named_unasked
+            .filter(|_| self.session.mode == Mode::Idle)
+        else {
+            return;
+        };
         self.session.forget_placed();
         self.open_naming(click);
         if let Mode::Naming(naming) = &mut self.session.mode {
@@ -85,8 +109,14 @@ impl App {
     }
 
     pub(super) fn take_name(&mut self, index: usize) {
-        let Mode::Naming(naming) = &self.session.mode else { return };
-        let Some(target) = naming.offered().get(index.min(OFFERED)).map(|candidate| candidate.target.clone()) else {
+        let Mode::Naming(naming) = &self.session.mode else {
+            return;
+        };
+        let Some(target) = naming
+            .offered()
+            .get(index.min(OFFERED))
+            .map(|candidate| candidate.target.clone())
+        else {
             return;
         };
         let click = naming.click;
@@ -105,8 +135,8 @@ impl App {
         }
     }
 
-    /// A name picked elsewhere: it goes to the click that waits for one, else to the selected click that has none, else to
-    /// the next click in the picture.
+    /// A name picked elsewhere: it goes to the click that waits for one, else to the selected click
+    /// that has none, else to the next click in the picture.
     pub(super) fn pick(&mut self, target: Target) {
         let waiting = match &self.session.mode {
             Mode::Naming(naming) => Some(naming.click),
@@ -120,7 +150,10 @@ impl App {
             return;
         }
         let Some(frame) = self.frame() else { return };
-        let known = frame.clicks.iter().position(|click| click.target.as_ref() == Some(&target));
+        let known = frame
+            .clicks
+            .iter()
+            .position(|click| click.target.as_ref() == Some(&target));
         match known.filter(|_| matches!(target, Target::Landmark(_))) {
             Some(click) => self.session.points.selected = Some(click),
             None => self.session.mode = Mode::Placing(target),
@@ -129,8 +162,11 @@ impl App {
 
     /// Gives the clicks the names that fit: one step of undo.
     pub(super) fn mend_names(&mut self) {
-        let Some(found) = self.current.other_names() else { return };
-        let (step, renames): (String, Vec<BetterName>) = (found.step(), BetterName::all(found).collect());
+        let Some(found) = self.current.other_names() else {
+            return;
+        };
+        let (step, renames): (String, Vec<BetterName>) =
+            (found.step(), BetterName::all(found).collect());
         self.session.mode = Mode::Idle;
         self.session.forget_placed();
         self.session.picture.held.compare = false;
@@ -147,12 +183,20 @@ impl App {
         }
     }
 
-    /// Warns of a name that nothing painted marks while no base is known: people click where the curve looks widest.
+    /// Warns of a name that nothing painted marks while no base is known: people click where the
+    /// curve looks widest.
     pub(super) fn warn_of_unmarked(&mut self, target: &Target) {
-        let (Target::Landmark(id), Some(field), None) = (target, self.current.field(), self.current.base) else {
+        let (Target::Landmark(id), Some(field), None) =
+            (target, self.current.field(), self.current.base)
+        else {
             return;
         };
-        let Some(landmark) = field.landmark(id.as_str()).filter(|landmark| landmark.is_unmarked) else { return };
+        let Some(landmark) = field
+            .landmark(id.as_str())
+            .filter(|landmark| landmark.is_unmarked)
+        else {
+            return;
+        };
         let text = format!(
             "{} is not where the curve looks widest or nearest in the picture: clicks there are 7 to 9 px off. Better choose a \
              corner or crossing until the camera's base is known.",
@@ -167,7 +211,10 @@ impl App {
         self.session.points.next_on_line = false;
         self.session.forget_placed();
         let numbers = clicks.map(|click| click + 1);
-        if self.begin(format!("Swap the names of points {} and {}", numbers[0], numbers[1])) {
+        if self.begin(format!(
+            "Swap the names of points {} and {}",
+            numbers[0], numbers[1]
+        )) {
             if let Some(frame) = self.frame_mut() {
                 for (click, name) in clicks.into_iter().zip(names) {
                     if let Some(click) = frame.clicks.get_mut(click) {
@@ -178,8 +225,12 @@ impl App {
             self.session.points.selected = Some(clicks[0]);
             self.clicks_changed();
             self.commit();
-            let text = format!("Points {} and {} have swapped their names.", numbers[0], numbers[1]);
-            self.session.notify_with(Level::Info, text, [("Undo", Command::Undo)]);
+            let text = format!(
+                "Points {} and {} have swapped their names.",
+                numbers[0], numbers[1]
+            );
+            self.session
+                .notify_with(Level::Info, text, [("Undo", Command::Undo)]);
         }
     }
 
@@ -190,7 +241,9 @@ impl App {
         }
         let own = frame.clicks[click].target.clone();
         let twin = frame.clicks.iter().enumerate().position(|(index, other)| {
-            index != click && matches!(target, Target::Landmark(_)) && other.target.as_ref() == Some(&target)
+            index != click
+                && matches!(target, Target::Landmark(_))
+                && other.target.as_ref() == Some(&target)
         });
         let label = self.label(&target);
         if let (Some(twin), Some(own)) = (twin, own) {
@@ -198,7 +251,10 @@ impl App {
             return;
         }
         if let Some(twin) = twin {
-            let text = format!("{label} is already point {} of this frame. Delete or rename that one first.", twin + 1);
+            let text = format!(
+                "{label} is already point {} of this frame. Delete or rename that one first.",
+                twin + 1
+            );
             self.session.notify(Level::Warning, text);
             return;
         }
@@ -206,7 +262,10 @@ impl App {
         self.session.points.next_on_line = false;
         self.session.forget_placed();
         if self.begin(format!("Name {label}")) {
-            if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
+            if let Some(click) = self
+                .frame_mut()
+                .and_then(|frame| frame.clicks.get_mut(click))
+            {
                 click.target = Some(target.clone());
             }
             self.session.points.selected = Some(click);

@@ -37,13 +37,21 @@ impl App {
             let base = app.current.base;
             let Some(frame) = app.frame_mut() else { return };
             let lens = match (base, &frame.ptz) {
-                (Some(base), _) if base.distortion.slope_per_px() != 0.0 => Some(PtzCamera::new(base, ptz).lens()),
+                (Some(base), _) if base.distortion.slope_per_px() != 0.0 => {
+                    Some(PtzCamera::new(base, ptz).lens())
+                }
                 (_, Some(before)) => before.lens(),
                 _ => None,
             };
             let extra = frame.ptz.take().map(|ptz| ptz.extra).unwrap_or_default();
-            frame.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, lens) });
-            frame.solution = Some(Solution { source: Some(SolutionSource::Manual), ..Solution::default() });
+            frame.ptz = Some(FramePtz {
+                extra,
+                ..FramePtz::new(ptz, lens)
+            });
+            frame.solution = Some(Solution {
+                source: Some(SolutionSource::Manual),
+                ..Solution::default()
+            });
             if frame.status != FrameStatus::Rejected {
                 frame.status = FrameStatus::Draft;
             }
@@ -51,8 +59,11 @@ impl App {
     }
 
     pub(super) fn edit_camera(&mut self, camera: Camera) {
-        if camera.position_m.is_some() != camera.base_from_world.is_some() && self.session.mode != Mode::Editing {
-            self.session.notify(Level::Info, "A base needs both a position and a rotation.");
+        if camera.position_m.is_some() != camera.base_from_world.is_some()
+            && self.session.mode != Mode::Editing
+        {
+            self.session
+                .notify(Level::Info, "A base needs both a position and a rotation.");
         }
         let step = Step::on_document("Change camera");
         self.within_edit(step, |app| {
@@ -79,7 +90,8 @@ impl App {
         });
     }
 
-    /// Ends a row of edits. If a camera or the field changed, every frame that clicks solved is solved again.
+    /// Ends a row of edits. If a camera or the field changed, every frame that clicks solved is
+    /// solved again.
     pub(super) fn end_edit(&mut self) {
         if self.session.mode != Mode::Editing {
             return;
@@ -90,10 +102,14 @@ impl App {
             let same_field = before.field.is_same_field(&open.document.field);
             (before.cameras != open.document.cameras || !same_field).then(|| open.document.clone())
         });
-        let step = self.open.as_ref().and_then(|open| open.history.open_step().cloned());
+        let step = self
+            .open
+            .as_ref()
+            .and_then(|open| open.history.open_step().cloned());
         match (changed, step) {
             (Some(numbers), Some(step)) => {
-                // Begun anew from the document before: what the shown frame followed is part of the whole change.
+                // Begun anew from the document before: what the shown frame followed is part of the
+                // whole change.
                 self.abort();
                 self.change_in_bulk(step, BulkChange::Numbers(Box::new(numbers)), |_, _| ());
             }
@@ -103,12 +119,19 @@ impl App {
 
     /// The size of the shown frame's field is known to be right.
     pub(super) fn confirm_field_size(&mut self) {
-        let Some(spec) = self.shown_field_spec().cloned() else { return };
-        if spec.assumed_size().is_none() || !self.begin_step(Step::on_document("Confirm field size")) {
+        let Some(spec) = self.shown_field_spec().cloned() else {
+            return;
+        };
+        if spec.assumed_size().is_none()
+            || !self.begin_step(Step::on_document("Confirm field size"))
+        {
             return;
         }
         self.session.mode = Mode::Editing;
-        self.edit_field(FieldSpec { size: Some(FieldSize::Confirmed), ..spec });
+        self.edit_field(FieldSpec {
+            size: Some(FieldSize::Confirmed),
+            ..spec
+        });
         self.end_edit();
         self.session.retract(Command::ConfirmFieldSize);
     }
@@ -117,13 +140,20 @@ impl App {
     #[must_use]
     pub fn shown_field_spec(&self) -> Option<&FieldSpec> {
         let open = self.open.as_ref()?;
-        Some(self.frame().map_or(&open.document.field, |frame| open.document.field_of(frame)))
+        Some(
+            self.frame()
+                .map_or(&open.document.field, |frame| open.document.field_of(frame)),
+        )
     }
 
     /// Says that the size of the field is assumed, with the way out.
     pub(in crate::app) fn tell_assumed_size(&mut self) {
-        if let Some(told) = self.shown_field_spec().and_then(FieldSpec::describe_assumed_size) {
-            self.session.notify_with(Level::Info, told, [("Confirm", Command::ConfirmFieldSize)]);
+        if let Some(told) = self
+            .shown_field_spec()
+            .and_then(FieldSpec::describe_assumed_size)
+        {
+            self.session
+                .notify_with(Level::Info, told, [("Confirm", Command::ConfirmFieldSize)]);
         }
     }
 
@@ -141,7 +171,8 @@ impl App {
     /// Uses the other focal length that fits two clicks.
     pub(super) fn switch_root(&mut self) {
         let Some(other) = self.current.other_root() else {
-            self.session.notify(Level::Info, "Only one focal length fits these points.");
+            self.session
+                .notify(Level::Info, "Only one focal length fits these points.");
             return;
         };
         self.edit_ptz(other);
@@ -149,14 +180,28 @@ impl App {
 
     /// The base of another document's camera becomes this camera's; its frames are solved with it.
     pub(super) fn camera_loaded(&mut self, loaded: &Camera) {
-        let Some(known) = self.frame().map(|frame| frame.camera.clone()) else { return };
-        let Some(camera) = self.open.as_ref().and_then(|open| open.document.camera(&known)) else { return };
+        let Some(known) = self.frame().map(|frame| frame.camera.clone()) else {
+            return;
+        };
+        let Some(camera) = self
+            .open
+            .as_ref()
+            .and_then(|open| open.document.camera(&known))
+        else {
+            return;
+        };
         let Some(adopted) = adopt(camera, loaded) else {
-            self.session.notify(Level::Warning, format!("Camera {:?} has no base.", loaded.id.as_str()));
+            self.session.notify(
+                Level::Warning,
+                format!("Camera {:?} has no base.", loaded.id.as_str()),
+            );
             return;
         };
         self.edit_camera(adopted);
-        self.session.notify(Level::Info, format!("Camera base loaded from {:?}.", loaded.id.as_str()));
+        self.session.notify(
+            Level::Info,
+            format!("Camera base loaded from {:?}.", loaded.id.as_str()),
+        );
     }
 
     /// The camera of the shown frame.
@@ -208,9 +253,14 @@ mod tests {
         let mut camera = Camera::new("main".into(), size);
         camera.field = own_field.then(|| FieldSpec::new("basketball_fiba"));
         document.cameras.push(camera.into());
-        document.frames.push(Frame::from_image("a.jpg", "main".into(), size).into());
+        document
+            .frames
+            .push(Frame::from_image("a.jpg", "main".into(), size).into());
         let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        app.update(Action::Opened(Box::new(Opened::new(
+            document,
+            "/match/project.json",
+        ))));
         app
     }
 
@@ -223,16 +273,30 @@ mod tests {
                 Effect::Start(job) => job.operation::<TransferWrite>().is_some().then_some(job),
                 _ => None,
             });
-            let written = Report::of_end::<TransferWrite>(job.unwrap().id(), Ok("written".to_owned()));
+            let written =
+                Report::of_end::<TransferWrite>(job.unwrap().id(), Ok("written".to_owned()));
             app.update(Action::Report(written));
-            let offers =
-                |app: &App| app.session.messages.notices.iter().filter(|notice| !notice.offers.is_empty()).count();
+            let offers = |app: &App| {
+                app.session
+                    .messages
+                    .notices
+                    .iter()
+                    .filter(|notice| !notice.offers.is_empty())
+                    .count()
+            };
             assert_eq!(offers(&app), 1, "{:?}", app.session.messages.notices);
             app.update(Action::Command(Command::ConfirmFieldSize));
-            assert_eq!((app.shown_field_spec().unwrap().assumed_size(), offers(&app)), (None, 0));
+            assert_eq!(
+                (app.shown_field_spec().unwrap().assumed_size(), offers(&app)),
+                (None, 0)
+            );
             assert!(app.why_not(Command::ConfirmFieldSize).is_some());
             let document = &app.open().unwrap().document;
-            assert_eq!(document.field.size.is_none(), own_field, "only the field that is shown");
+            assert_eq!(
+                document.field.size.is_none(),
+                own_field,
+                "only the field that is shown"
+            );
             app.update(Action::Command(Command::Undo));
             assert!(app.shown_field_spec().unwrap().assumed_size().is_some());
         }
@@ -245,6 +309,12 @@ mod tests {
         spec.params.insert("length_m".to_owned(), 26.0);
         app.update(Action::Edit(EditAction::Field(spec.clone())));
         let document = &app.open().unwrap().document;
-        assert_eq!((document.cameras[0].field.as_ref(), document.field.params.len()), (Some(&spec), 0));
+        assert_eq!(
+            (
+                document.cameras[0].field.as_ref(),
+                document.field.params.len()
+            ),
+            (Some(&spec), 0)
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! Another program's version of the document, and edits of other versions: joined with what is open, or kept apart.
+//! Another program's version of the document, and edits of other versions: joined with what is
+//! open, or kept apart.
 
 use super::App;
 use crate::app::Command;
@@ -42,15 +43,19 @@ impl MergeOf {
 }
 
 impl App {
-    /// Another program wrote the document. Asked once, and whenever the document is to be left; the row at the top keeps saying it.
-    /// What the window holds is among the edits that are set aside until somebody decides.
+    /// Another program wrote the document. Asked once, and whenever the document is to be left; the
+    /// row at the top keeps saying it. What the window holds is among the edits that are set aside
+    /// until somebody decides.
     pub(super) fn changed_outside(&mut self, path: PathBuf, own: Option<Orphan>) {
         let is_leaving = self.stay().is_some();
         if self.session.disk.changed_outside.replace(path).is_none() || is_leaving {
             self.session.dialog = Some(Dialog::ChangedOutside);
         }
         if let Some(own) = own {
-            self.session.disk.orphans.retain(|orphan| orphan.path != own.path);
+            self.session
+                .disk
+                .orphans
+                .retain(|orphan| orphan.path != own.path);
             self.session.disk.own_version = Some(own.path.clone());
             self.session.disk.orphans.push(own);
         }
@@ -64,7 +69,8 @@ impl App {
             OutsideChoice::Replace => self.effects.push(Effect::SaveOver),
             OutsideChoice::TakeTheirs => {
                 self.session.disk.opening = Some("Opening the other version…".to_owned());
-                self.effects.push(Effect::Open(Opening::Again(open.file.clone())));
+                self.effects
+                    .push(Effect::Open(Opening::Again(open.file.clone())));
             }
         }
     }
@@ -80,11 +86,22 @@ impl App {
 
     /// Says what was set aside beside the document.
     pub(super) fn tell_orphans(&mut self) {
-        let count: usize = self.session.disk.orphans.iter().map(|orphan| orphan.edits.len()).sum();
+        let count: usize = self
+            .session
+            .disk
+            .orphans
+            .iter()
+            .map(|orphan| orphan.edits.len())
+            .sum();
         if count > 0 {
-            let edits = if count == 1 { "1 edit".to_owned() } else { format!("{count} edits") };
+            let edits = if count == 1 {
+                "1 edit".to_owned()
+            } else {
+                format!("{count} edits")
+            };
             let text = format!("{edits} of another version of this document are set aside.");
-            self.session.notify_with(Level::Warning, text, [("Look at them", Command::Orphans)]);
+            self.session
+                .notify_with(Level::Warning, text, [("Look at them", Command::Orphans)]);
         }
     }
 
@@ -93,33 +110,54 @@ impl App {
         let Some(open) = &self.open else { return };
         let merged = edits.merged_into(&open.document);
         if self.take_merged(merged, edits.result().as_ref(), MergeOf::SetAside) {
-            self.effects.push(Effect::Orphan { file: orphan, order: OrphanOrder::PutAway });
+            self.effects.push(Effect::Orphan {
+                file: orphan,
+                order: OrphanOrder::PutAway,
+            });
         }
     }
 
     pub(super) fn orphan_put_away(&mut self, orphan: &Path, renamed: &Path) {
-        self.session.disk.orphans.retain(|known| known.path != orphan);
+        self.session
+            .disk
+            .orphans
+            .retain(|known| known.path != orphan);
         if self.session.disk.orphans.is_empty() && self.session.dialog == Some(Dialog::Orphans) {
             self.session.dialog = None;
         }
-        self.session.notify(Level::Info, format!("The edits are merged; their file is now {}.", renamed.display()));
+        self.session.notify(
+            Level::Info,
+            format!(
+                "The edits are merged; their file is now {}.",
+                renamed.display()
+            ),
+        );
     }
 
-    /// Makes a joined document the open one, as one step of undo; the shown frame stays the same. Frames that the other side
-    /// solved on another base are solved again. What gave way is named.
+    /// Makes a joined document the open one, as one step of undo; the shown frame stays the same.
+    /// Frames that the other side solved on another base are solved again. What gave way is named.
     fn take_merged(&mut self, merged: Merged, theirs: Option<&Document>, of: MergeOf) -> bool {
         let shown = self.frame().map(Frame::name);
         if !self.begin_step(Step::on_document(of.step())) {
             return false;
         }
-        let Some(open) = &mut self.open else { return false };
+        let Some(open) = &mut self.open else {
+            return false;
+        };
         let ours = open.document.clone();
-        let Merged { mut document, conflicts } = merged;
+        let Merged {
+            mut document,
+            conflicts,
+        } = merged;
         let sides: Vec<&Document> = std::iter::once(&ours).chain(theirs).collect();
         let solved = solve_after_merge(&mut document, &sides, &open.folder);
         let replaced = replaced_labels(&ours, &document);
         *open.document = document;
-        let place = open.document.frames.iter().position(|frame| Some(frame.name()) == shown);
+        let place = open
+            .document
+            .frames
+            .iter()
+            .position(|frame| Some(frame.name()) == shown);
         let last = open.document.frames.len().saturating_sub(1);
         self.session.frame = place.unwrap_or(self.session.frame.min(last));
         self.session.mode = Mode::Idle;
@@ -142,30 +180,49 @@ impl App {
         let mut sentences = vec!["Both versions are merged.".to_owned()];
         let mut level = Level::Info;
         if !conflicts.is_empty() {
-            sentences.push(format!("{}: {}.", of.describe_conflicts(), name_some(conflicts)));
+            sentences.push(format!(
+                "{}: {}.",
+                of.describe_conflicts(),
+                name_some(conflicts)
+            ));
             level = Level::Warning;
         }
         if !replaced.is_empty() {
-            sentences.push(format!("Taken from the other version: {}.", name_some(replaced)));
+            sentences.push(format!(
+                "Taken from the other version: {}.",
+                name_some(replaced)
+            ));
             level = Level::Warning;
         }
         match solved {
-            Ok(SolvedAfterMerge { solved: 0, withdrawn, .. }) => self.tell_withdrawn(withdrawn),
-            Ok(SolvedAfterMerge { solved, withdrawn, .. }) => {
+            Ok(SolvedAfterMerge {
+                solved: 0,
+                withdrawn,
+                ..
+            }) => self.tell_withdrawn(withdrawn),
+            Ok(SolvedAfterMerge {
+                solved, withdrawn, ..
+            }) => {
                 let frames = if solved == 1 { "frame" } else { "frames" };
-                sentences.push(format!("Solved again on the merged base or field: {solved} {frames}."));
+                sentences.push(format!(
+                    "Solved again on the merged base or field: {solved} {frames}."
+                ));
                 self.tell_withdrawn(withdrawn);
             }
             Err(error) => {
-                sentences.push(format!("Frames of another base were not solved again: {error}."));
+                sentences.push(format!(
+                    "Frames of another base were not solved again: {error}."
+                ));
                 level = Level::Warning;
             }
         }
-        self.session.notify_with(level, sentences.join(" "), [("Undo", Command::Undo)]);
+        self.session
+            .notify_with(level, sentences.join(" "), [("Undo", Command::Undo)]);
     }
 }
 
-/// The frames in which a merge put something else in place of what a person made, or that it removed.
+/// The frames in which a merge put something else in place of what a person made, or that it
+/// removed.
 fn replaced_labels(before: &Document, now: &Document) -> Vec<String> {
     let replaced = before.frames.iter().filter(|frame| frame.gives_way_in(now));
     replaced.map(|frame| frame.name()).collect()
@@ -175,6 +232,10 @@ fn replaced_labels(before: &Document, now: &Document) -> Vec<String> {
 fn name_some(names: &[String]) -> String {
     let named = &names[..names.len().min(NAMED)];
     let more = names.len() - named.len();
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    let more = if more > 0 {
+        format!(" and {more} more")
+    } else {
+        String::new()
+    };
     named.join(", ") + &more
 }

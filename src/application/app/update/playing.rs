@@ -8,20 +8,25 @@ impl App {
     /// Plays the video or pauses it; at its end it begins anew.
     pub(super) fn toggle_playing(&mut self) {
         let playing = !self.session.video.playing;
-        let last = self.open.as_ref().map_or(0, |open| open.document.frames.len().saturating_sub(1));
+        let last = self
+            .open
+            .as_ref()
+            .map_or(0, |open| open.document.frames.len().saturating_sub(1));
         if playing && self.session.frame == last {
             self.go_to(0);
         }
         self.session.video.playing = playing && self.session.mode == Mode::Idle;
     }
 
-    /// Shows the frame that was typed, or the one that is shown at a time of the shown frame's video.
+    /// Shows the frame that was typed, or the one that is shown at a time of the shown frame's
+    /// video.
     pub(super) fn go_to_place(&mut self, place: Place) {
         let Some(open) = &self.open else { return };
         let frame = match place {
             Place::Frame(wanted) => {
-                let nearest =
-                    open.numbered_beside(self.session.frame).min_by_key(|(_, number)| number.abs_diff(wanted));
+                let nearest = open
+                    .numbered_beside(self.session.frame)
+                    .min_by_key(|(_, number)| number.abs_diff(wanted));
                 if let Some((_, number)) = nearest.filter(|(_, number)| *number != wanted) {
                     let text = format!("There is no frame {wanted}: the nearest one is {number}.");
                     self.session.notify(Level::Info, text);
@@ -30,17 +35,30 @@ impl App {
             }
             Place::Time(wanted_s) => {
                 let video = self.frame().and_then(|frame| frame.video.as_ref());
-                let timed = open.document.frames.iter().enumerate().filter_map(|(position, frame)| {
-                    let of = frame.video.as_ref().filter(|of| video.is_none_or(|video| video.path == of.path))?;
-                    Some((position, of.pts_s?))
-                });
-                timed.min_by(|(_, a), (_, b)| (a - wanted_s).abs().total_cmp(&(b - wanted_s).abs())).map(|(at, _)| at)
+                let timed =
+                    open.document
+                        .frames
+                        .iter()
+                        .enumerate()
+                        .filter_map(|(position, frame)| {
+                            let of = frame
+                                .video
+                                .as_ref()
+                                .filter(|of| video.is_none_or(|video| video.path == of.path))?;
+                            Some((position, of.pts_s?))
+                        });
+                timed
+                    .min_by(|(_, a), (_, b)| (a - wanted_s).abs().total_cmp(&(b - wanted_s).abs()))
+                    .map(|(at, _)| at)
             }
         };
         self.session.dialog = None;
         match frame {
             Some(frame) => self.go_to(frame),
-            None => self.session.notify(Level::Info, "These frames have no times: type the number of a frame."),
+            None => self.session.notify(
+                Level::Info,
+                "These frames have no times: type the number of a frame.",
+            ),
         }
     }
 }

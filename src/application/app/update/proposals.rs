@@ -11,31 +11,45 @@ use touchline_core::geometry::counted;
 use touchline_documents::document::Frame;
 
 impl App {
-    /// Takes proposals in: journalled, but not a step of undo. Those of an older forest than the last one are dropped.
+    /// Takes proposals in: journalled, but not a step of undo. Those of an older forest than the
+    /// last one are dropped.
     pub(super) fn take_proposals(&mut self, proposals: &[Proposal]) {
         let is_known = self.trainer_knows_document();
-        let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else { return };
-        let Some(edit) = open.take_proposals(proposals) else { return };
+        let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else {
+            return;
+        };
+        let Some(edit) = open.take_proposals(proposals) else {
+            return;
+        };
         if is_known {
             let generation = open.forest_generation;
             self.tell_shown_answers(&edit, generation, false);
         }
         self.journal_edit(edit);
-        let mistake = proposals.iter().find_map(|proposal| match &proposal.outcome {
-            Err(mistake @ NoProposal::Panicked { .. }) => Some(mistake.to_string()),
-            _ => None,
-        });
+        let mistake = proposals
+            .iter()
+            .find_map(|proposal| match &proposal.outcome {
+                Err(mistake @ NoProposal::Panicked { .. }) => Some(mistake.to_string()),
+                _ => None,
+            });
         if let Some(mistake) = mistake {
-            self.session.notify(Level::Error, format!("No proposal: {mistake}."));
+            self.session
+                .notify(Level::Error, format!("No proposal: {mistake}."));
         }
     }
 
     /// Takes in cameras that were carried from what the forest proposed, in the same way.
     pub(super) fn take_carried(&mut self, carried: &[CarriedProposal]) {
         let is_known = self.trainer_knows_document();
-        let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else { return };
-        let Some(newest) = carried.iter().map(|carried| carried.generation).max() else { return };
-        let Some(edit) = open.take_carried(carried, newest) else { return };
+        let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else {
+            return;
+        };
+        let Some(newest) = carried.iter().map(|carried| carried.generation).max() else {
+            return;
+        };
+        let Some(edit) = open.take_carried(carried, newest) else {
+            return;
+        };
         if is_known {
             self.tell_shown_answers(&edit, newest, true);
         }
@@ -50,7 +64,9 @@ impl App {
         if !self.frame().is_some_and(Frame::shows_suggestion) {
             return Some("Nothing is suggested for this frame.");
         }
-        self.shown_batch().is_none().then_some("Its batch of suggestions is gone.")
+        self.shown_batch()
+            .is_none()
+            .then_some("Its batch of suggestions is gone.")
     }
 
     /// The batch of what is suggested for the shown frame.
@@ -74,7 +90,8 @@ impl App {
         let discarded = open.discard_batch(batch, newest_forest);
         let text = describe_discarded(&discarded);
         if let Some(refused) = discarded.refused {
-            self.effects.push(Effect::Trainer(TrainerOrder::Refused(refused)));
+            self.effects
+                .push(Effect::Trainer(TrainerOrder::Refused(refused)));
         }
         if let Some(edit) = discarded.edit {
             self.journal_edit(edit);
@@ -86,12 +103,17 @@ impl App {
     /// The newest forest that the window has heard of.
     fn newest_forest(&self) -> u64 {
         let proposed = self.open.as_ref().map_or(0, |open| open.forest_generation);
-        let learnt = self.session.trainer.status.forest.map_or(0, |forest| forest.generation);
+        let learnt = self
+            .session
+            .trainer
+            .status
+            .forest
+            .map_or(0, |forest| forest.generation);
         proposed.max(learnt)
     }
 
-    /// Within a step that moved a camera: what was proposed for the old place goes, and accepted lines stay on the picture
-    /// where they were.
+    /// Within a step that moved a camera: what was proposed for the old place goes, and accepted
+    /// lines stay on the picture where they were.
     pub(super) fn follow_base(&mut self) {
         let Some(open) = &mut self.open else { return };
         if !open.history.is_open() {
@@ -105,18 +127,33 @@ impl App {
     /// Tells of proposals that were made for an old base.
     pub(in crate::app) fn tell_withdrawn(&mut self, withdrawn: usize) {
         if withdrawn > 0 {
-            let (proposals, were) = if withdrawn == 1 { ("proposal", "was") } else { ("proposals", "were") };
-            let text = format!("{withdrawn} {proposals} for the old base {were} discarded; proposing again.");
+            let (proposals, were) = if withdrawn == 1 {
+                ("proposal", "was")
+            } else {
+                ("proposals", "were")
+            };
+            let text = format!(
+                "{withdrawn} {proposals} for the old base {were} discarded; proposing again."
+            );
             self.session.notify(Level::Info, text);
         }
     }
 }
 
 /// What discarding a batch of suggestions changed.
-fn describe_discarded(Discarded { emptied, given_back, .. }: &Discarded) -> String {
+fn describe_discarded(
+    Discarded {
+        emptied,
+        given_back,
+        ..
+    }: &Discarded,
+) -> String {
     match (*emptied, *given_back) {
         (0, 0) => "No frame shows these suggestions any more.".to_owned(),
-        (0, given_back) => format!("{} again what was suggested before.", frames_that(given_back, "shows", "show")),
+        (0, given_back) => format!(
+            "{} again what was suggested before.",
+            frames_that(given_back, "shows", "show")
+        ),
         (emptied, 0) => format!("{} no suggestion now.", frames_that(emptied, "has", "have")),
         (emptied, given_back) => format!(
             "{} no suggestion now, {} again what was suggested before.",
@@ -128,5 +165,9 @@ fn describe_discarded(Discarded { emptied, given_back, .. }: &Discarded) -> Stri
 
 /// A count of frames with its verb: "1 frame has", "3 frames have".
 fn frames_that(frames: usize, one: &str, many: &str) -> String {
-    format!("{} {}", counted(frames, "frame"), if frames == 1 { one } else { many })
+    format!(
+        "{} {}",
+        counted(frames, "frame"),
+        if frames == 1 { one } else { many }
+    )
 }

@@ -53,7 +53,9 @@ impl App {
         let course = &self.quality.course;
         let Some(whole) = course.whole else { return };
         let span = self.session.quality.span.unwrap_or(whole);
-        let shown = course.at_of(self.session.frame).filter(|at| (span[0]..=span[1]).contains(at));
+        let shown = course
+            .at_of(self.session.frame)
+            .filter(|at| (span[0]..=span[1]).contains(at));
         let around = shown.unwrap_or(f64::midpoint(span[0], span[1]));
         self.session.quality.span = match command {
             Command::ZoomIn => zoomed(span, whole, around, ZOOM_STEP),

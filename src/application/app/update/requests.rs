@@ -31,10 +31,12 @@ impl App {
         self.open.as_ref().is_none_or(|open| open.history.is_open())
     }
 
-    /// Whether the user is in the middle of a change, as of a drag, or one is being worked out: results that change the
-    /// document wait for its end.
+    /// Whether the user is in the middle of a change, as of a drag, or one is being worked out:
+    /// results that change the document wait for its end.
     pub(in crate::app) fn is_amid_change(&self) -> bool {
-        self.session.mode != Mode::Idle || self.operations.bulk_solve.is_running() || self.is_amid_step()
+        self.session.mode != Mode::Idle
+            || self.operations.bulk_solve.is_running()
+            || self.is_amid_step()
     }
 }
 
@@ -47,7 +49,10 @@ mod tests {
     use touchline_documents::document::{Document, FieldSpec};
 
     fn opened() -> Action {
-        Action::Opened(Box::new(Opened::new(Document::new(FieldSpec::new("soccer")), "/match/project.json")))
+        Action::Opened(Box::new(Opened::new(
+            Document::new(FieldSpec::new("soccer")),
+            "/match/project.json",
+        )))
     }
 
     fn app() -> App {
@@ -58,7 +63,9 @@ mod tests {
 
     /// Starts a probe, as a command would.
     fn start(app: &mut App) -> Job {
-        let Effect::Start(job) = app.start_probe(Probe::of([])) else { panic!("nothing was started") };
+        let Effect::Start(job) = app.start_probe(Probe::of([])) else {
+            panic!("nothing was started")
+        };
         job
     }
 
@@ -71,11 +78,18 @@ mod tests {
         let mut app = app();
         let job = start(&mut app);
         app.update(Action::Report(Report::of_progress::<Probe>(job.id(), 40)));
-        assert_eq!(app.operations.probe.slot.running().unwrap().progress(), Some(&40));
+        assert_eq!(
+            app.operations.probe.slot.running().unwrap().progress(),
+            Some(&40)
+        );
         app.update(end(job.id(), 7));
         assert!(!app.operations.probe.slot.is_running());
         app.update(end(job.id(), 8));
-        assert_eq!(app.operations.probe.taken, [Ok(7)], "the second report is of nothing");
+        assert_eq!(
+            app.operations.probe.taken,
+            [Ok(7)],
+            "the second report is of nothing"
+        );
     }
 
     #[test]
@@ -86,7 +100,11 @@ mod tests {
         app.update(Action::Report(Report::of_progress::<Probe>(first.id(), 40)));
         app.update(end(first.id(), 1));
         assert!(app.operations.probe.taken.is_empty());
-        assert_eq!(app.operations.probe.slot.running().unwrap().progress(), None, "of another request");
+        assert_eq!(
+            app.operations.probe.slot.running().unwrap().progress(),
+            None,
+            "of another request"
+        );
         app.update(end(second.id(), 2));
         assert_eq!(app.operations.probe.taken, [Ok(2)]);
     }
@@ -100,7 +118,10 @@ mod tests {
         let after = start(&mut app);
         assert!(before.id() < after.id());
         app.update(end(before.id(), 1));
-        assert!(app.operations.probe.taken.is_empty(), "a late report of the document before");
+        assert!(
+            app.operations.probe.taken.is_empty(),
+            "a late report of the document before"
+        );
         drop(app);
         assert!(after.is_cancelled(), "nobody waits any more");
     }
@@ -124,15 +145,24 @@ mod tests {
         assert!(app.operations.probe.slot.cancel());
         app.operations.probe.must_wait = false;
         app.update(Action::View(ViewAction::SelectNoFrames));
-        assert_eq!((app.operations.probe.taken.len(), app.waiting_reports.len()), (1, 0));
+        assert_eq!(
+            (app.operations.probe.taken.len(), app.waiting_reports.len()),
+            (1, 0)
+        );
     }
 
     #[test]
     fn a_failure_of_the_program_is_louder_than_one_of_the_work() {
         use crate::app::session::Level;
         let panicked: Failure<&str> = Failure::Broken(Breakdown::Panicked("a bug".to_owned()));
-        assert_eq!(panicked.to_string(), "internal error (please report it): a bug");
-        assert_eq!((panicked.level(), Failure::Failed("no paint").level()), (Level::Error, Level::Warning));
+        assert_eq!(
+            panicked.to_string(),
+            "internal error (please report it): a bug"
+        );
+        assert_eq!(
+            (panicked.level(), Failure::Failed("no paint").level()),
+            (Level::Error, Level::Warning)
+        );
         assert_eq!(Failure::Failed("no paint").to_string(), "no paint");
     }
 }

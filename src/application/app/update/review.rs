@@ -16,9 +16,13 @@ impl App {
         self.session.panel = if is_shown { SidePanel::Frame } else { panel };
     }
 
-    /// Goes to the next frame that somebody has to look at: along the review panel's list while it is open.
+    /// Goes to the next frame that somebody has to look at: along the review panel's list while it
+    /// is open.
     pub(super) fn go_to_next_that_needs_me(&mut self, forward: bool) {
-        let listed = self.review.next(self.session.frame, forward).filter(|_| self.session.panel == SidePanel::Review);
+        let listed = self
+            .review
+            .next(self.session.frame, forward)
+            .filter(|_| self.session.panel == SidePanel::Review);
         match listed {
             Some(frame) => self.go_to(frame),
             None => self.go_to_next(forward, is_to_do, ALL_DONE),
@@ -32,7 +36,8 @@ impl App {
         }
     }
 
-    /// Asks whether several suggestions are accepted together. What comes while the question stands is not part of it.
+    /// Asks whether several suggestions are accepted together. What comes while the question stands
+    /// is not part of it.
     pub(super) fn ask_accept_all(&mut self) {
         self.asked_to_accept = self.open.as_ref().map(|open| open.document.frames.clone());
         self.session.dialog = Some(Dialog::AcceptAll);
@@ -40,7 +45,12 @@ impl App {
 
     /// A suggestion is accepted together with the others, or taken out of them.
     pub(super) fn tick_suggestion(&mut self, index: usize, ticked: bool) {
-        let Some(id) = self.open.as_ref().and_then(|open| open.frame(index)).map(|frame| frame.id.clone()) else {
+        let Some(id) = self
+            .open
+            .as_ref()
+            .and_then(|open| open.frame(index))
+            .map(|frame| frame.id.clone())
+        else {
             return;
         };
         if ticked {
@@ -60,7 +70,9 @@ impl App {
             None => bulk,
         };
         let places = self.session.unticked.iter();
-        let unticked = places.filter_map(|id| self.open.as_ref()?.document.frames.position_of(id)).collect();
+        let unticked = places
+            .filter_map(|id| self.open.as_ref()?.document.frames.position_of(id))
+            .collect();
         BulkAccept { unticked, ..bulk }
     }
 
@@ -87,11 +99,15 @@ impl App {
         self.session.dialog = None;
         let bulk = self.bulk_accept();
         let open = |row: &&crate::app::review::ReviewRow| {
-            self.open.as_ref().and_then(|open| open.frame(row.frame)).is_some_and(is_suggested)
+            self.open
+                .as_ref()
+                .and_then(|open| open.frame(row.frame))
+                .is_some_and(is_suggested)
         };
         let frames: Vec<usize> = bulk.taken().filter(open).map(|row| row.frame).collect();
         if frames.is_empty() {
-            self.session.notify(Level::Info, "No suggestion has this confidence.");
+            self.session
+                .notify(Level::Info, "No suggestion has this confidence.");
             return;
         }
         let count = match frames.len() {
@@ -112,22 +128,39 @@ impl App {
         self.commit();
         self.session.unticked.clear();
         let waits = |frame: &Frame| is_suggested(frame) && frame.is_carried();
-        if self.open.as_ref().is_some_and(|open| !open.document.frames.iter().any(|frame| waits(frame))) {
+        if self
+            .open
+            .as_ref()
+            .is_some_and(|open| !open.document.frames.iter().any(|frame| waits(frame)))
+        {
             self.session.retract(Command::DiscardCarried);
         }
         let undo = self.settings.keys.shown(Command::Undo);
-        self.session.notify(Level::Info, format!("{count} accepted. {undo} undoes all of it."));
+        self.session.notify(
+            Level::Info,
+            format!("{count} accepted. {undo} undoes all of it."),
+        );
     }
 
     /// Sets whether the forest is trained with a frame.
     pub(super) fn set_use_for_training(&mut self, index: usize, used: bool) {
-        let Some(frame) = self.open.as_ref().and_then(|open| open.frame(index)) else { return };
+        let Some(frame) = self.open.as_ref().and_then(|open| open.frame(index)) else {
+            return;
+        };
         if frame.is_used_for_training() == used || frame.status != FrameStatus::Reference {
             return;
         }
-        let name = if used { "Use for training" } else { "Do not use for training" };
+        let name = if used {
+            "Use for training"
+        } else {
+            "Do not use for training"
+        };
         if self.begin_step(self.step_at(name, index)) {
-            if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(index)) {
+            if let Some(frame) = self
+                .open
+                .as_mut()
+                .and_then(|open| open.document.frames.get_mut(index))
+            {
                 frame.set_use_for_training(used);
             }
             self.commit();
@@ -135,9 +168,17 @@ impl App {
     }
 
     pub(super) fn toggle_use_for_training(&mut self) {
-        match self.frame().map(|frame| (frame.status == FrameStatus::Reference, frame.is_used_for_training())) {
+        match self.frame().map(|frame| {
+            (
+                frame.status == FrameStatus::Reference,
+                frame.is_used_for_training(),
+            )
+        }) {
             Some((true, used)) => self.set_use_for_training(self.session.frame, !used),
-            _ => self.session.notify(Level::Info, "Only references are used for training: accept this frame first."),
+            _ => self.session.notify(
+                Level::Info,
+                "Only references are used for training: accept this frame first.",
+            ),
         }
     }
 }

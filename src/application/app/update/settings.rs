@@ -10,7 +10,10 @@ impl App {
     /// How the lines are drawn over the shown frame.
     #[must_use]
     pub fn overlay_style(&self) -> OverlayStyle {
-        let template = self.shown_field_spec().map(|spec| spec.template.as_str()).unwrap_or_default();
+        let template = self
+            .shown_field_spec()
+            .map(|spec| spec.template.as_str())
+            .unwrap_or_default();
         self.settings.overlay_of(template)
     }
 
@@ -23,7 +26,8 @@ impl App {
             SettingsAction::LineColour(sport, colour) => settings.set_line_colour(sport, colour),
             SettingsAction::Loupe(loupe) => settings.loupe = loupe.within_limits(),
             SettingsAction::PictureMemory(mib) => {
-                settings.picture_memory_mib = mib.clamp(*PICTURE_MEMORY_MIB.start(), *PICTURE_MEMORY_MIB.end());
+                settings.picture_memory_mib =
+                    mib.clamp(*PICTURE_MEMORY_MIB.start(), *PICTURE_MEMORY_MIB.end());
             }
             SettingsAction::PictureLook(look) => settings.picture = look.within_limits(),
             SettingsAction::TextSize(size) => settings.text_size = text_size_within_limits(size),

@@ -26,12 +26,19 @@ impl App {
     /// The shots of the shown frame's video; none where it is of none.
     #[must_use]
     pub fn shots(&self) -> Option<VideoShots> {
-        VideoShots::of(&self.open.as_ref()?.document, &self.frame()?.video.as_ref()?.path)
+        VideoShots::of(
+            &self.open.as_ref()?.document,
+            &self.frame()?.video.as_ref()?.path,
+        )
     }
 
-    /// The first frame of the next shot, or of the shot before, is shown; the first press backwards goes to the start of this one.
+    /// The first frame of the next shot, or of the shot before, is shown; the first press backwards
+    /// goes to the start of this one.
     pub(super) fn go_to_shot(&mut self, forward: bool) {
-        let (Some(shots), Some(open), Some(frame)) = (self.shots(), &self.open, self.frame()) else { return };
+        let (Some(shots), Some(open), Some(frame)) = (self.shots(), &self.open, self.frame())
+        else {
+            return;
+        };
         let Some(here) = &frame.video else { return };
         let mut starts: Vec<u64> = shots.starts().map(|(from, _)| from).collect();
         let to = if forward {
@@ -42,9 +49,18 @@ impl App {
         };
         let Some(to) = to else { return };
         let of_video = |other: &Frame| {
-            other.video.as_ref().filter(|video| video.path == here.path).is_some_and(|video| video.frame_index >= to)
+            other
+                .video
+                .as_ref()
+                .filter(|video| video.path == here.path)
+                .is_some_and(|video| video.frame_index >= to)
         };
-        if let Some(position) = open.document.frames.iter().position(|frame| of_video(frame)) {
+        if let Some(position) = open
+            .document
+            .frames
+            .iter()
+            .position(|frame| of_video(frame))
+        {
             self.go_to(position);
         }
     }
@@ -53,27 +69,43 @@ impl App {
     pub(super) fn move_cut_here(&mut self) {
         self.change_shots("Move the cut here", |shots, _, here| {
             let cuts = shots.starts().skip(1).map(|(from, _)| from);
-            let nearest = cuts.min_by_key(|from| from.abs_diff(here)).ok_or(ShotsError::NoCut { frame: here })?;
+            let nearest = cuts
+                .min_by_key(|from| from.abs_diff(here))
+                .ok_or(ShotsError::NoCut { frame: here })?;
             shots.move_cut(nearest, here)
         });
     }
 
-    /// Changes the shots of the shown frame's video: one step of undo. A video without any has one to begin with.
+    /// Changes the shots of the shown frame's video: one step of undo. A video without any has one
+    /// to begin with.
     fn change_shots(
         &mut self,
         step: &str,
         change: impl FnOnce(&mut VideoShots, &Document, u64) -> Result<(), ShotsError>,
     ) {
-        let (Some(open), Some(frame)) = (&self.open, self.frame()) else { return };
-        let Some(video) = frame.video.clone() else { return };
+        let (Some(open), Some(frame)) = (&self.open, self.frame()) else {
+            return;
+        };
+        let Some(video) = frame.video.clone() else {
+            return;
+        };
         let last = || {
-            let of_video = open.document.frames.iter().filter_map(|frame| frame.video.as_ref());
-            of_video.filter(|other| other.path == video.path).map(|video| video.frame_index).max().unwrap_or(0)
+            let of_video = open
+                .document
+                .frames
+                .iter()
+                .filter_map(|frame| frame.video.as_ref());
+            of_video
+                .filter(|other| other.path == video.path)
+                .map(|video| video.frame_index)
+                .max()
+                .unwrap_or(0)
         };
         let mut shots = VideoShots::of(&open.document, &video.path)
             .unwrap_or_else(|| VideoShots::found(&open.document, &video.path, last(), &[]));
         if let Err(error) = change(&mut shots, &open.document, video.frame_index) {
-            self.session.notify(Level::Info, crate::app::sentence(&error.to_string()));
+            self.session
+                .notify(Level::Info, crate::app::sentence(&error.to_string()));
             return;
         }
         if !self.begin(step) {

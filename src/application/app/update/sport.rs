@@ -6,29 +6,54 @@ use touchline_core::field::builtin;
 use touchline_documents::document::{CROWN, FieldSpec};
 
 impl App {
-    /// How many points carry names of the shown frame's field: they have none of these in another field.
+    /// How many points carry names of the shown frame's field: they have none of these in another
+    /// field.
     #[must_use]
     pub fn points_of_field(&self) -> usize {
-        let Some((open, spec)) = self.open().zip(self.shown_field_spec()) else { return 0 };
-        let frames =
-            open.document.frames.iter().filter(|frame| open.document.field_of(frame).template == spec.template);
-        frames.map(|frame| frame.clicks.iter().filter(|click| click.target.is_some()).count()).sum()
+        let Some((open, spec)) = self.open().zip(self.shown_field_spec()) else {
+            return 0;
+        };
+        let frames = open
+            .document
+            .frames
+            .iter()
+            .filter(|frame| open.document.field_of(frame).template == spec.template);
+        frames
+            .map(|frame| {
+                frame
+                    .clicks
+                    .iter()
+                    .filter(|click| click.target.is_some())
+                    .count()
+            })
+            .sum()
     }
 
     /// Another sport: its field takes the place of the shown one. One step of undo.
     pub(super) fn choose_sport(&mut self, template: &str) {
         self.session.dialog = None;
         self.session.sport_guess = None;
-        let Some(spec) = self.shown_field_spec().filter(|spec| spec.template != template) else { return };
+        let Some(spec) = self
+            .shown_field_spec()
+            .filter(|spec| spec.template != template)
+        else {
+            return;
+        };
         let Ok(chosen) = builtin(template) else {
-            self.session.notify(Level::Warning, format!("No field is called {template:?}."));
+            self.session
+                .notify(Level::Warning, format!("No field is called {template:?}."));
             return;
         };
         let title = chosen.title.clone();
         // Parameters belong to a template; every field has a crown.
         let crown = spec.params.get(CROWN).copied();
-        let mut changed = FieldSpec { extra: spec.extra.clone(), ..FieldSpec::new(template) };
-        changed.params.extend(crown.map(|crown_m| (CROWN.to_owned(), crown_m)));
+        let mut changed = FieldSpec {
+            extra: spec.extra.clone(),
+            ..FieldSpec::new(template)
+        };
+        changed
+            .params
+            .extend(crown.map(|crown_m| (CROWN.to_owned(), crown_m)));
         self.edit_field(changed);
         self.session.notify(Level::Info, format!("Field: {title}."));
     }
@@ -61,9 +86,15 @@ pub(super) fn guessed_from(name: &str) -> Option<&'static str> {
     ];
     let name = name.to_lowercase();
     let words = name.split(|c: char| !c.is_ascii_alphabetic());
-    let found = WORDS.iter().find(|(word, _)| words.clone().any(|part| part == *word));
+    let found = WORDS
+        .iter()
+        .find(|(word, _)| words.clone().any(|part| part == *word));
     found
-        .or_else(|| WORDS.iter().find(|(word, _)| word.len() > 5 && words.clone().any(|part| part.contains(word))))
+        .or_else(|| {
+            WORDS
+                .iter()
+                .find(|(word, _)| word.len() > 5 && words.clone().any(|part| part.contains(word)))
+        })
         .map(|(_, field)| *field)
 }
 
@@ -73,7 +104,10 @@ mod tests {
 
     #[test]
     fn a_name_tells_the_sport_by_its_words() {
-        assert_eq!(guessed_from("NBA_2019_finals_g1.mp4"), Some("basketball_nba"));
+        assert_eq!(
+            guessed_from("NBA_2019_finals_g1.mp4"),
+            Some("basketball_nba")
+        );
         assert_eq!(guessed_from("final-icehockey.mkv"), Some("ice_hockey_iihf"));
         assert_eq!(guessed_from("basketball-nba-match"), Some("basketball_nba"));
         assert_eq!(guessed_from("uefa cl"), Some("soccer"));

@@ -1,4 +1,5 @@
-//! The tour on the demo match: begun when the demo is open, over when it is left or another document is opened.
+//! The tour on the demo match: begun when the demo is open, over when it is left or another
+//! document is opened.
 
 use super::App;
 use crate::app::Command;
@@ -17,20 +18,29 @@ impl App {
         }
     }
 
-    /// Whether the open document is a copy of the demo match: a folder of that name with a camera whose base is known.
+    /// Whether the open document is a copy of the demo match: a folder of that name with a camera
+    /// whose base is known.
     fn shows_demo(&self) -> bool {
         self.open.as_ref().is_some_and(|open| {
             open.folder.file_name().is_some_and(|name| name == "demo")
-                && open.document.cameras.iter().any(|camera| camera.base().is_some())
+                && open
+                    .document
+                    .cameras
+                    .iter()
+                    .any(|camera| camera.base().is_some())
         })
     }
 
     /// Whoever opens the demo for the first time is offered the tour.
     pub(super) fn offer_tour(&mut self) {
-        let is_new = self.open.as_ref().is_some_and(|open| open.history.next_undo().is_none());
+        let is_new = self
+            .open
+            .as_ref()
+            .is_some_and(|open| open.history.next_undo().is_none());
         if is_new && self.session.tour.is_none() && self.shows_demo() {
             let text = "This is the demo match: its camera is known already.";
-            self.session.notify_with(Level::Info, text, [("Take the tour", Command::StartTour)]);
+            self.session
+                .notify_with(Level::Info, text, [("Take the tour", Command::StartTour)]);
         }
     }
 
@@ -45,8 +55,14 @@ impl App {
             return;
         }
         // A copy that cannot be changed says so itself.
-        let Some(open) = self.open.as_ref().filter(|open| open.read_only.is_none()) else { return };
-        let untouched = open.document.frames.iter().position(|frame| is_to_do(frame) && frame.clicks.is_empty());
+        let Some(open) = self.open.as_ref().filter(|open| open.read_only.is_none()) else {
+            return;
+        };
+        let untouched = open
+            .document
+            .frames
+            .iter()
+            .position(|frame| is_to_do(frame) && frame.clicks.is_empty());
         let Some(frame) = untouched else {
             let text = format!(
                 "Your copy of the demo match has no frame left to try. Delete {} and start the tour again: a new copy is made.",
@@ -64,7 +80,8 @@ impl App {
     pub(super) fn tell_tour(&mut self, action: &Action) {
         let takes_point = matches!(
             action,
-            Action::Pointer(PointerAction::Press { on: Some(_), .. }) | Action::Edit(EditAction::Nudge { .. })
+            Action::Pointer(PointerAction::Press { on: Some(_), .. })
+                | Action::Edit(EditAction::Nudge { .. })
         );
         if let Some(tour) = self.session.tour.as_mut().filter(|_| takes_point) {
             tour.point_taken();
@@ -83,6 +100,10 @@ impl App {
 
     fn tour_sight(&self) -> Option<Sight> {
         let open = self.open.as_ref()?;
-        Some(Sight::of(&open.document, self.frame(), self.current.solved().is_some()))
+        Some(Sight::of(
+            &open.document,
+            self.frame(),
+            self.current.solved().is_some(),
+        ))
     }
 }

@@ -9,37 +9,52 @@ impl App {
     /// Why there is no trainer for what is open; none if there is one.
     #[must_use]
     pub fn no_trainer(&self) -> Option<&'static str> {
-        let Some(open) = &self.open else { return Some("No document is open.") };
+        let Some(open) = &self.open else {
+            return Some("No document is open.");
+        };
         if cfg!(not(feature = "opencv")) {
             return Some("This program was built without OpenCV and cannot find features.");
         }
-        open.read_only.is_some().then_some("The document is read-only.")
+        open.read_only
+            .is_some()
+            .then_some("The document is read-only.")
     }
 
-    /// Tells the trainer what it does not know yet: the document once a step is done, the frame that is shown, and whether
-    /// proposals are to be snapped.
+    /// Tells the trainer what it does not know yet: the document once a step is done, the frame
+    /// that is shown, and whether proposals are to be snapped.
     pub(super) fn tell_trainer(&mut self) {
         if self.no_trainer().is_some() {
             return;
         }
-        let Some(open) = self.open.as_ref().filter(|open| !open.history.is_open()) else { return };
+        let Some(open) = self.open.as_ref().filter(|open| !open.history.is_open()) else {
+            return;
+        };
         let trainer = &mut self.session.trainer;
         let version = Some(open.document.version());
         if trainer.told_version.is_none() && trainer.paused {
-            self.effects.push(Effect::Trainer(TrainerOrder::Pause(true)));
+            self.effects
+                .push(Effect::Trainer(TrainerOrder::Pause(true)));
         }
         if trainer.told_snapping != self.settings.snap_suggestions {
             trainer.told_snapping = self.settings.snap_suggestions;
-            self.effects.push(Effect::Trainer(TrainerOrder::Snap(trainer.told_snapping)));
+            self.effects
+                .push(Effect::Trainer(TrainerOrder::Snap(trainer.told_snapping)));
         }
         let shown = open.frame(self.session.frame).map(|frame| &frame.id);
         if trainer.told_frame.as_ref() != shown {
             trainer.told_frame = shown.cloned();
-            self.effects.extend(shown.cloned().map(|frame| Effect::Trainer(TrainerOrder::Frame(frame))));
+            self.effects.extend(
+                shown
+                    .cloned()
+                    .map(|frame| Effect::Trainer(TrainerOrder::Frame(frame))),
+            );
         }
         if trainer.told_version != version {
             trainer.told_version = version;
-            self.effects.push(Effect::Trainer(TrainerOrder::Document(Box::new((*open.document).clone()))));
+            self.effects
+                .push(Effect::Trainer(TrainerOrder::Document(Box::new(
+                    (*open.document).clone(),
+                ))));
         }
     }
 
@@ -53,14 +68,18 @@ impl App {
     /// now. They are all that changed, so that it needs no other document.
     pub(super) fn tell_shown_answers(&mut self, edit: &Edit, generation: u64, is_carried: bool) {
         let key = |change: &Change| match change {
-            Change::Frame { id, revision, .. } => {
-                Some(AnswerKey { frame: id.clone(), revision: *revision, generation, is_carried })
-            }
+            Change::Frame { id, revision, .. } => Some(AnswerKey {
+                frame: id.clone(),
+                revision: *revision,
+                generation,
+                is_carried,
+            }),
             _ => None,
         };
         let shown = edit.changes.iter().filter_map(key).collect();
         self.session.trainer.told_version = self.open.as_ref().map(|open| open.document.version());
-        self.effects.push(Effect::Trainer(TrainerOrder::Shown(shown)));
+        self.effects
+            .push(Effect::Trainer(TrainerOrder::Shown(shown)));
     }
 
     pub(super) fn trainer_reported(&mut self, status: TrainerStatus) {
@@ -70,7 +89,8 @@ impl App {
     pub(super) fn pause_trainer(&mut self) {
         let trainer = &mut self.session.trainer;
         trainer.paused = !trainer.paused;
-        self.effects.push(Effect::Trainer(TrainerOrder::Pause(trainer.paused)));
+        self.effects
+            .push(Effect::Trainer(TrainerOrder::Pause(trainer.paused)));
     }
 
     /// Shows the features of the shown frame, or hides them.
@@ -78,11 +98,16 @@ impl App {
         let trainer = &mut self.session.trainer;
         trainer.show_features = !trainer.show_features;
         trainer.features = None;
-        self.effects.push(Effect::Trainer(TrainerOrder::Features(trainer.show_features)));
+        self.effects.push(Effect::Trainer(TrainerOrder::Features(
+            trainer.show_features,
+        )));
     }
 
     /// What is kept of the trainer's state when another document is opened.
     pub(super) fn trainer_for_another(&self) -> TrainerState {
-        TrainerState { paused: self.session.trainer.paused, ..TrainerState::default() }
+        TrainerState {
+            paused: self.session.trainer.paused,
+            ..TrainerState::default()
+        }
     }
 }

@@ -1,9 +1,11 @@
 //! The thread that journals edits and writes documents.
 //!
-//! Every edit is flushed to disk before it is acknowledged; the document itself is written from time to time, on request
-//! and at closing. When the disk refuses, edits stay in memory, the refusal is reported, and the saver tries again.
+//! Every edit is flushed to disk before it is acknowledged; the document itself is written from
+//! time to time, on request and at closing. When the disk refuses, edits stay in memory, the
+//! refusal is reported, and the saver tries again.
 //!
-//! With every edit comes the document that it led to, with what can be undone and redone in it: the saver writes what it is given.
+//! With every edit comes the document that it led to, with what can be undone and redone in it: the
+//! saver writes what it is given.
 
 mod work;
 
@@ -25,7 +27,8 @@ pub type Revision = u64;
 /// How a saver behaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SaverOptions {
-    /// How long edits may be in the journal alone before the document is written. Default: a minute.
+    /// How long edits may be in the journal alone before the document is written. Default: a
+    /// minute.
     pub save_every: Duration,
     /// How long to wait before trying again what the disk refused. Default: two seconds.
     pub retry_after: Duration,
@@ -33,11 +36,15 @@ pub struct SaverOptions {
 
 impl Default for SaverOptions {
     fn default() -> Self {
-        Self { save_every: Duration::from_mins(1), retry_after: Duration::from_secs(2) }
+        Self {
+            save_every: Duration::from_mins(1),
+            retry_after: Duration::from_secs(2),
+        }
     }
 }
 
-/// How long a saver that is closed waits for the disk. Every edit was journalled as it was made, so that seldom anything is left.
+/// How long a saver that is closed waits for the disk. Every edit was journalled as it was made, so
+/// that seldom anything is left.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// What a saver says.
@@ -61,20 +68,21 @@ pub enum SaverReport {
         /// Where the version of another program went, if it was replaced.
         set_aside: Option<PathBuf>,
     },
-    /// The disk refused the journal or the document. Edits after this one are only in memory; it is tried again.
+    /// The disk refused the journal or the document. Edits after this one are only in memory; it is
+    /// tried again.
     Failed {
         /// The last edit that is on disk, in the journal or the document.
         revision: Revision,
         /// What to tell the user.
         error: StoreError,
     },
-    /// Others changed the document; it is not written until somebody decides what becomes of their version. Edits are
-    /// still journaled.
+    /// Others changed the document; it is not written until somebody decides what becomes of their
+    /// version. Edits are still journaled.
     ChangedOutside {
         /// The document's file.
         path: PathBuf,
-        /// What the window holds, as it was kept beside; none where it holds nothing of its own, or where that was refused, which
-        /// is reported, too.
+        /// What the window holds, as it was kept beside; none where it holds nothing of its own, or
+        /// where that was refused, which is reported, too.
         own: Option<Orphan>,
     },
     /// What others made of the document, as it was asked for.
@@ -89,8 +97,8 @@ pub enum SaverReport {
 /// What the saver is to do, in this order.
 #[derive(Default)]
 struct Orders {
-    /// Journal these, oldest first, each with the document that it led to. An edit can neither be dropped nor wait elsewhere, so
-    /// that their number has no bound.
+    /// Journal these, oldest first, each with the document that it led to. An edit can neither be
+    /// dropped nor wait elsewhere, so that their number has no bound.
     edits: Vec<(Edit, Snapshot)>,
     /// Write the document.
     save: Option<Others>,
@@ -103,7 +111,12 @@ struct Orders {
 impl Orders {
     /// All of them, if there are any.
     fn take(&mut self) -> Option<Self> {
-        let Self { edits, save, save_request: _, read_outside } = &self;
+        let Self {
+            edits,
+            save,
+            save_request: _,
+            read_outside,
+        } = &self;
         let is_any = !edits.is_empty() || save.is_some() || *read_outside;
         is_any.then(|| std::mem::take(self))
     }
@@ -145,8 +158,9 @@ impl Saver {
         });
     }
 
-    /// Asks for the document to be written now; never waits. The report of a write names the last request before it, so that an
-    /// earlier write is not mistaken for the answer: another program may have replaced the file in between.
+    /// Asks for the document to be written now; never waits. The report of a write names the last
+    /// request before it, so that an earlier write is not mistaken for the answer: another program
+    /// may have replaced the file in between.
     pub fn save(&self, request: u64) {
         self.order(|orders| {
             orders.save.get_or_insert(Others::Stay);
@@ -154,7 +168,8 @@ impl Saver {
         });
     }
 
-    /// Asks for the document to be written although another program changed the file; that version is set aside.
+    /// Asks for the document to be written although another program changed the file; that version
+    /// is set aside.
     pub fn save_over(&self) {
         self.order(|orders| orders.save = Some(Others::SetAside));
     }
@@ -170,7 +185,8 @@ impl Saver {
         self.worker.mailbox().take_reports()
     }
 
-    /// Writes what is left, ends the thread and returns its last reports. Waits for the disk; one that does not answer is told of.
+    /// Writes what is left, ends the thread and returns its last reports. Waits for the disk; one
+    /// that does not answer is told of.
     #[must_use]
     pub fn close(mut self) -> Vec<SaverReport> {
         let (mut reports, has_ended) = self.worker.close(PATIENCE);
@@ -185,6 +201,8 @@ impl Saver {
     }
 
     fn order<T>(&self, order: impl FnOnce(&mut Orders) -> T) -> T {
-        self.worker.mailbox().update(|state| order(&mut state.orders))
+        self.worker
+            .mailbox()
+            .update(|state| order(&mut state.orders))
     }
 }

@@ -57,13 +57,22 @@ impl<'a> Work<'a> {
             }
         }
         self.journal();
-        // Another program may have replaced what was read or written here, and nobody else would keep what stood there.
+        // Another program may have replaced what was read or written here, and nobody else would
+        // keep what stood there.
         if self.behind_since.is_some() || !matches!(self.store.since(), Ok(None)) {
             self.save(Others::Stay);
         }
     }
 
-    fn obey(&mut self, Orders { edits, save, save_request, read_outside }: Orders) {
+    fn obey(
+        &mut self,
+        Orders {
+            edits,
+            save,
+            save_request,
+            read_outside,
+        }: Orders,
+    ) {
         if !edits.is_empty() {
             for (edit, to) in edits {
                 self.take(edit, to);
@@ -91,7 +100,8 @@ impl<'a> Work<'a> {
     fn take(&mut self, edit: Edit, to: Snapshot) {
         let fitting = match edit.clone().apply(&mut self.latest.document) {
             Ok(()) => edit,
-            // In the journal it would cut off what follows it; what leads to the document is known all the same.
+            // In the journal it would cut off what follows it; what leads to the document is known
+            // all the same.
             Err(misfit) => {
                 log::warn!("{}: {misfit}", edit.name);
                 Edit::between(&self.latest.document, &to.document, &edit.name)
@@ -104,28 +114,41 @@ impl<'a> Work<'a> {
 
     fn catch_up(&mut self) {
         self.journal();
-        if self.behind_since.is_some_and(|since| since.elapsed() >= self.options.save_every) {
+        if self
+            .behind_since
+            .is_some_and(|since| since.elapsed() >= self.options.save_every)
+        {
             self.save(Others::Stay);
         }
     }
 
     /// Appends to the journal what it lacks: one edit, or several after a refusal.
     fn journal(&mut self) {
-        let appended = if self.to_journal.is_empty() { Ok(()) } else { self.store.append(&self.to_journal) };
+        let appended = if self.to_journal.is_empty() {
+            Ok(())
+        } else {
+            self.store.append(&self.to_journal)
+        };
         match appended {
             Ok(()) => {
                 self.journal_refused = false;
                 self.to_journal.clear();
                 if self.journaled_revision < self.latest.revision {
                     self.journaled_revision = self.latest.revision;
-                    self.report(SaverReport::Journaled { revision: self.journaled_revision, at: now() });
+                    self.report(SaverReport::Journaled {
+                        revision: self.journaled_revision,
+                        at: now(),
+                    });
                 }
             }
             // Writing the document makes a journal anew that was deleted.
             Err(StoreError::Gone { .. }) if self.keep(Others::Stay).is_ok() => self.saved(None),
             Err(error) => {
                 if !self.journal_refused {
-                    self.report(SaverReport::Failed { revision: self.journaled_revision, error });
+                    self.report(SaverReport::Failed {
+                        revision: self.journaled_revision,
+                        error,
+                    });
                 }
                 self.journal_refused = true;
             }
@@ -133,7 +156,8 @@ impl<'a> Work<'a> {
     }
 
     fn keep(&mut self, others: Others) -> Result<Option<PathBuf>, StoreError> {
-        self.store.keep(&self.latest.document, &self.latest.history, others)
+        self.store
+            .keep(&self.latest.document, &self.latest.history, others)
     }
 
     fn save(&mut self, others: Others) {
@@ -144,18 +168,28 @@ impl<'a> Work<'a> {
                 self.behind_since = self.behind_since.map(|_| Instant::now());
                 match error {
                     StoreError::ChangedOutside { path } => self.keep_own(path),
-                    error => self.report(SaverReport::Failed { revision: self.journaled_revision, error }),
+                    error => self.report(SaverReport::Failed {
+                        revision: self.journaled_revision,
+                        error,
+                    }),
                 }
             }
         }
     }
 
-    /// Keeps what the window holds beside the version that another program wrote, before anybody decides between the two.
+    /// Keeps what the window holds beside the version that another program wrote, before anybody
+    /// decides between the two.
     fn keep_own(&mut self, path: PathBuf) {
-        let own = self.store.keep_own(&self.latest.document).unwrap_or_else(|error| {
-            self.report(SaverReport::Failed { revision: self.journaled_revision, error });
-            None
-        });
+        let own = self
+            .store
+            .keep_own(&self.latest.document)
+            .unwrap_or_else(|error| {
+                self.report(SaverReport::Failed {
+                    revision: self.journaled_revision,
+                    error,
+                });
+                None
+            });
         self.report(SaverReport::ChangedOutside { path, own });
     }
 
@@ -165,7 +199,12 @@ impl<'a> Work<'a> {
         self.to_journal.clear();
         self.journaled_revision = self.latest.revision;
         let (revision, request) = (self.journaled_revision, self.save_request);
-        self.report(SaverReport::Saved { revision, at: now(), request, set_aside });
+        self.report(SaverReport::Saved {
+            revision,
+            at: now(),
+            request,
+            set_aside,
+        });
     }
 
     fn read_outside(&mut self) {
@@ -173,7 +212,10 @@ impl<'a> Work<'a> {
             Ok(Some(outside)) => self.report(SaverReport::Outside(Box::new(outside))),
             // It was changed back.
             Ok(None) => self.save(Others::Stay),
-            Err(error) => self.report(SaverReport::Failed { revision: self.journaled_revision, error }),
+            Err(error) => self.report(SaverReport::Failed {
+                revision: self.journaled_revision,
+                error,
+            }),
         }
     }
 

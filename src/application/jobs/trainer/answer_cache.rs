@@ -49,10 +49,13 @@ enum CachedAnswer {
 }
 
 impl AnswerCache {
-    /// Updates the cache for a new state of the document: drops answers that no longer apply or that the document has lost.
+    /// Updates the cache for a new state of the document: drops answers that no longer apply or
+    /// that the document has lost.
     pub(super) fn look_at(&mut self, document: &Document) {
         self.entries.retain(|id, entry| {
-            let Some(frame) = document.frames.by_id(id) else { return false };
+            let Some(frame) = document.frames.by_id(id) else {
+                return false;
+            };
             let held = is_by_forest(frame);
             let lost = entry.recorded && !held && frame.is_open();
             entry.recorded |= held;
@@ -61,32 +64,54 @@ impl AnswerCache {
         });
         for frame in &document.frames {
             // What an earlier session proposed.
-            let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
+            let confidence = frame
+                .solution
+                .as_ref()
+                .and_then(|solution| solution.confidence);
             if is_by_forest(frame)
                 && frame.ptz.is_some()
                 && frame.is_open()
                 && let Some(confidence) = confidence
             {
-                self.entries.entry(frame.id.clone()).or_insert_with(|| Entry {
-                    asked: Asked::of(document, frame),
-                    by: Asking { generation: 0, snapping: frame.is_snapped_proposal() },
-                    answer: CachedAnswer::Camera(confidence),
-                    recorded: true,
-                });
+                self.entries
+                    .entry(frame.id.clone())
+                    .or_insert_with(|| Entry {
+                        asked: Asked::of(document, frame),
+                        by: Asking {
+                            generation: 0,
+                            snapping: frame.is_snapped_proposal(),
+                        },
+                        answer: CachedAnswer::Camera(confidence),
+                        recorded: true,
+                    });
             }
         }
     }
 
-    /// Whether a forest is to be asked for a frame: not where an earlier one was sure, in the same way.
-    pub(super) fn wants(&self, document: &Document, index: usize, model: &ForestModel, asking: Asking) -> bool {
-        let Some(frame) = document.frames.get(index) else { return false };
+    /// Whether a forest is to be asked for a frame: not where an earlier one was sure, in the same
+    /// way.
+    pub(super) fn wants(
+        &self,
+        document: &Document,
+        index: usize,
+        model: &ForestModel,
+        asking: Asking,
+    ) -> bool {
+        let Some(frame) = document.frames.get(index) else {
+            return false;
+        };
         if self.is_refused(&frame.id, asking.generation) {
             return false;
         }
-        if !frame.is_open() || frame.is_answered_without_forest() || model.camera(frame.camera.as_str()).is_none() {
+        if !frame.is_open()
+            || frame.is_answered_without_forest()
+            || model.camera(frame.camera.as_str()).is_none()
+        {
             return false;
         }
-        let Some(entry) = self.entries.get(&frame.id) else { return true };
+        let Some(entry) = self.entries.get(&frame.id) else {
+            return true;
+        };
         let is_older = entry.by.generation < asking.generation;
         match entry.answer {
             CachedAnswer::Camera(confidence) => {
@@ -102,24 +127,39 @@ impl AnswerCache {
     pub(super) fn enter(&mut self, proposal: &Proposal, by: Asking) {
         let answer = match &proposal.outcome {
             Ok(answer) => CachedAnswer::Camera(answer.confidence),
-            Err(NoProposal::NotFound(_) | NoProposal::NoReferences { .. }) => CachedAnswer::NotFound,
+            Err(NoProposal::NotFound(_) | NoProposal::NoReferences { .. }) => {
+                CachedAnswer::NotFound
+            }
             Err(_) => CachedAnswer::Never,
         };
         let asked = proposal.asked.clone();
-        let entry = Entry { asked, by, answer, recorded: false };
+        let entry = Entry {
+            asked,
+            by,
+            answer,
+            recorded: false,
+        };
         self.entries.insert(proposal.frame.clone(), entry);
     }
 
     /// The document shows an answer.
     pub(super) fn note_shown(&mut self, key: &AnswerKey) {
-        let is_it = |entry: &&mut Entry| entry.asked.revision == key.revision && entry.by.generation == key.generation;
+        let is_it = |entry: &&mut Entry| {
+            entry.asked.revision == key.revision && entry.by.generation == key.generation
+        };
         if let Some(entry) = self.entries.get_mut(&key.frame).filter(is_it) {
             entry.recorded = true;
         }
     }
 
     /// Forests that are not asked for some frames again.
-    pub(super) fn refuse(&mut self, RefusedForests { frames, mut generation }: RefusedForests) {
+    pub(super) fn refuse(
+        &mut self,
+        RefusedForests {
+            frames,
+            mut generation,
+        }: RefusedForests,
+    ) {
         // Whoever refused it may not have heard of its later number.
         while let Some(later) = self.renumbered.get(&generation) {
             generation = *later;
@@ -134,12 +174,17 @@ impl AnswerCache {
     /// still is.
     pub(super) fn keep_refusing(&mut self, generation: u64, later: u64) {
         self.renumbered.insert(generation, later);
-        self.refused.values_mut().filter(|refused| **refused == generation).for_each(|refused| *refused = later);
+        self.refused
+            .values_mut()
+            .filter(|refused| **refused == generation)
+            .for_each(|refused| *refused = later);
     }
 
     /// Whether a forest is not to answer for a frame, because what it answered was discarded.
     pub(super) fn is_refused(&self, frame: &FrameId, generation: u64) -> bool {
-        self.refused.get(frame).is_some_and(|newest| generation <= *newest)
+        self.refused
+            .get(frame)
+            .is_some_and(|newest| generation <= *newest)
     }
 
     /// Answers of forests before this one are no longer reliable.
@@ -154,17 +199,29 @@ impl AnswerCache {
 
     /// How many open frames have a camera proposed.
     pub(super) fn answered(&self, document: &Document) -> usize {
-        self.open(document).filter(|entry| matches!(entry.answer, CachedAnswer::Camera(_))).count()
+        self.open(document)
+            .filter(|entry| matches!(entry.answer, CachedAnswer::Camera(_)))
+            .count()
     }
 
     /// How many open frames have no answer.
     pub(super) fn unanswered(&self, document: &Document) -> usize {
-        self.open(document).filter(|entry| entry.answer == CachedAnswer::NotFound).count()
+        self.open(document)
+            .filter(|entry| entry.answer == CachedAnswer::NotFound)
+            .count()
     }
 
     fn open<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = &'a Entry> {
-        let is_open = |id: &FrameId| document.frames.by_id(id).is_some_and(|frame| frame.is_open());
-        self.entries.iter().filter(move |(id, _)| is_open(id)).map(|(_, entry)| entry)
+        let is_open = |id: &FrameId| {
+            document
+                .frames
+                .by_id(id)
+                .is_some_and(|frame| frame.is_open())
+        };
+        self.entries
+            .iter()
+            .filter(move |(id, _)| is_open(id))
+            .map(|(_, entry)| entry)
     }
 }
 

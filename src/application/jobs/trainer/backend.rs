@@ -8,11 +8,15 @@ use crate::app::{Doing, UnusableReference};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use touchline_calibration::calibrate::{ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, track_clip};
-use touchline_calibration::pipelines::{ForestRequest, LearningProgress, LearntForest, learn_forest, propose_on_lines};
+use touchline_calibration::calibrate::{
+    ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, track_clip,
+};
+use touchline_calibration::pipelines::{
+    ForestRequest, LearningProgress, LearntForest, learn_forest, propose_on_lines,
+};
 use touchline_calibration::proposals::{
-    CarriedProposal, FeatureStore, FramePictures, KeyWindow, LearnOptions, LineEvidence, Proposal, Quality, Suspect,
-    TrainingSet, UsedFeatures, WorkFolder, find_suspects, measure,
+    CarriedProposal, FeatureStore, FramePictures, KeyWindow, LearnOptions, LineEvidence, Proposal,
+    Quality, Suspect, TrainingSet, UsedFeatures, WorkFolder, find_suspects, measure,
 };
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Document, Fields};
@@ -39,8 +43,8 @@ pub(super) trait Backend {
         progress: &Progress<'_, Doing>,
     ) -> Result<Option<Learnt>, TrainerError>;
 
-    /// What the forest proposes for some frames, with `snapping` pulled onto the painted lines; fewer where `progress`,
-    /// which receives the number done, cancelled it.
+    /// What the forest proposes for some frames, with `snapping` pulled onto the painted lines;
+    /// fewer where `progress`, which receives the number done, cancelled it.
     fn propose(
         &mut self,
         document: &Document,
@@ -50,8 +54,8 @@ pub(super) trait Backend {
         progress: &Progress<'_, usize>,
     ) -> Vec<Proposal>;
 
-    /// Carries cameras through a window of a video, after a forest's answers; none where `progress`, which receives the number
-    /// of pictures done, cancelled it.
+    /// Carries cameras through a window of a video, after a forest's answers; none where
+    /// `progress`, which receives the number of pictures done, cancelled it.
     fn carry(
         &mut self,
         document: &Document,
@@ -60,7 +64,8 @@ pub(super) trait Backend {
         progress: &Progress<'_, usize>,
     ) -> Option<Vec<CarriedProposal>>;
 
-    /// The accuracy of a forest of these training frames, and which of them contradict others; none where `progress` cancelled it.
+    /// The accuracy of a forest of these training frames, and which of them contradict others; none
+    /// where `progress` cancelled it.
     fn measure(
         &mut self,
         document: &Document,
@@ -69,7 +74,12 @@ pub(super) trait Backend {
     ) -> Option<Measured>;
 
     /// How a forest uses a frame's features; none where the frame cannot be read.
-    fn features(&mut self, document: &Document, frame: usize, model: &ForestModel) -> Option<UsedFeatures>;
+    fn features(
+        &mut self,
+        document: &Document,
+        frame: usize,
+        model: &ForestModel,
+    ) -> Option<UsedFeatures>;
 
     /// Why nothing is kept on disk, if so.
     fn not_kept(&self) -> Option<String>;
@@ -112,8 +122,11 @@ impl ForestBackend {
     pub(super) fn new(file: &Path, mailbox: Arc<TrainerMailbox>, pictures: SharedPictures) -> Self {
         let place = WorkFolder::beside(file);
         // Counting the frames of a long video is given up when the document is closed.
-        let counting =
-            Progress::new(move |_| mailbox.peek(|_| ()).map_or(ControlFlow::Break(()), ControlFlow::Continue));
+        let counting = Progress::new(move |_| {
+            mailbox
+                .peek(|_| ())
+                .map_or(ControlFlow::Break(()), ControlFlow::Continue)
+        });
         Self {
             folder: file.parent().map(Path::to_path_buf).unwrap_or_default(),
             store: FeatureStore::on_disk(&place),
@@ -128,7 +141,11 @@ impl ForestBackend {
 
 impl Backend for ForestBackend {
     fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, TrainerError> {
-        Ok(kept_forest(&self.place, training_set, &self.options.features)?)
+        Ok(kept_forest(
+            &self.place,
+            training_set,
+            &self.options.features,
+        )?)
     }
 
     fn learn(
@@ -138,16 +155,44 @@ impl Backend for ForestBackend {
         training_set: &TrainingSet,
         progress: &Progress<'_, Doing>,
     ) -> Result<Option<Learnt>, TrainerError> {
-        let pictures =
-            FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
+        let pictures = FramePictures {
+            document,
+            folder: &self.folder,
+            options: self.options.features,
+            store: &self.store,
+        };
         let learning = progress.part(doing_of);
-        let learnt = learn_forest(&pictures, &mut self.reader, training_frames, &self.options, &learning)?;
-        let Some(LearntForest { mut model, studied }) = learnt else { return Ok(None) };
-        self.forest_refused = keep_forest(&self.place, &mut model, training_set).err().map(|error| error.to_string());
-        let features = studied.training_samples.iter().map(|sample| sample.rays.len()).sum();
+        let learnt = learn_forest(
+            &pictures,
+            &mut self.reader,
+            training_frames,
+            &self.options,
+            &learning,
+        )?;
+        let Some(LearntForest { mut model, studied }) = learnt else {
+            return Ok(None);
+        };
+        self.forest_refused = keep_forest(&self.place, &mut model, training_set)
+            .err()
+            .map(|error| error.to_string());
+        let features = studied
+            .training_samples
+            .iter()
+            .map(|sample| sample.rays.len())
+            .sum();
         let frame = |index: usize| document.frames[index].id.clone();
-        let failed = studied.failed.into_iter().map(|(index, error)| UnusableReference { frame: frame(index), error });
-        Ok(Some(Learnt { model, features, failed: failed.collect() }))
+        let failed = studied
+            .failed
+            .into_iter()
+            .map(|(index, error)| UnusableReference {
+                frame: frame(index),
+                error,
+            });
+        Ok(Some(Learnt {
+            model,
+            features,
+            failed: failed.collect(),
+        }))
     }
 
     fn propose(
@@ -158,8 +203,17 @@ impl Backend for ForestBackend {
         snapping: bool,
         progress: &Progress<'_, usize>,
     ) -> Vec<Proposal> {
-        let pictures = FramePictures { document, folder: &self.folder, options: model.features, store: &self.store };
-        let forest = ForestRequest { model, generation, options: self.relocalizing.clone() };
+        let pictures = FramePictures {
+            document,
+            folder: &self.folder,
+            options: model.features,
+            store: &self.store,
+        };
+        let forest = ForestRequest {
+            model,
+            generation,
+            options: self.relocalizing.clone(),
+        };
         // A field that is not valid is named where the document is opened.
         let evidence = LineEvidence::of(document.at(&self.folder), &mut self.reader, snapping).ok();
         let mut made = Vec::with_capacity(frames.len());
@@ -169,8 +223,14 @@ impl Backend for ForestBackend {
                 break;
             }
             let evidence = evidence.as_ref();
-            let mut proposals =
-                propose_on_lines(&pictures, &mut self.reader, few, &forest, evidence, &Progress::default());
+            let mut proposals = propose_on_lines(
+                &pictures,
+                &mut self.reader,
+                few,
+                &forest,
+                evidence,
+                &Progress::default(),
+            );
             made.append(&mut proposals);
         }
         made
@@ -184,21 +244,43 @@ impl Backend for ForestBackend {
         progress: &Progress<'_, usize>,
     ) -> Option<Vec<CarriedProposal>> {
         let at = document.at(&self.folder);
-        let first = window.keys.first().and_then(|place| document.frames.get(*place));
+        let first = window
+            .keys
+            .first()
+            .and_then(|place| document.frames.get(*place));
         // A field that is not valid is named where the document is opened.
-        let Some((first, fields)) = first.zip(Fields::of(at).ok()) else { return Some(Vec::new()) };
+        let Some((first, fields)) = first.zip(Fields::of(at).ok()) else {
+            return Some(Vec::new());
+        };
         let pictures = window.clip.frames.len();
         let of_clip = progress.part(|step| match step {
             ClipProgress::Following(done, _) => done / 2,
             ClipProgress::Painting(done, of) => pictures / 2 + pictures * done / (2 * of.max(1)),
             ClipProgress::Adjusting => pictures / 2,
         });
-        let (field, options) = (fields.of_frame(document, first), TrackClipOptions::default());
+        let (field, options) = (
+            fields.of_frame(document, first),
+            TrackClipOptions::default(),
+        );
         let mut evidence = ClipEvidence::default();
-        match track_clip(at, &window.clip, field, &mut self.reader, &options, &mut evidence, &of_clip) {
+        match track_clip(
+            at,
+            &window.clip,
+            field,
+            &mut self.reader,
+            &options,
+            &mut evidence,
+            &of_clip,
+        ) {
             Ok(clip) => {
                 let carried = clip.frames.iter();
-                Some(carried.filter_map(|tracked| CarriedProposal::of(document, &clip, tracked, generation)).collect())
+                Some(
+                    carried
+                        .filter_map(|tracked| {
+                            CarriedProposal::of(document, &clip, tracked, generation)
+                        })
+                        .collect(),
+                )
             }
             Err(TrackClipError::Stopped) => None,
             // The forest is asked for these frames instead.
@@ -212,18 +294,42 @@ impl Backend for ForestBackend {
         training_frames: &[usize],
         progress: &Progress<'_, Doing>,
     ) -> Option<Measured> {
-        let pictures =
-            FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
+        let pictures = FramePictures {
+            document,
+            folder: &self.folder,
+            options: self.options.features,
+            store: &self.store,
+        };
         let measuring = progress.part(Doing::Measuring);
         let looking = progress.part(|()| Doing::Measuring(Share::default()));
         let suspects = find_suspects(&pictures, &mut self.reader, training_frames, &looking)?;
         let (options, relocalizing) = (&self.options, &self.relocalizing);
-        let quality = measure(&pictures, &mut self.reader, training_frames, options, relocalizing, &measuring);
-        progress.check().is_continue().then_some(Measured { quality, suspects })
+        let quality = measure(
+            &pictures,
+            &mut self.reader,
+            training_frames,
+            options,
+            relocalizing,
+            &measuring,
+        );
+        progress
+            .check()
+            .is_continue()
+            .then_some(Measured { quality, suspects })
     }
 
-    fn features(&mut self, document: &Document, frame: usize, model: &ForestModel) -> Option<UsedFeatures> {
-        let pictures = FramePictures { document, folder: &self.folder, options: model.features, store: &self.store };
+    fn features(
+        &mut self,
+        document: &Document,
+        frame: usize,
+        model: &ForestModel,
+    ) -> Option<UsedFeatures> {
+        let pictures = FramePictures {
+            document,
+            folder: &self.folder,
+            options: model.features,
+            store: &self.store,
+        };
         let used = pictures.each(&mut self.reader, &[frame], |index, _, found| {
             let used = |found| UsedFeatures::of(document, index, &found, model, &self.relocalizing);
             ControlFlow::Continue(found.ok().map(used))
@@ -244,8 +350,9 @@ impl Backend for ForestBackend {
 fn doing_of(progress: LearningProgress) -> Doing {
     match progress {
         LearningProgress::Features { done, of } => Doing::Features(Share { done, of }),
-        LearningProgress::Training(TrainProgress { placed, total }) => {
-            Doing::Training(Share { done: placed, of: total })
-        }
+        LearningProgress::Training(TrainProgress { placed, total }) => Doing::Training(Share {
+            done: placed,
+            of: total,
+        }),
     }
 }

@@ -21,23 +21,35 @@ struct GivenAnswer {
 impl GivenAnswers {
     /// A forest of this generation answered for a frame, or its answers were carried there.
     pub(super) fn give(&mut self, answered: &Shared<Frame>, generation: u64) {
-        let given = GivenAnswer { generation, answered: answered.clone() };
+        let given = GivenAnswer {
+            generation,
+            answered: answered.clone(),
+        };
         self.0.insert(answered.id.clone(), given);
     }
 
     /// Forgets the answers for frames that a document no longer has as they were.
     pub(super) fn keep_fitting(&mut self, document: &Document) {
-        self.0.retain(|id, given| document.frames.by_id(id).is_some_and(|frame| given.fits(frame)));
+        self.0.retain(|id, given| {
+            document
+                .frames
+                .by_id(id)
+                .is_some_and(|frame| given.fits(frame))
+        });
     }
 
     /// Has a document show an answer that it is known to show.
     pub(super) fn show(&mut self, key: &AnswerKey, document: &mut Document) {
-        let is_meant =
-            |given: &GivenAnswer| given.generation == key.generation && given.answered.is_carried() == key.is_carried;
+        let is_meant = |given: &GivenAnswer| {
+            given.generation == key.generation && given.answered.is_carried() == key.is_carried
+        };
         if !self.0.get(&key.frame).is_some_and(is_meant) {
             return;
         }
-        let (given, position) = (self.0.remove(&key.frame), document.frames.position_of(&key.frame));
+        let (given, position) = (
+            self.0.remove(&key.frame),
+            document.frames.position_of(&key.frame),
+        );
         if let Some((given, position)) = given.zip(position)
             && given.fits(&document.frames[position])
         {
@@ -62,19 +74,26 @@ mod tests {
 
     fn document() -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame = |name: &str| Frame::from_image(name, "main".into(), ImageSize::new(64, 36)).into();
+        let frame =
+            |name: &str| Frame::from_image(name, "main".into(), ImageSize::new(64, 36)).into();
         document.frames.extend(["a.jpg", "b.jpg"].map(frame));
         document
     }
 
     fn key(document: &Document, position: usize, generation: u64, is_carried: bool) -> AnswerKey {
         let frame = &document.frames[position];
-        AnswerKey { frame: frame.id.clone(), revision: frame.revision, generation, is_carried }
+        AnswerKey {
+            frame: frame.id.clone(),
+            revision: frame.revision,
+            generation,
+            is_carried,
+        }
     }
 
     #[test]
     fn a_document_that_was_on_its_way_shows_the_answers_that_it_is_known_to_show() {
-        let (on_its_way, mut answered, mut given) = (document(), document(), GivenAnswers::default());
+        let (on_its_way, mut answered, mut given) =
+            (document(), document(), GivenAnswers::default());
         answered.frames[0].ptz = Some(Answer::at_pan(1.0, 0.9).ptz);
         answered.frames[0].status = FrameStatus::Suggested;
         CarriedProposal::at_pan(&document(), 1, 2.0, 3).record(&mut answered.frames[1]);

@@ -31,9 +31,15 @@ pub(super) enum KeptForestError {
 ///
 /// # Errors
 /// The folder cannot be made or written to. Nothing depends on it: the forest is made again.
-pub(super) fn keep_forest(place: &WorkFolder, model: &mut ForestModel, training_set: &TrainingSet) -> io::Result<()> {
+pub(super) fn keep_forest(
+    place: &WorkFolder,
+    model: &mut ForestModel,
+    training_set: &TrainingSet,
+) -> io::Result<()> {
     let mut document = document_from_bytes(model.document.as_bytes()).map_err(io::Error::other)?;
-    document.extra.insert(TAUGHT.to_owned(), Value::String(training_set.fingerprint()));
+    document
+        .extra
+        .insert(TAUGHT.to_owned(), Value::String(training_set.fingerprint()));
     model.document = document_to_string(&document).map_err(io::Error::other)?;
     place.refuse_links()?;
     std::fs::create_dir_all(place.path())?;

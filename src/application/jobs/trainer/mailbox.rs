@@ -59,8 +59,16 @@ impl Orders {
     /// The current orders. What came since they were taken last is handed out once.
     fn take(&mut self) -> Self {
         let shown_before = std::mem::take(&mut self.shown_before);
-        let (shown, refused) = (std::mem::take(&mut self.shown), std::mem::take(&mut self.refused));
-        Self { shown_before, shown, refused, ..self.clone() }
+        let (shown, refused) = (
+            std::mem::take(&mut self.shown),
+            std::mem::take(&mut self.refused),
+        );
+        Self {
+            shown_before,
+            shown,
+            refused,
+            ..self.clone()
+        }
     }
 }
 
@@ -88,7 +96,10 @@ fn is_part_of(earlier: Doing, later: Doing) -> bool {
 
 impl TrainerMailbox {
     pub(super) fn new(mailbox: Arc<Mailbox<Orders, TrainerReport>>) -> Self {
-        Self { mailbox, told: Mutex::default() }
+        Self {
+            mailbox,
+            told: Mutex::default(),
+        }
     }
 
     /// Looks at the newest orders; none when it is time to end.
@@ -103,7 +114,8 @@ impl TrainerMailbox {
 
     /// Waits for an order after that of a number, but not beyond a time.
     pub(super) fn wait(&self, number: u64, until: Option<Instant>) {
-        self.mailbox.wait_for(until, |orders| (orders.number != number).then_some(()));
+        self.mailbox
+            .wait_for(until, |orders| (orders.number != number).then_some(()));
     }
 
     /// Leaves a status in place of the one before. Mere progress is reported now and then.
@@ -113,22 +125,38 @@ impl TrainerMailbox {
             return;
         }
         let mere_progress = told.status.doing.is_kind_of(status.doing)
-            && TrainerStatus { doing: status.doing, ..told.status.clone() } == *status;
+            && TrainerStatus {
+                doing: status.doing,
+                ..told.status.clone()
+            } == *status;
         if mere_progress && told.at.is_some_and(|at| at.elapsed() < TELL_EVERY) {
             return;
         }
         let now = Instant::now();
-        let begun = told.begun.filter(|(doing, _)| is_part_of(*doing, status.doing)).unwrap_or((status.doing, now));
-        *told = Told { status: status.clone(), at: Some(now), begun: Some(begun) };
+        let begun = told
+            .begun
+            .filter(|(doing, _)| is_part_of(*doing, status.doing))
+            .unwrap_or((status.doing, now));
+        *told = Told {
+            status: status.clone(),
+            at: Some(now),
+            begun: Some(begun),
+        };
         let left = status.doing.left_since(begun.0, now - begun.1);
-        let report = TrainerReport::Status(Box::new(TrainerStatus { left, ..status.clone() }));
-        self.mailbox.report_instead(report, |before| matches!(before, TrainerReport::Status(_)));
+        let report = TrainerReport::Status(Box::new(TrainerStatus {
+            left,
+            ..status.clone()
+        }));
+        self.mailbox
+            .report_instead(report, |before| matches!(before, TrainerReport::Status(_)));
     }
 
     /// Leaves what was made of features, in place of what was left before.
     pub(super) fn show_features(&self, used: UsedFeatures) {
         let report = TrainerReport::Features(Box::new(used));
-        self.mailbox.report_instead(report, |before| matches!(before, TrainerReport::Features(_)));
+        self.mailbox.report_instead(report, |before| {
+            matches!(before, TrainerReport::Features(_))
+        });
     }
 
     /// Leaves cameras that were carried; waits for room.

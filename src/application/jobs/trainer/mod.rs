@@ -1,4 +1,5 @@
-//! The trainer: a forest is trained on the accepted references and proposes cameras for all other frames.
+//! The trainer: a forest is trained on the accepted references and proposes cameras for all other
+//! frames.
 //!
 //! Its owner passes the document after what people did, which is cheap: only the newest one waits,
 //! so that a burst of references is one change. Of its own answers the trainer hears by their keys
@@ -10,8 +11,8 @@
 //! After each training at least as much time is spent on proposals, so that somebody who accepts
 //! without a pause sees them.
 //!
-//! The work runs on threads of its own, one fewer than the machine has: the window keeps one. What causes a panic is
-//! reported and not tried again until something changes.
+//! The work runs on threads of its own, one fewer than the machine has: the window keeps one. What
+//! causes a panic is reported and not tried again until something changes.
 
 mod answer_cache;
 mod backend;
@@ -36,7 +37,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How many reports may wait to be fetched before the trainer pauses; with each come up to some 64 proposals.
+/// How many reports may wait to be fetched before the trainer pauses; with each come up to some 64
+/// proposals.
 const MOST_REPORTS: usize = 16;
 
 /// How the trainer behaves.
@@ -52,7 +54,11 @@ pub struct TrainerOptions {
 
 impl Default for TrainerOptions {
     fn default() -> Self {
-        Self { settle: Duration::from_millis(400), gather: Duration::from_millis(500), threads: None }
+        Self {
+            settle: Duration::from_millis(400),
+            gather: Duration::from_millis(500),
+            threads: None,
+        }
     }
 }
 
@@ -62,13 +68,20 @@ pub struct Trainer {
 }
 
 impl Trainer {
-    /// Starts the trainer of a document at `file`; frames among `pictures` are not decoded again. It does nothing before it
-    /// gets the document.
+    /// Starts the trainer of a document at `file`; frames among `pictures` are not decoded again.
+    /// It does nothing before it gets the document.
     ///
     /// # Errors
     /// The system gives no thread.
-    pub fn start(file: PathBuf, options: TrainerOptions, pictures: SharedPictures, wake: Wake) -> io::Result<Self> {
-        Self::start_with(options, wake, move |mailbox| ForestBackend::new(&file, mailbox, pictures))
+    pub fn start(
+        file: PathBuf,
+        options: TrainerOptions,
+        pictures: SharedPictures,
+        wake: Wake,
+    ) -> io::Result<Self> {
+        Self::start_with(options, wake, move |mailbox| {
+            ForestBackend::new(&file, mailbox, pictures)
+        })
     }
 
     /// Starts a trainer with the backend that `make` sets up on its thread.
@@ -79,7 +92,9 @@ impl Trainer {
     ) -> io::Result<Self> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let threads = options.threads.unwrap_or(cores - 1).max(1);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|at| format!("trainer {at}"));
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(|at| format!("trainer {at}"));
         let pool = pool.build().map_err(io::Error::other)?;
         let mailbox = Mailbox::new(Orders::default(), MOST_REPORTS, wake);
         let broke_down = |message| TrainerReport::Broken { message };
@@ -92,7 +107,10 @@ impl Trainer {
 
     /// Sends the trainer an order; never waits.
     pub fn tell(&self, order: TrainerOrder) {
-        let replaced = self.worker.mailbox().update(|state| state.orders.take_in(order));
+        let replaced = self
+            .worker
+            .mailbox()
+            .update(|state| state.orders.take_in(order));
         // Letting go of a document may take a while.
         drop(replaced);
     }

@@ -1,4 +1,5 @@
-//! The trainer with a backend that the test controls: it reports what it begins and continues when the test lets it.
+//! The trainer with a backend that the test controls: it reports what it begins and continues when
+//! the test lets it.
 
 use super::answer_cache::{AnswerCache, Asking};
 use super::backend::{Backend, Learnt, Measured};
@@ -14,15 +15,19 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 use touchline_calibration::pipelines::LearnForestError;
 use touchline_calibration::proposals::{
-    Answer, Asked, CarriedProposal, KeyWindow, LearnError, LeftOutBy, NoProposal, Proposal, Quality, RefusedForests,
-    Suspect, Timings, TrainingSet, UsedFeatures,
+    Answer, Asked, CarriedProposal, KeyWindow, LearnError, LeftOutBy, NoProposal, Proposal,
+    Quality, RefusedForests, Suspect, Timings, TrainingSet, UsedFeatures,
 };
 use touchline_core::camera::{BaseAngles, CameraBase, PanTilt, Ptz};
 use touchline_core::geometry::{ImageSize, Vec3};
 use touchline_core::progress::{Progress, Share};
-use touchline_documents::document::{Camera, Document, FieldSpec, Frame, FrameId, FramePtz, FrameStatus, VideoFrame};
+use touchline_documents::document::{
+    Camera, Document, FieldSpec, Frame, FrameId, FramePtz, FrameStatus, VideoFrame,
+};
 use touchline_vision::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
-use touchline_vision::relocalize::{CameraForest, ForestModel, Samples, SeenRange, TrainOptions, train};
+use touchline_vision::relocalize::{
+    CameraForest, ForestModel, Samples, SeenRange, TrainOptions, train,
+};
 
 const SIZE: ImageSize = ImageSize::new(64, 36);
 
@@ -73,11 +78,22 @@ fn until_stopped(tell: &dyn Fn() -> ControlFlow<()>) {
 
 fn model() -> ForestModel {
     let mut samples = Samples::new();
-    samples.add_frame([(Descriptor([9; DESCRIPTOR_BYTES]), PanTilt::from_degrees(1.0, -9.0))]);
+    samples.add_frame([(
+        Descriptor([9; DESCRIPTOR_BYTES]),
+        PanTilt::from_degrees(1.0, -9.0),
+    )]);
     let forest = train(&samples, &TrainOptions::default(), &Progress::default()).unwrap();
     let seen = SeenRange::of(&[Ptz::from_degrees(1.0, -9.0, 900.0)]).unwrap();
-    let cameras = vec![CameraForest { camera: "main".to_owned(), seen, forest }];
-    ForestModel { document: String::new(), features: FeatureOptions::default(), cameras }
+    let cameras = vec![CameraForest {
+        camera: "main".to_owned(),
+        seen,
+        forest,
+    }];
+    ForestModel {
+        document: String::new(),
+        features: FeatureOptions::default(),
+        cameras,
+    }
 }
 
 impl Backend for StandIn {
@@ -97,7 +113,11 @@ impl Backend for StandIn {
         progress: &Progress<'_, Doing>,
     ) -> Result<Option<Learnt>, TrainerError> {
         match self.begin(Begun::Learn(training_frames.to_vec())) {
-            Let::Well => Ok(Some(Learnt { model: model(), features: 1, failed: Vec::new() })),
+            Let::Well => Ok(Some(Learnt {
+                model: model(),
+                features: 1,
+                failed: Vec::new(),
+            })),
             Let::Fail => Err(no_features()),
             Let::Panic => panic!("the saw broke"),
             Let::Stopped => {
@@ -121,9 +141,10 @@ impl Backend for StandIn {
                 until_stopped(&|| progress.report(0));
                 Vec::new()
             }
-            Let::Well | Let::Fail => {
-                frames.iter().map(|&index| proposal(document, index, generation, self.confidence)).collect()
-            }
+            Let::Well | Let::Fail => frames
+                .iter()
+                .map(|&index| proposal(document, index, generation, self.confidence))
+                .collect(),
         }
     }
 
@@ -137,7 +158,12 @@ impl Backend for StandIn {
         match self.begin(Begun::Carry(window.keys.clone())) {
             Let::Well => {
                 let all = window.clip.frames.iter().filter_map(|frame| frame.place);
-                Some(all.map(|place| CarriedProposal::at_pan(document, place, place as f64, generation)).collect())
+                Some(
+                    all.map(|place| {
+                        CarriedProposal::at_pan(document, place, place as f64, generation)
+                    })
+                    .collect(),
+                )
             }
             Let::Fail => Some(Vec::new()),
             Let::Panic => panic!("the rope snapped"),
@@ -148,15 +174,33 @@ impl Backend for StandIn {
         }
     }
 
-    fn measure(&mut self, document: &Document, _: &[usize], progress: &Progress<'_, Doing>) -> Option<Measured> {
+    fn measure(
+        &mut self,
+        document: &Document,
+        _: &[usize],
+        progress: &Progress<'_, Doing>,
+    ) -> Option<Measured> {
         match self.begin(Begun::Measure) {
             Let::Well => {
-                let quality = Quality { left_out_by: LeftOutBy::Shot, groups: 1, asked: Vec::new() };
-                let suspects =
-                    vec![Suspect { frame: document.frames[0].id.clone(), contradicted_by: 1, disagreement_px: 40.0 }];
-                Some(Measured { quality: Some(quality), suspects })
+                let quality = Quality {
+                    left_out_by: LeftOutBy::Shot,
+                    groups: 1,
+                    asked: Vec::new(),
+                };
+                let suspects = vec![Suspect {
+                    frame: document.frames[0].id.clone(),
+                    contradicted_by: 1,
+                    disagreement_px: 40.0,
+                }];
+                Some(Measured {
+                    quality: Some(quality),
+                    suspects,
+                })
             }
-            Let::Fail => Some(Measured { quality: None, suspects: Vec::new() }),
+            Let::Fail => Some(Measured {
+                quality: None,
+                suspects: Vec::new(),
+            }),
             Let::Panic => panic!("the rule bent"),
             Let::Stopped => {
                 until_stopped(&|| progress.report(Doing::Measuring(Share { done: 0, of: 2 })));
@@ -165,8 +209,16 @@ impl Backend for StandIn {
         }
     }
 
-    fn features(&mut self, document: &Document, frame: usize, _: &ForestModel) -> Option<UsedFeatures> {
-        Some(UsedFeatures { frame: document.frames[frame].id.clone(), features: Vec::new() })
+    fn features(
+        &mut self,
+        document: &Document,
+        frame: usize,
+        _: &ForestModel,
+    ) -> Option<UsedFeatures> {
+        Some(UsedFeatures {
+            frame: document.frames[frame].id.clone(),
+            features: Vec::new(),
+        })
     }
 
     fn not_kept(&self) -> Option<String> {
@@ -182,7 +234,13 @@ fn proposal(document: &Document, frame: usize, generation: u64, confidence: f64)
     let answer = Answer::at_pan(frame as f64, confidence);
     let frame = &document.frames[frame];
     let asked = Asked::of(document, frame);
-    Proposal { frame: frame.id.clone(), asked, generation, outcome: Ok(answer), timings: Timings::default() }
+    Proposal {
+        frame: frame.id.clone(),
+        asked,
+        generation,
+        outcome: Ok(answer),
+        timings: Timings::default(),
+    }
 }
 
 /// The test's side.
@@ -202,12 +260,34 @@ impl Controller {
         let (begin, begun) = channel();
         let (go, orders) = channel();
         let (wake, woken) = channel();
-        let options = TrainerOptions { settle: Duration::ZERO, gather: Duration::ZERO, threads: Some(1) };
-        let make = move |_| StandIn { begun: begin, orders, confidence };
-        let trainer = Trainer::start_with(options, Arc::new(move || wake.send(()).unwrap_or_default()), make).unwrap();
+        let options = TrainerOptions {
+            settle: Duration::ZERO,
+            gather: Duration::ZERO,
+            threads: Some(1),
+        };
+        let make = move |_| StandIn {
+            begun: begin,
+            orders,
+            confidence,
+        };
+        let trainer = Trainer::start_with(
+            options,
+            Arc::new(move || wake.send(()).unwrap_or_default()),
+            make,
+        )
+        .unwrap();
         let (status, proposals) = (TrainerStatus::default(), Vec::new());
         let (carried, features) = (Vec::new(), Vec::new());
-        Self { trainer: Some(trainer), begun, go, woken, status, proposals, carried, features }
+        Self {
+            trainer: Some(trainer),
+            begun,
+            go,
+            woken,
+            status,
+            proposals,
+            carried,
+            features,
+        }
     }
 
     fn tell(&self, order: TrainerOrder) {
@@ -260,7 +340,11 @@ fn document(references: usize, others: usize) -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
     let mut main = Camera::new("main".into(), SIZE);
     let level = BaseAngles::default().base_from_world();
-    main.set_base(&CameraBase::new(Vec3::new(0.0, -66.0, 18.0), level, SIZE.centre()));
+    main.set_base(&CameraBase::new(
+        Vec3::new(0.0, -66.0, 18.0),
+        level,
+        SIZE.centre(),
+    ));
     document.cameras.push(main.into());
     for index in 0..references + others {
         let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE);
@@ -285,7 +369,12 @@ fn references_are_learnt_then_frames_are_proposed_then_it_is_measured() {
     controller.document(&all);
     controller.expect(&Begun::Recall, Let::Stopped);
     controller.expect(&Begun::Learn(vec![0, 1]), Let::Well);
-    for near in [vec![6, 5, 7, 4], vec![8, 3, 9, 2], vec![10, 11, 12, 13], vec![14]] {
+    for near in [
+        vec![6, 5, 7, 4],
+        vec![8, 3, 9, 2],
+        vec![10, 11, 12, 13],
+        vec![14],
+    ] {
         controller.expect(&Begun::Propose(near), Let::Well);
     }
     controller.expect(&Begun::Measure, Let::Well);
@@ -294,14 +383,23 @@ fn references_are_learnt_then_frames_are_proposed_then_it_is_measured() {
     }
     controller.until_idle();
     assert_eq!(
-        (controller.status.references, controller.status.training_frames, controller.status.answered),
+        (
+            controller.status.references,
+            controller.status.training_frames,
+            controller.status.answered
+        ),
         (2, 2, 28)
     );
     assert_eq!(controller.status.forest.unwrap().generation, 1);
     assert!(controller.status.quality.is_some());
     assert_eq!(controller.status.suspects[0].frame, all.frames[0].id);
     assert_eq!(controller.proposals.len(), 28);
-    assert!(controller.proposals.iter().all(|proposal| proposal.generation == 1));
+    assert!(
+        controller
+            .proposals
+            .iter()
+            .all(|proposal| proposal.generation == 1)
+    );
 }
 
 #[test]
@@ -327,7 +425,10 @@ fn a_withdrawn_reference_stops_the_training_and_what_it_taught_is_asked_for_agai
     let mut all = document(3, 2);
     controller.document(&all);
     controller.expect(&Begun::Recall, Let::Stopped);
-    assert_eq!(controller.begun.recv().unwrap(), Begun::Learn(vec![0, 1, 2]));
+    assert_eq!(
+        controller.begun.recv().unwrap(),
+        Begun::Learn(vec![0, 1, 2])
+    );
     all.frames[1].status = FrameStatus::Draft;
     controller.document(&all);
     controller.go.send(Let::Stopped).unwrap();
@@ -336,7 +437,8 @@ fn a_withdrawn_reference_stops_the_training_and_what_it_taught_is_asked_for_agai
     controller.expect(&Begun::Measure, Let::Well);
     controller.until_idle();
 
-    // Answers that are certain are kept when something is added, and asked for again when something is withdrawn.
+    // Answers that are certain are kept when something is added, and asked for again when something
+    // is withdrawn.
     for (index, proposal) in controller.proposals.drain(..).enumerate() {
         proposal.record(&mut all.frames[3 + index]);
     }
@@ -357,7 +459,10 @@ fn a_withdrawn_reference_stops_the_training_and_what_it_taught_is_asked_for_agai
     }
     controller.document(&all);
     controller.until(|status| status.references == 0);
-    assert_eq!((controller.status.forest, &controller.status.quality), (None, &None));
+    assert_eq!(
+        (controller.status.forest, &controller.status.quality),
+        (None, &None)
+    );
     controller.nothing_begun();
 }
 
@@ -382,7 +487,11 @@ fn every_stage_can_be_paused_and_taken_up_again() {
     let mut controller = Controller::start(0.95);
     controller.document(&document(1, 1));
     controller.expect(&Begun::Recall, Let::Stopped);
-    for stage in [Begun::Learn(vec![0]), Begun::Propose(vec![1]), Begun::Measure] {
+    for stage in [
+        Begun::Learn(vec![0]),
+        Begun::Propose(vec![1]),
+        Begun::Measure,
+    ] {
         controller.expect(&stage, Let::Stopped);
         controller.until(|status| status.doing != Doing::Paused);
         controller.tell(TrainerOrder::Pause(true));
@@ -426,7 +535,8 @@ fn of_a_video_the_forest_answers_key_frames_and_the_rest_is_carried() {
     assert_eq!(controller.carried.len(), 60);
     controller.nothing_begun();
 
-    // The document that shows it all, and one in which the frames near the other end are looked at, ask for nothing more.
+    // The document that shows it all, and one in which the frames near the other end are looked at,
+    // ask for nothing more.
     for proposal in controller.proposals.drain(..) {
         proposal.record(all.frames.by_id_mut(&proposal.frame).unwrap());
     }
@@ -468,7 +578,13 @@ fn frames_that_no_camera_is_carried_to_are_asked_for() {
     }
     controller.until_idle();
     assert_eq!(controller.carried, []);
-    assert!(controller.status.trouble.as_ref().is_some_and(|trouble| trouble.contains("carrying")));
+    assert!(
+        controller
+            .status
+            .trouble
+            .as_ref()
+            .is_some_and(|trouble| trouble.contains("carrying"))
+    );
 }
 
 #[test]
@@ -504,7 +620,13 @@ fn references_wait_for_the_base_of_their_camera() {
     all.cameras[0].position_m = None;
     controller.document(&all);
     controller.until(|status| status.references == 2);
-    assert_eq!((controller.status.training_frames, &controller.status.trouble), (0, &None));
+    assert_eq!(
+        (
+            controller.status.training_frames,
+            &controller.status.trouble
+        ),
+        (0, &None)
+    );
     controller.nothing_begun();
     controller.document(&known);
     controller.expect(&Begun::Recall, Let::Well);
@@ -519,9 +641,20 @@ fn every_stage_ends_when_the_trainer_is_dropped() {
         let mut controller = Controller::start(0.95);
         controller.document(&document(1, 1));
         controller.expect(&Begun::Recall, Let::Stopped);
-        let all = [Begun::Learn(vec![0]), Begun::Propose(vec![1]), Begun::Measure];
+        let all = [
+            Begun::Learn(vec![0]),
+            Begun::Propose(vec![1]),
+            Begun::Measure,
+        ];
         for (number, stage) in all.into_iter().take(stages + 1).enumerate() {
-            controller.expect(&stage, if number == stages { Let::Stopped } else { Let::Well });
+            controller.expect(
+                &stage,
+                if number == stages {
+                    Let::Stopped
+                } else {
+                    Let::Well
+                },
+            );
         }
         drop(controller.trainer.take());
     }
@@ -536,7 +669,12 @@ fn a_panic_is_shown_and_work_goes_on() {
     controller.expect(&Begun::Learn(vec![0]), Let::Panic);
     controller.until(|status| status.trouble.is_some());
     assert!(
-        controller.status.trouble.as_ref().unwrap().contains("while learning (please report it): the saw broke"),
+        controller
+            .status
+            .trouble
+            .as_ref()
+            .unwrap()
+            .contains("while learning (please report it): the saw broke"),
         "{:?}",
         controller.status
     );
@@ -555,10 +693,22 @@ fn a_panic_is_shown_and_work_goes_on() {
     controller.expect(&Begun::Learn(vec![0, 2]), Let::Well);
     controller.expect(&Begun::Propose(vec![1]), Let::Panic);
     controller.expect(&Begun::Measure, Let::Panic);
-    controller.until(|status| status.trouble.as_ref().is_some_and(|trouble| trouble.contains("the rule bent")));
+    controller.until(|status| {
+        status
+            .trouble
+            .as_ref()
+            .is_some_and(|trouble| trouble.contains("the rule bent"))
+    });
     controller.until_idle();
-    let [failed] = &controller.proposals[..] else { panic!("{:?}", controller.proposals) };
-    assert_eq!(failed.outcome, Err(NoProposal::Panicked { message: "the forest burns".to_owned() }));
+    let [failed] = &controller.proposals[..] else {
+        panic!("{:?}", controller.proposals)
+    };
+    assert_eq!(
+        failed.outcome,
+        Err(NoProposal::Panicked {
+            message: "the forest burns".to_owned()
+        })
+    );
 }
 
 #[test]
@@ -615,26 +765,48 @@ fn whether_proposals_are_snapped_can_be_changed_and_then_all_are_asked_again() {
 
 /// A forest's answers, not snapped.
 const fn by(generation: u64) -> Asking {
-    Asking { generation, snapping: false }
+    Asking {
+        generation,
+        snapping: false,
+    }
 }
 
 #[test]
 fn frames_whose_answer_the_document_lost_are_asked_again() {
     let (mut all, forest, mut answer_cache) = (document(1, 3), model(), AnswerCache::default());
     let wanted = |answer_cache: &AnswerCache, document: &Document, generation| -> Vec<usize> {
-        (0..4).filter(|&index| answer_cache.wants(document, index, &forest, by(generation))).collect()
+        (0..4)
+            .filter(|&index| answer_cache.wants(document, index, &forest, by(generation)))
+            .collect()
     };
     assert_eq!(wanted(&answer_cache, &all, 1), [1, 2, 3]);
     for index in 1..4 {
         let said = proposal(&all, index, 1, if index == 3 { 0.6 } else { 0.95 });
         answer_cache.enter(&said, by(1));
         answer_cache.look_at(&all);
-        assert_eq!(wanted(&answer_cache, &all, 1).len(), 3 - index, "answered, though not yet in the document");
+        assert_eq!(
+            wanted(&answer_cache, &all, 1).len(),
+            3 - index,
+            "answered, though not yet in the document"
+        );
         said.record(&mut all.frames[index]);
     }
     answer_cache.look_at(&all);
-    assert_eq!((wanted(&answer_cache, &all, 1), wanted(&answer_cache, &all, 2)), (vec![], vec![3]));
-    assert_eq!((answer_cache.answered(&all), answer_cache.unanswered(&all), answer_cache.given_by(by(1))), (3, 0, 3));
+    assert_eq!(
+        (
+            wanted(&answer_cache, &all, 1),
+            wanted(&answer_cache, &all, 2)
+        ),
+        (vec![], vec![3])
+    );
+    assert_eq!(
+        (
+            answer_cache.answered(&all),
+            answer_cache.unanswered(&all),
+            answer_cache.given_by(by(1))
+        ),
+        (3, 0, 3)
+    );
 
     let mut undone = all.clone();
     undone.frames[1] = document(1, 3).frames[1].clone();
@@ -647,14 +819,20 @@ fn frames_whose_answer_the_document_lost_are_asked_again() {
     answer_cache.look_at(&moved);
     // With the base everything that was taught is another.
     answer_cache.trust_from(2);
-    assert!(answer_cache.wants(&moved, 2, &forest, by(2)), "an answer for another base is none");
+    assert!(
+        answer_cache.wants(&moved, 2, &forest, by(2)),
+        "an answer for another base is none"
+    );
 }
 
 #[test]
 fn a_forest_whose_answers_were_discarded_is_not_asked_for_them_again() {
     let mut controller = Controller::start(0.6);
     let mut all = document(2, 2);
-    let refused = |generation| RefusedForests { frames: vec![document(2, 2).frames[2].id.clone()], generation };
+    let refused = |generation| RefusedForests {
+        frames: vec![document(2, 2).frames[2].id.clone()],
+        generation,
+    };
     controller.document(&all);
     controller.expect(&Begun::Recall, Let::Stopped);
     controller.expect(&Begun::Learn(vec![0, 1]), Let::Well);
@@ -667,7 +845,9 @@ fn a_forest_whose_answers_were_discarded_is_not_asked_for_them_again() {
         generation: proposal.generation,
         is_carried: false,
     };
-    controller.tell(TrainerOrder::Shown(controller.proposals.iter().map(key).collect()));
+    controller.tell(TrainerOrder::Shown(
+        controller.proposals.iter().map(key).collect(),
+    ));
     controller.tell(TrainerOrder::Refused(refused(1)));
     // The document has lost both answers, and only one of them was discarded.
     controller.document(&all);
@@ -685,12 +865,22 @@ fn a_forest_whose_answers_were_discarded_is_not_asked_for_them_again() {
 #[test]
 fn a_forest_that_goes_on_under_another_number_is_still_refused() {
     let (all, forest, mut answer_cache) = (document(1, 2), model(), AnswerCache::default());
-    answer_cache.refuse(RefusedForests { frames: vec![all.frames[1].id.clone()], generation: 0 });
+    answer_cache.refuse(RefusedForests {
+        frames: vec![all.frames[1].id.clone()],
+        generation: 0,
+    });
     answer_cache.keep_refusing(0, 1);
-    let wants =
-        |answer_cache: &AnswerCache, index, generation| answer_cache.wants(&all, index, &forest, by(generation));
+    let wants = |answer_cache: &AnswerCache, index, generation| {
+        answer_cache.wants(&all, index, &forest, by(generation))
+    };
     assert!(!wants(&answer_cache, 1, 1) && wants(&answer_cache, 2, 1));
     assert!(wants(&answer_cache, 1, 2));
-    answer_cache.refuse(RefusedForests { frames: vec![all.frames[2].id.clone()], generation: 0 });
-    assert!(!wants(&answer_cache, 2, 1), "refused by the number that it had before");
+    answer_cache.refuse(RefusedForests {
+        frames: vec![all.frames[2].id.clone()],
+        generation: 0,
+    });
+    assert!(
+        !wants(&answer_cache, 2, 1),
+        "refused by the number that it had before"
+    );
 }

@@ -26,26 +26,52 @@ pub(super) enum Until {
 }
 
 impl<'a> Watch<'a> {
-    pub(super) fn new(mailbox: &'a TrainerMailbox, status: &TrainerStatus, edition: u64, until: Until) -> Self {
-        Self { mailbox, status: status.clone(), until, looked_at: Mutex::new(edition) }
+    pub(super) fn new(
+        mailbox: &'a TrainerMailbox,
+        status: &TrainerStatus,
+        edition: u64,
+        until: Until,
+    ) -> Self {
+        Self {
+            mailbox,
+            status: status.clone(),
+            until,
+            looked_at: Mutex::new(edition),
+        }
     }
 
     /// Reports what is being done; a break if it is to end.
     pub(super) fn tell(&self, doing: Doing) -> ControlFlow<()> {
-        self.mailbox.report(&TrainerStatus { doing, ..self.status.clone() });
-        if self.is_wanted() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        self.mailbox.report(&TrainerStatus {
+            doing,
+            ..self.status.clone()
+        });
+        if self.is_wanted() {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
     }
 
     /// Whether the work is to go on.
     pub(super) fn is_wanted(&self) -> bool {
-        let mut looked_at = self.looked_at.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut looked_at = self
+            .looked_at
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         let news = self.mailbox.peek(|orders| {
-            let document = (orders.edition != *looked_at).then(|| orders.document.clone()).flatten();
+            let document = (orders.edition != *looked_at)
+                .then(|| orders.document.clone())
+                .flatten();
             (!orders.paused).then_some((orders.edition, document))
         });
-        let Some(Some((edition, document))) = news else { return false };
+        let Some(Some((edition, document))) = news else {
+            return false;
+        };
         *looked_at = edition;
-        let Some(document) = document else { return true };
+        let Some(document) = document else {
+            return true;
+        };
         let taught = || TrainingSet::of(&document, &TrainingFrames::of_solved(&document).frames);
         let wanted = match &self.until {
             Until::Done => true,

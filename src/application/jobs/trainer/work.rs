@@ -14,7 +14,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use touchline_calibration::proposals::{
-    AskingOrder, CarriedProposal, Coverage, KeyWindow, NoProposal, Proposal, Quality, TrainingFrames, TrainingSet,
+    AskingOrder, CarriedProposal, Coverage, KeyWindow, NoProposal, Proposal, Quality,
+    TrainingFrames, TrainingSet,
 };
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Document, FieldSpec, FrameId};
@@ -125,7 +126,9 @@ impl<C: Backend> Work<C> {
         while let Some(orders) = self.mailbox.take_orders() {
             self.take_in(orders);
             let step = self.next();
-            if !matches!(step, Step::Propose(_)) || self.gathered_since.elapsed() >= self.options.gather {
+            if !matches!(step, Step::Propose(_))
+                || self.gathered_since.elapsed() >= self.options.gather
+            {
                 self.hand_over();
             }
             match step {
@@ -167,9 +170,16 @@ impl<C: Backend> Work<C> {
                 self.changed = Instant::now();
             }
             self.answer_cache.look_at(&self.document);
-            let TrainingFrames { frames, references, withheld } = &self.training_frames;
-            (self.status.references, self.status.training_frames, self.status.withheld) =
-                (*references, frames.len(), *withheld);
+            let TrainingFrames {
+                frames,
+                references,
+                withheld,
+            } = &self.training_frames;
+            (
+                self.status.references,
+                self.status.training_frames,
+                self.status.withheld,
+            ) = (*references, frames.len(), *withheld);
             self.count();
         }
         self.note_shown(std::mem::take(&mut orders.shown));
@@ -210,15 +220,18 @@ impl<C: Backend> Work<C> {
                 return Step::Recall;
             }
             let settled = self.changed + self.options.settle;
-            let turn = if serves && self.has_to_ask() { self.turn_until } else { settled };
+            let turn = if serves && self.has_to_ask() {
+                self.turn_until
+            } else {
+                settled
+            };
             if Instant::now() >= settled.max(turn) {
                 return Step::Learn;
             }
             due = Some(settled.max(turn));
         }
         if serves {
-            let is_shown =
-                |id: &FrameId| matches!(&self.shown, Some((shown, by)) if shown == id && *by == self.generation);
+            let is_shown = |id: &FrameId| matches!(&self.shown, Some((shown, by)) if shown == id && *by == self.generation);
             if self.orders.features
                 && let Some(position) = self.current()
                 && !is_shown(&self.document.frames[position].id)
@@ -242,7 +255,14 @@ impl<C: Backend> Work<C> {
                 return Step::Propose(frames);
             }
         }
-        Step::Wait(if due.is_some() { Doing::Settling } else { Doing::Nothing }, due)
+        Step::Wait(
+            if due.is_some() {
+                Doing::Settling
+            } else {
+                Doing::Nothing
+            },
+            due,
+        )
     }
 
     /// What was found out about a reference holds while it is in the training set as it was.
@@ -250,11 +270,23 @@ impl<C: Backend> Work<C> {
         let is_unchanged = |id: &FrameId| {
             let position = self.document.frames.position_of(id);
             let sample = position.map(|position| TrainingSet::of(&self.document, &[position]));
-            sample.is_some_and(|sample| before.contains(&sample) && self.training_set.contains(&sample))
+            sample.is_some_and(|sample| {
+                before.contains(&sample) && self.training_set.contains(&sample)
+            })
         };
         let status = &mut self.status;
-        status.suspects = status.suspects.iter().filter(|suspect| is_unchanged(&suspect.frame)).cloned().collect();
-        status.failed = status.failed.iter().filter(|failed| is_unchanged(&failed.frame)).cloned().collect();
+        status.suspects = status
+            .suspects
+            .iter()
+            .filter(|suspect| is_unchanged(&suspect.frame))
+            .cloned()
+            .collect();
+        status.failed = status
+            .failed
+            .iter()
+            .filter(|failed| is_unchanged(&failed.frame))
+            .cloned()
+            .collect();
     }
 
     /// Nothing is taught any more.
@@ -275,9 +307,13 @@ impl<C: Backend> Work<C> {
         self.recalled = true;
         match self.backend.recall(&self.training_set) {
             Ok(Some(model)) => {
-                let facts = ForestFacts { references: self.training_frames.frames.len(), ..facts(&model) };
+                let facts = ForestFacts {
+                    references: self.training_frames.frames.len(),
+                    ..facts(&model)
+                };
                 // It answered in an earlier session.
-                self.answer_cache.keep_refusing(self.generation, self.generation + 1);
+                self.answer_cache
+                    .keep_refusing(self.generation, self.generation + 1);
                 self.take_forest(model, self.training_set.clone(), facts);
             }
             Ok(None) => {}
@@ -288,9 +324,15 @@ impl<C: Backend> Work<C> {
 
     fn learn(&mut self) {
         let begun = Instant::now();
-        let (document, training_frames) = (self.document.clone(), self.training_frames.frames.clone());
+        let (document, training_frames) =
+            (self.document.clone(), self.training_frames.frames.clone());
         let training_set = self.training_set.clone();
-        let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Unlearnt(training_set.clone()));
+        let watch = Watch::new(
+            &self.mailbox,
+            &self.status,
+            self.orders.edition,
+            Until::Unlearnt(training_set.clone()),
+        );
         let backend = &mut self.backend;
         let learnt = catch_unwind(AssertUnwindSafe(|| {
             let progress = Progress::new(|doing| watch.tell(doing));
@@ -298,7 +340,11 @@ impl<C: Backend> Work<C> {
         }));
         match learnt {
             Ok(Ok(None)) => {}
-            Ok(Ok(Some(Learnt { model, features, failed }))) => {
+            Ok(Ok(Some(Learnt {
+                model,
+                features,
+                failed,
+            }))) => {
                 let took = begun.elapsed();
                 let facts = ForestFacts {
                     references: training_frames.len() - failed.len(),
@@ -325,33 +371,64 @@ impl<C: Backend> Work<C> {
 
     fn take_forest(&mut self, model: ForestModel, training_set: TrainingSet, facts: ForestFacts) {
         self.generation += 1;
-        if self.forest.as_ref().is_some_and(|before| !training_set.contains(&before.training_set)) {
+        if self
+            .forest
+            .as_ref()
+            .is_some_and(|before| !training_set.contains(&before.training_set))
+        {
             self.answer_cache.trust_from(self.generation);
         }
-        self.status.forest = Some(ForestFacts { generation: self.generation, ..facts });
-        self.forest = Some(Forest { model: Arc::new(model), training_set });
+        self.status.forest = Some(ForestFacts {
+            generation: self.generation,
+            ..facts
+        });
+        self.forest = Some(Forest {
+            model: Arc::new(model),
+            training_set,
+        });
         self.survey();
     }
 
     fn propose(&mut self, frames: &[usize]) {
-        let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
+        let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else {
+            return;
+        };
         let done = self.answer_cache.given_by(self.asking());
         let queue = &self.queue;
-        let between = if queue.rest.is_empty() { queue.between.len() } else { 0 };
+        let between = if queue.rest.is_empty() {
+            queue.between.len()
+        } else {
+            0
+        };
         let of = done + frames.len() + queue.first.len() + queue.rest.len() + between;
-        let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Done);
+        let watch = Watch::new(
+            &self.mailbox,
+            &self.status,
+            self.orders.edition,
+            Until::Done,
+        );
         let (document, asked) = (&self.document, self.asking());
-        let Asking { generation, snapping } = asked;
+        let Asking {
+            generation,
+            snapping,
+        } = asked;
         let backend = &mut self.backend;
         let proposed = catch_unwind(AssertUnwindSafe(|| {
-            let asking = Progress::new(|more| watch.tell(Doing::Proposing(Share { done: done + more, of })));
+            let asking = Progress::new(|more| {
+                watch.tell(Doing::Proposing(Share {
+                    done: done + more,
+                    of,
+                }))
+            });
             backend.propose(document, frames, (&model, generation), snapping, &asking)
         }));
         let proposals = proposed.unwrap_or_else(|panic| {
             self.status.trouble = Some(broke_down("proposing", panic.as_ref()));
             let message = super::super::panic_message(panic.as_ref());
             let none = |index: &usize| {
-                let reason = NoProposal::Panicked { message: message.clone() };
+                let reason = NoProposal::Panicked {
+                    message: message.clone(),
+                };
                 Proposal::without_answer(document, *index, generation, reason)
             };
             frames.iter().map(none).collect()
@@ -365,7 +442,12 @@ impl<C: Backend> Work<C> {
         for proposal in &proposals {
             self.answer_cache.enter(proposal, asked);
             // What is carried begins from what was just answered.
-            if let Some(frame) = self.document.frames.by_id_mut(&proposal.frame).filter(|frame| frame.is_open()) {
+            if let Some(frame) = self
+                .document
+                .frames
+                .by_id_mut(&proposal.frame)
+                .filter(|frame| frame.is_open())
+            {
                 proposal.record(frame);
                 self.given_answers.give(frame, asked.generation);
             }
@@ -379,21 +461,41 @@ impl<C: Backend> Work<C> {
     /// The next window through which cameras are to be carried.
     fn due_window(&self) -> Option<KeyWindow> {
         let (model, asking) = (&self.forest.as_ref()?.model, self.asking());
-        let wanted = |index| self.answer_cache.wants(&self.document, index, model, asking);
-        self.windows.due(&self.document, self.current().unwrap_or(0), wanted).cloned()
+        let wanted = |index| {
+            self.answer_cache
+                .wants(&self.document, index, model, asking)
+        };
+        self.windows
+            .due(&self.document, self.current().unwrap_or(0), wanted)
+            .cloned()
     }
 
     fn carry(&mut self, window: &KeyWindow) {
-        let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
+        let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else {
+            return;
+        };
         let asking = self.asking();
-        let wanted = |index| self.answer_cache.wants(&self.document, index, &model, asking);
+        let wanted = |index| {
+            self.answer_cache
+                .wants(&self.document, index, &model, asking)
+        };
         let waiting = self.windows.waiting(&self.document, wanted);
-        let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Done);
+        let watch = Watch::new(
+            &self.mailbox,
+            &self.status,
+            self.orders.edition,
+            Until::Done,
+        );
         let (backend, document, generation) = (&mut self.backend, &self.document, self.generation);
         let before = self.carried;
-        let share = |done: usize| Share { done: before + done.min(window.between.len()), of: before + waiting };
+        let share = |done: usize| Share {
+            done: before + done.min(window.between.len()),
+            of: before + waiting,
+        };
         let carrying = Progress::new(|done| watch.tell(Doing::Carrying(share(done))));
-        let carried = catch_unwind(AssertUnwindSafe(|| backend.carry(document, window, generation, &carrying)));
+        let carried = catch_unwind(AssertUnwindSafe(|| {
+            backend.carry(document, window, generation, &carrying)
+        }));
         let carried = match carried {
             // What was ended is begun again.
             Ok(None) => return,
@@ -404,14 +506,26 @@ impl<C: Backend> Work<C> {
             }
         };
         self.carried += window.between.len();
-        let is_refused = |carried: &CarriedProposal| self.answer_cache.is_refused(&carried.frame, self.generation);
-        let carried = carried.into_iter().filter(|carried| !is_refused(carried)).collect();
+        let is_refused = |carried: &CarriedProposal| {
+            self.answer_cache
+                .is_refused(&carried.frame, self.generation)
+        };
+        let carried = carried
+            .into_iter()
+            .filter(|carried| !is_refused(carried))
+            .collect();
         let news = self.windows.enter(window, &self.document, carried);
         for carried in &news {
             let is_key = |place: usize| window.keys.contains(&place);
-            if let Some(place) = self.document.frames.position_of(&carried.frame).filter(|place| !is_key(*place)) {
+            if let Some(place) = self
+                .document
+                .frames
+                .position_of(&carried.frame)
+                .filter(|place| !is_key(*place))
+            {
                 carried.record(&mut self.document.frames[place]);
-                self.given_answers.give(&self.document.frames[place], self.generation);
+                self.given_answers
+                    .give(&self.document.frames[place], self.generation);
             }
         }
         if !news.is_empty() {
@@ -422,13 +536,19 @@ impl<C: Backend> Work<C> {
     /// Somebody looks at the features of a frame.
     fn show_features(&mut self, frame: usize) {
         self.shown = Some((self.document.frames[frame].id.clone(), self.generation));
-        let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
+        let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else {
+            return;
+        };
         let (backend, document) = (&mut self.backend, &self.document);
-        match catch_unwind(AssertUnwindSafe(|| backend.features(document, frame, &model))) {
+        match catch_unwind(AssertUnwindSafe(|| {
+            backend.features(document, frame, &model)
+        })) {
             Ok(Some(used)) => self.mailbox.show_features(used),
             // The picture is missing: the viewport says so.
             Ok(None) => {}
-            Err(panic) => self.status.trouble = Some(broke_down("looking at features", panic.as_ref())),
+            Err(panic) => {
+                self.status.trouble = Some(broke_down("looking at features", panic.as_ref()))
+            }
         }
     }
 
@@ -449,8 +569,12 @@ impl<C: Backend> Work<C> {
     fn measure(&mut self) {
         let document = self.document.clone();
         let training_frames = &self.training_frames.frames;
-        let watch =
-            Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Changed(self.training_set.clone()));
+        let watch = Watch::new(
+            &self.mailbox,
+            &self.status,
+            self.orders.edition,
+            Until::Changed(self.training_set.clone()),
+        );
         let backend = &mut self.backend;
         let measured = catch_unwind(AssertUnwindSafe(|| {
             let progress = Progress::new(|doing| watch.tell(doing));
@@ -467,41 +591,53 @@ impl<C: Backend> Work<C> {
                 self.status.quality = quality.map(Arc::new);
                 self.status.suspects = suspects.into();
             }
-            Err(panic) => self.status.trouble = Some(broke_down("measuring quality", panic.as_ref())),
+            Err(panic) => {
+                self.status.trouble = Some(broke_down("measuring quality", panic.as_ref()))
+            }
         }
         self.measured = self.generation;
     }
 
-    /// Where references that were left out got wrong answers that were stated to be certain, the forest states less, and what
-    /// it has answered is asked again.
+    /// Where references that were left out got wrong answers that were stated to be certain, the
+    /// forest states less, and what it has answered is asked again.
     fn bound(&mut self, quality: &Quality) {
         let shown = quality.shown();
-        let (Some(forest), Some(facts)) = (&self.forest, &self.status.forest) else { return };
+        let (Some(forest), Some(facts)) = (&self.forest, &self.status.forest) else {
+            return;
+        };
         if shown.right == shown.certain {
             return;
         }
         let mut model = (*forest.model).clone();
         quality.bound(&self.document, &mut model);
         let (training_set, facts) = (forest.training_set.clone(), *facts);
-        self.answer_cache.keep_refusing(self.generation, self.generation + 1);
+        self.answer_cache
+            .keep_refusing(self.generation, self.generation + 1);
         self.take_forest(model, training_set, facts);
     }
 
     /// Draws the maps of what references see.
     fn survey(&mut self) {
         let training_frames = &self.training_frames.frames;
-        self.status.coverage = Coverage::of_cameras(self.document.at(self.backend.folder()), training_frames).into();
+        self.status.coverage =
+            Coverage::of_cameras(self.document.at(self.backend.folder()), training_frames).into();
     }
 
     /// The next frames of a part of the queue.
-    fn take_from_queue(&mut self, part: fn(&mut Queue) -> &mut VecDeque<usize>) -> Option<Vec<usize>> {
+    fn take_from_queue(
+        &mut self,
+        part: fn(&mut Queue) -> &mut VecDeque<usize>,
+    ) -> Option<Vec<usize>> {
         self.has_to_ask();
         let (model, asking) = (Arc::clone(&self.forest.as_ref()?.model), self.asking());
         let mut taken = Vec::new();
         while taken.len() < BATCH
             && let Some(index) = part(&mut self.queue).pop_front()
         {
-            if self.answer_cache.wants(&self.document, index, &model, asking) {
+            if self
+                .answer_cache
+                .wants(&self.document, index, &model, asking)
+            {
                 taken.push(index);
             }
         }
@@ -510,27 +646,45 @@ impl<C: Backend> Work<C> {
 
     /// Brings the queue up to date; whether a frame is to be asked for.
     fn has_to_ask(&mut self) -> bool {
-        let Some(forest) = &self.forest else { return false };
+        let Some(forest) = &self.forest else {
+            return false;
+        };
         let asking = self.asking();
         let made_for = Some((self.orders.edition, self.orders.frame.clone(), asking));
         if self.queue.made_for != made_for {
-            let wanted = |index| self.answer_cache.wants(&self.document, index, &forest.model, asking);
-            let AskingOrder { first, rest } = AskingOrder::of(&self.document, self.current().unwrap_or(0), wanted);
-            let (between, rest): (Vec<usize>, Vec<usize>) =
-                rest.into_iter().partition(|index| self.windows.holds_back(*index));
+            let wanted = |index| {
+                self.answer_cache
+                    .wants(&self.document, index, &forest.model, asking)
+            };
+            let AskingOrder { first, rest } =
+                AskingOrder::of(&self.document, self.current().unwrap_or(0), wanted);
+            let (between, rest): (Vec<usize>, Vec<usize>) = rest
+                .into_iter()
+                .partition(|index| self.windows.holds_back(*index));
             let is_left = |index: &usize| !self.windows.has_given(&self.document.frames[*index].id);
             let between = between.into_iter().filter(is_left).collect();
-            self.queue = Queue { first: first.into(), rest: rest.into(), between, made_for };
+            self.queue = Queue {
+                first: first.into(),
+                rest: rest.into(),
+                between,
+                made_for,
+            };
         }
-        !(self.queue.first.is_empty() && self.queue.rest.is_empty() && self.queue.between.is_empty())
+        !(self.queue.first.is_empty()
+            && self.queue.rest.is_empty()
+            && self.queue.between.is_empty())
     }
 
     /// How frames are asked for now.
     const fn asking(&self) -> Asking {
-        Asking { generation: self.generation, snapping: self.orders.snapping }
+        Asking {
+            generation: self.generation,
+            snapping: self.orders.snapping,
+        }
     }
 
-    /// Where the shown frame stands in the document; the first frame before anything was said of it.
+    /// Where the shown frame stands in the document; the first frame before anything was said of
+    /// it.
     fn current(&self) -> Option<usize> {
         match &self.orders.frame {
             Some(id) => self.document.frames.position_of(id),
@@ -556,5 +710,7 @@ fn facts(model: &ForestModel) -> ForestFacts {
 
 fn broke_down(what: &str, panic: &(dyn Any + Send)) -> String {
     let message = super::super::panic_message(panic);
-    format!("Internal error while {what} (please report it): {message}. Pause and resume to try again.")
+    format!(
+        "Internal error while {what} (please report it): {message}. Pause and resume to try again."
+    )
 }

@@ -6,11 +6,13 @@ use super::place_of;
 use rayon::prelude::*;
 use touchline_documents::document::{DocumentAt, Fields};
 
-/// Frames whose clicks fit another camera of the document, and cameras whose base stops fitting from some frame on.
-/// A field that is not valid is [`check_values`](super::check_values)' affair.
+/// Frames whose clicks fit another camera of the document, and cameras whose base stops fitting
+/// from some frame on. A field that is not valid is [`check_values`](super::check_values)' affair.
 #[must_use]
 pub fn check_cameras(document: DocumentAt<'_>) -> Vec<Problem> {
-    let Ok(fields) = Fields::of(document) else { return Vec::new() };
+    let Ok(fields) = Fields::of(document) else {
+        return Vec::new();
+    };
     let of_cameras = fields.of_cameras(&document);
     let lookup = FrameLookup::of(&document);
     let mut problems: Vec<Problem> = (0..document.frames.len())
@@ -26,7 +28,11 @@ pub fn check_cameras(document: DocumentAt<'_>) -> Vec<Problem> {
                 rms_px: better.rms_px,
                 own_rms_px: better.own_rms_px,
             };
-            Some(Problem { place: place_of(index, frame), frame: Some(index), fault })
+            Some(Problem {
+                place: place_of(index, frame),
+                frame: Some(index),
+                fault,
+            })
         })
         .collect();
     for (camera, field) in document.cameras.iter().zip(&of_cameras) {
@@ -36,7 +42,11 @@ pub fn check_cameras(document: DocumentAt<'_>) -> Vec<Problem> {
                 before_px: change.before_px,
                 after_px: change.after_px,
             };
-            problems.push(Problem { place: format!("camera {}", camera.id), frame: None, fault });
+            problems.push(Problem {
+                place: format!("camera {}", camera.id),
+                frame: None,
+                fault,
+            });
         }
     }
     problems

@@ -247,7 +247,9 @@ pub enum Fault {
         z_m: f64,
     },
     /// The camera stands too far away to see anything.
-    #[error("stands {distance_m:.0} m from the middle of the field; check its position and its unit")]
+    #[error(
+        "stands {distance_m:.0} m from the middle of the field; check its position and its unit"
+    )]
     FarAway {
         /// From the middle of the field, m.
         distance_m: f64,
@@ -256,7 +258,9 @@ pub enum Fault {
     #[error("its camera does not look at the field; check pan and tilt, or solve it again")]
     LooksElsewhere,
     /// No lens has this focal length.
-    #[error("its focal length of {focal_px} px is none of a lens ({shortest:.0} to {longest:.0} px); solve it again")]
+    #[error(
+        "its focal length of {focal_px} px is none of a lens ({shortest:.0} to {longest:.0} px); solve it again"
+    )]
     NoSuchFocalLength {
         /// px.
         focal_px: f64,

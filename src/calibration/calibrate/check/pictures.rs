@@ -1,4 +1,5 @@
-//! What a look at the pictures shows to be wrong: missing, changed, of another size, another frame of the video.
+//! What a look at the pictures shows to be wrong: missing, changed, of another size, another frame
+//! of the video.
 
 use super::fault::{Fault, Problem};
 use super::place_of;
@@ -19,19 +20,25 @@ impl<'a> PictureCheck<'a> {
     /// Opens the videos of a document.
     #[must_use]
     pub fn open(document: DocumentAt<'a>) -> Self {
-        Self { document, videos: videos(document) }
+        Self {
+            document,
+            videos: videos(document),
+        }
     }
 
     /// What is wrong with the picture of a frame, by its position.
     #[must_use]
     pub fn faults(&self, index: usize) -> Vec<Fault> {
         let frame = self.document.frames.get(index);
-        frame.map_or_else(Vec::new, |frame| check_frame(frame, self.document.folder, &self.videos))
+        frame.map_or_else(Vec::new, |frame| {
+            check_frame(frame, self.document.folder, &self.videos)
+        })
     }
 }
 
-/// Everything wrong with the pictures of a document, in its order. `progress` hears of each frame, from any thread; where it
-/// cancels this, some frames have not been looked at. Images are read in parallel, every video is opened once.
+/// Everything wrong with the pictures of a document, in its order. `progress` hears of each frame,
+/// from any thread; where it cancels this, some frames have not been looked at. Images are read in
+/// parallel, every video is opened once.
 #[must_use]
 pub fn check_pictures(document: DocumentAt<'_>, progress: &Progress<'_, ()>) -> Vec<Problem> {
     let check = PictureCheck::open(document);
@@ -47,7 +54,11 @@ pub fn check_pictures(document: DocumentAt<'_>, progress: &Progress<'_, ()>) -> 
     let faults: Vec<Vec<Fault>> = faults.collect();
     let of_frame = |(index, faults): (usize, Vec<Fault>)| {
         let place = place_of(index, &document.frames[index]);
-        faults.into_iter().map(move |fault| Problem { place: place.clone(), frame: Some(index), fault })
+        faults.into_iter().map(move |fault| Problem {
+            place: place.clone(),
+            frame: Some(index),
+            fault,
+        })
     };
     faults.into_iter().enumerate().flat_map(of_frame).collect()
 }
@@ -56,7 +67,11 @@ type Videos = BTreeMap<PathBuf, Result<VideoInfo, MediaError>>;
 
 fn videos(document: DocumentAt<'_>) -> Videos {
     let mut videos = Videos::new();
-    for video in document.frames.iter().filter_map(|frame| frame.video.as_ref()) {
+    for video in document
+        .frames
+        .iter()
+        .filter_map(|frame| frame.video.as_ref())
+    {
         videos
             .entry(video.file_path(document.folder))
             .or_insert_with_key(|path| FrameReader::new().video_info(path).cloned());
@@ -81,7 +96,10 @@ fn check_frame(frame: &Frame, folder: &Path, videos: &Videos) -> Vec<Fault> {
 }
 
 fn unreadable(error: &MediaError) -> Fault {
-    Fault::Picture { message: error.to_string(), missing: matches!(error, MediaError::Missing { .. }) }
+    Fault::Picture {
+        message: error.to_string(),
+        missing: matches!(error, MediaError::Missing { .. }),
+    }
 }
 
 fn check_image(frame: &Frame, path: &Path, faults: &mut Vec<Fault>) {
@@ -91,7 +109,10 @@ fn check_image(frame: &Frame, path: &Path, faults: &mut Vec<Fault>) {
             return;
         }
         Ok(actual) if actual != frame.image_size => {
-            faults.push(Fault::PictureSize { actual, stated: frame.image_size });
+            faults.push(Fault::PictureSize {
+                actual,
+                stated: frame.image_size,
+            });
         }
         Ok(_) => {}
     }
@@ -104,17 +125,29 @@ fn check_image(frame: &Frame, path: &Path, faults: &mut Vec<Fault>) {
 }
 
 fn check_video(frame: &Frame, video: &VideoFrame, info: &VideoInfo, faults: &mut Vec<Fault>) {
-    let index = usize::try_from(video.frame_index).ok().filter(|index| *index < info.decoded_frames);
+    let index = usize::try_from(video.frame_index)
+        .ok()
+        .filter(|index| *index < info.decoded_frames);
     let Some(index) = index else {
-        faults.push(Fault::NoSuchVideoFrame { index: video.frame_index, frames: info.decoded_frames });
+        faults.push(Fault::NoSuchVideoFrame {
+            index: video.frame_index,
+            frames: info.decoded_frames,
+        });
         return;
     };
     if let Some(stated) = video.pts_s
         && info.clock.index_at(stated) != Some(index)
     {
-        faults.push(Fault::VideoTime { index: video.frame_index, stated, actual: info.pts_s(index) });
+        faults.push(Fault::VideoTime {
+            index: video.frame_index,
+            stated,
+            actual: info.pts_s(index),
+        });
     }
     if frame.image.is_none() && info.size != frame.image_size {
-        faults.push(Fault::PictureSize { actual: info.size, stated: frame.image_size });
+        faults.push(Fault::PictureSize {
+            actual: info.size,
+            stated: frame.image_size,
+        });
     }
 }

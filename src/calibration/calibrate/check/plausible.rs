@@ -1,5 +1,6 @@
-//! Cameras that no one sets up: under the ground, a kilometre away, turned away from the field, or with a lens that nobody builds. They
-//! come with imported files and by numbers set manually; every number of them is finite, and no click need disagree.
+//! Cameras that no one sets up: under the ground, a kilometre away, turned away from the field, or
+//! with a lens that nobody builds. They come with imported files and by numbers set manually; every
+//! number of them is finite, and no click need disagree.
 
 use super::fault::Fault;
 use touchline_core::camera::{CameraBase, PtzCamera};
@@ -20,9 +21,13 @@ const GRID: u32 = 12;
 
 /// What is implausible about a camera's place.
 pub fn check_place(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
-    let Some(base) = camera.base().filter(CameraBase::is_finite) else { return };
+    let Some(base) = camera.base().filter(CameraBase::is_finite) else {
+        return;
+    };
     if base.position_m.z <= 0.0 {
-        problem(Fault::UnderGround { z_m: base.position_m.z });
+        problem(Fault::UnderGround {
+            z_m: base.position_m.z,
+        });
     }
     let distance_m = base.position_m.norm();
     if distance_m >= FARTHEST_M {
@@ -31,8 +36,18 @@ pub fn check_place(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
 }
 
 /// What is implausible about where and how a solved frame looks.
-pub fn check_view(document: &Document, frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnMut(Fault)) {
-    let Some(pointed) = document.pointed(frame).filter(|pointed| pointed.ptz().is_finite()) else { return };
+pub fn check_view(
+    document: &Document,
+    frame: &Frame,
+    field: Option<&FieldModel>,
+    problem: &mut dyn FnMut(Fault),
+) {
+    let Some(pointed) = document
+        .pointed(frame)
+        .filter(|pointed| pointed.ptz().is_finite())
+    else {
+        return;
+    };
     // A base that is no number and a lens that folds inside the picture are named as such.
     let folds = |corner: &ImagePoint| pointed.cam_plane_from_image(*corner).is_err();
     if !pointed.base().is_finite() || frame.image_size.corners().iter().any(folds) {
@@ -41,17 +56,27 @@ pub fn check_view(document: &Document, frame: &Frame, field: Option<&FieldModel>
     let (focal_px, width) = (pointed.ptz().focal_px, f64::from(frame.image_size.width));
     let [shortest, longest] = FOCAL_WIDTHS.map(|widths| widths * width);
     if !(shortest..=longest).contains(&focal_px) {
-        problem(Fault::NoSuchFocalLength { focal_px, shortest, longest });
+        problem(Fault::NoSuchFocalLength {
+            focal_px,
+            shortest,
+            longest,
+        });
         // What such a camera sees says nothing more.
         return;
     }
-    let corner = frame.image_size.centre().distance_px(ImagePoint::new(0.0, 0.0)) / focal_px;
+    let corner = frame
+        .image_size
+        .centre()
+        .distance_px(ImagePoint::new(0.0, 0.0))
+        / focal_px;
     if (pointed.k1() * corner * corner).abs() > MOST_BENT {
         problem(Fault::NoSuchLens { k1: pointed.k1() });
         return;
     }
     // A camera that is not above the ground is named as such.
-    if field.is_some_and(|field| pointed.base().position_m.z > 0.0 && !sees_field(&pointed, frame.image_size, field)) {
+    if field.is_some_and(|field| {
+        pointed.base().position_m.z > 0.0 && !sees_field(&pointed, frame.image_size, field)
+    }) {
         problem(Fault::LooksElsewhere);
     }
 }
@@ -62,7 +87,10 @@ fn sees_field(pointed: &PtzCamera, size: ImageSize, field: &FieldModel) -> bool 
     let at = |step: u32, side: u32| f64::from(step) / f64::from(GRID) * f64::from(side);
     let mut pixels = (0..=GRID).flat_map(|column| (0..=GRID).map(move |row| (column, row)));
     pixels.any(|(column, row)| {
-        let ground = pointed.plane_from_image(ImagePoint::new(at(column, size.width), at(row, size.height)), 0.0);
+        let ground = pointed.plane_from_image(
+            ImagePoint::new(at(column, size.width), at(row, size.height)),
+            0.0,
+        );
         ground.is_some_and(|ground| ground.x.abs() <= half_x && ground.y.abs() <= half_y)
     })
 }
@@ -79,31 +107,58 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     /// What the check says of one frame.
-    fn codes(position_m: Vec3, (pan_deg, tilt_deg, focal_px): (f64, f64, f64), k1: f64) -> Vec<&'static str> {
+    fn codes(
+        position_m: Vec3,
+        (pan_deg, tilt_deg, focal_px): (f64, f64, f64),
+        k1: f64,
+    ) -> Vec<&'static str> {
         let base = CameraBase {
             distortion: FocalCurve::constant(k1),
-            ..CameraBase::new(position_m, BaseAngles::default().base_from_world(), SIZE.centre())
+            ..CameraBase::new(
+                position_m,
+                BaseAngles::default().base_from_world(),
+                SIZE.centre(),
+            )
         };
         let mut document = Document::new(FieldSpec::new("soccer"));
         let mut camera = Camera::new("main".into(), SIZE);
         camera.set_base(&base);
         document.cameras.push(camera.into());
         let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, tilt_deg, focal_px), None));
+        frame.ptz = Some(FramePtz::new(
+            Ptz::from_degrees(pan_deg, tilt_deg, focal_px),
+            None,
+        ));
         document.frames.push(frame.into());
-        check_values(document.at(Path::new("/"))).iter().map(|problem| problem.fault.code()).collect()
+        check_values(document.at(Path::new("/")))
+            .iter()
+            .map(|problem| problem.fault.code())
+            .collect()
     }
 
     #[test]
     fn cameras_that_nobody_sets_up_are_named() {
         let (there, view) = (Vec3::new(0.0, -60.0, 18.0), (12.5, -11.2, 2410.0));
         assert_eq!(codes(there, view, 0.07), [""; 0]);
-        assert_eq!(codes(Vec3::new(0.0, -60.0, -18.0), view, 0.0), ["under_ground"]);
-        assert_eq!(codes(Vec3::new(0.0, -1200.0, 18.0), view, 0.0), ["far_away", "looks_elsewhere"]);
-        assert_eq!(codes(there, (180.0, -11.2, 2410.0), 0.0), ["looks_elsewhere"]);
+        assert_eq!(
+            codes(Vec3::new(0.0, -60.0, -18.0), view, 0.0),
+            ["under_ground"]
+        );
+        assert_eq!(
+            codes(Vec3::new(0.0, -1200.0, 18.0), view, 0.0),
+            ["far_away", "looks_elsewhere"]
+        );
+        assert_eq!(
+            codes(there, (180.0, -11.2, 2410.0), 0.0),
+            ["looks_elsewhere"]
+        );
         assert_eq!(codes(there, (0.0, 30.0, 2410.0), 0.0), ["looks_elsewhere"]);
         for focal_px in [1.0, 3_446_737.0, 1e12] {
-            assert_eq!(codes(there, (0.0, -11.2, focal_px), 0.0), ["no_such_focal_length"], "{focal_px}");
+            assert_eq!(
+                codes(there, (0.0, -11.2, focal_px), 0.0),
+                ["no_such_focal_length"],
+                "{focal_px}"
+            );
         }
         assert_eq!(codes(there, view, 50.0), ["no_such_lens"]);
         // A close-up of a corner, and a wide lens that bends.

@@ -7,43 +7,66 @@ use rayon::prelude::*;
 use touchline_core::field::FieldModel;
 use touchline_documents::document::{Document, DocumentAt, Fields, Frame};
 
-/// A stored camera lies this much farther from its clicks than the camera that they give, px at 1920 px width, before it is
-/// named. Rounding in a file and other solvers stay far below that; a base that moved by a metre moves lines by tens of px.
+/// A stored camera lies this much farther from its clicks than the camera that they give, px at
+/// 1920 px width, before it is named. Rounding in a file and other solvers stay far below that; a
+/// base that moved by a metre moves lines by tens of px.
 const TOLERATED_PX: f64 = 2.0;
 
-/// Frames whose stored camera, on the base that the document has, misses the clicks that it was solved from, although these give
-/// a better one: the base or the field has changed since. A field that is not valid is [`check_values`](super::check_values)'
-/// affair.
+/// Frames whose stored camera, on the base that the document has, misses the clicks that it was
+/// solved from, although these give a better one: the base or the field has changed since. A field
+/// that is not valid is [`check_values`](super::check_values)' affair.
 #[must_use]
 pub fn check_solutions(document: DocumentAt<'_>) -> Vec<Problem> {
-    let Ok(fields) = Fields::of(document) else { return Vec::new() };
+    let Ok(fields) = Fields::of(document) else {
+        return Vec::new();
+    };
     let lookup = FrameLookup::of(&document);
     let check = |index: usize| {
         let frame = &document.frames[index];
         let fault = find_stale(&document, &lookup, index, fields.of_frame(&document, frame))?;
-        Some(Problem { place: place_of(index, frame), frame: Some(index), fault })
+        Some(Problem {
+            place: place_of(index, frame),
+            frame: Some(index),
+            fault,
+        })
     };
-    (0..document.frames.len()).into_par_iter().filter_map(check).collect()
+    (0..document.frames.len())
+        .into_par_iter()
+        .filter_map(check)
+        .collect()
 }
 
-fn find_stale(document: &Document, lookup: &FrameLookup, index: usize, field: &FieldModel) -> Option<Fault> {
+fn find_stale(
+    document: &Document,
+    lookup: &FrameLookup,
+    index: usize,
+    field: &FieldModel,
+) -> Option<Fault> {
     let frame = &document.frames[index];
-    let stored_px = distance_of_clicks_px(document, frame, field).filter(|_| frame.is_solved_by_clicks())?;
+    let stored_px =
+        distance_of_clicks_px(document, frame, field).filter(|_| frame.is_solved_by_clicks())?;
     let tolerated_px = TOLERATED_PX * frame.image_size.scale_from_1920();
     if stored_px <= tolerated_px {
         return None;
     }
     let solved = calibrate(document, lookup, frame, field, index).ok()?;
     let is_stale = stored_px > solved.rms_px + tolerated_px;
-    is_stale.then_some(Fault::StaleSolution { stored_px, rms_px: solved.rms_px })
+    is_stale.then_some(Fault::StaleSolution {
+        stored_px,
+        rms_px: solved.rms_px,
+    })
 }
 
-/// How far a frame's clicks are from what its stored camera shows there, root mean square, px. None where it has none.
+/// How far a frame's clicks are from what its stored camera shows there, root mean square, px. None
+/// where it has none.
 fn distance_of_clicks_px(document: &Document, frame: &Frame, field: &FieldModel) -> Option<f64> {
     let camera = document.pointed(frame)?;
     let observations = observations(frame, field).ok()?;
     let used = observations.iter().filter(|observation| !observation.check);
-    let squares: Vec<f64> = used.filter_map(|click| click.distance_px(&camera)).map(|px| px * px).collect();
+    let squares: Vec<f64> = used
+        .filter_map(|click| click.distance_px(&camera))
+        .map(|px| px * px)
+        .collect();
     (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
 }
 
@@ -60,7 +83,10 @@ mod tests {
 
     #[test]
     fn a_solution_of_another_base_is_named() {
-        let (size, field) = (ImageSize::new(1920, 1080), builtin("soccer").unwrap().default_model().unwrap());
+        let (size, field) = (
+            ImageSize::new(1920, 1080),
+            builtin("soccer").unwrap().default_model().unwrap(),
+        );
         let upright = BaseAngles::default().base_from_world();
         let base = CameraBase::new(Vec3::new(1.0, -62.0, 17.0), upright, size.centre());
         let pointed = PtzCamera::new(base, Ptz::from_degrees(-4.0, -14.0, 2300.0));
@@ -71,15 +97,29 @@ mod tests {
         let mut frame = Frame::from_image("a.jpg", "main".into(), size);
         for landmark in ["centre_mark", "halfway_far"] {
             let world = field.landmark_in_world(field.landmark(landmark).unwrap());
-            frame.clicks.push(Click::landmark(landmark.into(), pointed.image_from_world(world).unwrap()));
+            frame.clicks.push(Click::landmark(
+                landmark.into(),
+                pointed.image_from_world(world).unwrap(),
+            ));
         }
         document.frames.push(frame.into());
         solve_document(&mut document, Path::new(""), &Progress::default()).unwrap();
         assert_eq!(check_solutions(document.at(Path::new(""))), []);
-        document.cameras[0].set_base(&CameraBase::new(Vec3::new(4.0, -62.0, 17.0), upright, size.centre()));
+        document.cameras[0].set_base(&CameraBase::new(
+            Vec3::new(4.0, -62.0, 17.0),
+            upright,
+            size.centre(),
+        ));
         let problems = check_solutions(document.at(Path::new("")));
         assert!(
-            matches!(&problems[..], [Problem { frame: Some(0), fault: Fault::StaleSolution { .. }, .. }]),
+            matches!(
+                &problems[..],
+                [Problem {
+                    frame: Some(0),
+                    fault: Fault::StaleSolution { .. },
+                    ..
+                }]
+            ),
             "{problems:?}"
         );
     }

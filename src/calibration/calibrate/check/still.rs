@@ -10,26 +10,42 @@ use touchline_vision::media::FrameReader;
 /// As many pictures of a run are compared with its first.
 const COMPARED: usize = 4;
 
-/// The runs of frames in which the camera is exactly still while the picture moves: what was found there is fixed on the screen, or
-/// a camera was kept for frames that it does not fit. Pictures that cannot be read are passed over.
+/// The runs of frames in which the camera is exactly still while the picture moves: what was found
+/// there is fixed on the screen, or a camera was kept for frames that it does not fit. Pictures
+/// that cannot be read are passed over.
 #[must_use]
 pub fn check_still_runs(document: DocumentAt<'_>) -> Vec<Problem> {
     let mut reader = FrameReader::new();
     let mut picture = |index: usize| {
-        let source = document.frames.get(index)?.picture_source(document.folder)?;
+        let source = document
+            .frames
+            .get(index)?
+            .picture_source(document.folder)?;
         Some(ReducedPicture::new(&reader.read(&source).ok()?))
     };
     let mut problems = Vec::new();
     for run in still_runs(document.document) {
-        let [first, others @ ..] = &*run else { continue };
-        let Some(shown) = picture(*first) else { continue };
+        let [first, others @ ..] = &*run else {
+            continue;
+        };
+        let Some(shown) = picture(*first) else {
+            continue;
+        };
         let compared = COMPARED.min(others.len());
         let mut spread = (1..=compared).map(|at| others[at * others.len() / compared - 1]);
-        if spread.any(|other| picture(other).and_then(|other| has_moved(&shown, &other)) == Some(true))
+        if spread
+            .any(|other| picture(other).and_then(|other| has_moved(&shown, &other)) == Some(true))
             && let Some(last) = run.last().and_then(|last| document.frames.get(*last))
         {
-            let fault = Fault::StillCamera { last: last.name(), frames: run.len() };
-            problems.push(Problem { place: place_of(*first, &document.frames[*first]), frame: Some(*first), fault });
+            let fault = Fault::StillCamera {
+                last: last.name(),
+                frames: run.len(),
+            };
+            problems.push(Problem {
+                place: place_of(*first, &document.frames[*first]),
+                frame: Some(*first),
+                fault,
+            });
         }
     }
     problems
@@ -41,7 +57,9 @@ mod tests {
     use std::path::Path;
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{Camera, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus};
+    use touchline_documents::document::{
+        Camera, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus,
+    };
 
     const SIZE: ImageSize = ImageSize::new(480, 270);
 
@@ -50,12 +68,26 @@ mod tests {
         let mut document = Document::new(FieldSpec::new("soccer"));
         let mut camera = Camera::new("main".into(), SIZE);
         let turned = BaseAngles::default().base_from_world();
-        camera.set_base(&CameraBase::new(Vec3::new(0.0, -60.0, 18.0), turned, SIZE.centre()));
+        camera.set_base(&CameraBase::new(
+            Vec3::new(0.0, -60.0, 18.0),
+            turned,
+            SIZE.centre(),
+        ));
         document.cameras.push(camera.into());
         for (index, moved_px) in moved_px.into_iter().enumerate() {
             let name = format!("{index}.png");
-            let stripes = |x: u32, y: u32| image::Rgb([if (x + y / 2 + moved_px) % 31 < 15 { 90_u8 } else { 160 }; 3]);
-            image::RgbImage::from_fn(SIZE.width, SIZE.height, stripes).save(folder.join(&name)).unwrap();
+            let stripes = |x: u32, y: u32| {
+                image::Rgb(
+                    [if (x + y / 2 + moved_px) % 31 < 15 {
+                        90_u8
+                    } else {
+                        160
+                    }; 3],
+                )
+            };
+            image::RgbImage::from_fn(SIZE.width, SIZE.height, stripes)
+                .save(folder.join(&name))
+                .unwrap();
             let mut frame = Frame::from_image(&name, "main".into(), SIZE);
             frame.clip = Some(Clip::Number(1));
             frame.ptz = Some(FramePtz::new(Ptz::from_degrees(3.0, -10.0, 600.0), None));
@@ -70,8 +102,19 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let found = |moved_px| check_still_runs(shot(folder.path(), moved_px).at(folder.path()));
         assert_eq!(found([5; 4]), []);
-        let [problem] = &found([0, 4, 8, 12])[..] else { panic!("one run") };
-        assert_eq!((problem.frame, problem.place.as_str()), (Some(0), "frames[0] (0.png)"));
-        assert_eq!(problem.fault, Fault::StillCamera { last: "3.png".to_owned(), frames: 4 });
+        let [problem] = &found([0, 4, 8, 12])[..] else {
+            panic!("one run")
+        };
+        assert_eq!(
+            (problem.frame, problem.place.as_str()),
+            (Some(0), "frames[0] (0.png)")
+        );
+        assert_eq!(
+            problem.fault,
+            Fault::StillCamera {
+                last: "3.png".to_owned(),
+                frames: 4
+            }
+        );
     }
 }

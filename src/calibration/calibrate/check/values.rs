@@ -17,12 +17,25 @@ use touchline_documents::document::{
 #[must_use]
 pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
     let mut problems = Vec::new();
-    let mut fields = Fields { folder: document.folder, known: Vec::new() };
-    let mut problem = |place: String, fault| problems.push(Problem { place, frame: None, fault });
+    let mut fields = Fields {
+        folder: document.folder,
+        known: Vec::new(),
+    };
+    let mut problem = |place: String, fault| {
+        problems.push(Problem {
+            place,
+            frame: None,
+            fault,
+        })
+    };
     if let Err(message) = fields.model(&document.field) {
         problem("field".to_owned(), Fault::Field { message });
     }
-    if let Some(message) = document.click_noise.as_ref().and_then(StoredClickNoise::fault) {
+    if let Some(message) = document
+        .click_noise
+        .as_ref()
+        .and_then(StoredClickNoise::fault)
+    {
         problem("click_noise".to_owned(), Fault::ClickNoise { message });
     }
     for (index, shot) in document.shots.iter().enumerate() {
@@ -30,13 +43,19 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
             if let ShotEnd::Frame(id) = end
                 && document.frames.by_id(id).is_none()
             {
-                problem(format!("shots[{index}]"), Fault::UnknownFrame { id: id.to_string() });
+                problem(
+                    format!("shots[{index}]"),
+                    Fault::UnknownFrame { id: id.to_string() },
+                );
             }
         }
     }
     for (index, camera) in document.cameras.iter().enumerate() {
         let place = || format!("camera {}", camera.id);
-        if document.cameras[..index].iter().any(|other| other.id == camera.id) {
+        if document.cameras[..index]
+            .iter()
+            .any(|other| other.id == camera.id)
+        {
             problem(place(), Fault::DuplicateCamera);
         }
         if let Some(Err(message)) = camera.field.as_ref().map(|field| fields.model(field)) {
@@ -47,11 +66,22 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
     }
     let duplicates = duplicates(&document);
     for (index, frame) in document.frames.iter().enumerate() {
-        let mut problem = |fault| problems.push(Problem { place: place_of(index, frame), frame: Some(index), fault });
+        let mut problem = |fault| {
+            problems.push(Problem {
+                place: place_of(index, frame),
+                frame: Some(index),
+                fault,
+            })
+        };
         if let Some(first) = duplicates[index] {
             problem(Fault::DuplicateFrame { first });
         }
-        check_frame(&document, frame, fields.model(document.field_of(frame)).ok(), &mut problem);
+        check_frame(
+            &document,
+            frame,
+            fields.model(document.field_of(frame)).ok(),
+            &mut problem,
+        );
     }
     problems
 }
@@ -64,53 +94,89 @@ struct Fields<'a> {
 
 impl Fields<'_> {
     fn model(&mut self, spec: &FieldSpec) -> Result<&FieldModel, String> {
-        let at = self.known.iter().position(|(known, _)| known == spec).unwrap_or_else(|| {
-            let model = spec.model(self.folder).map_err(|error| error.to_string());
-            self.known.push((spec.clone(), model));
-            self.known.len() - 1
-        });
+        let at = self
+            .known
+            .iter()
+            .position(|(known, _)| known == spec)
+            .unwrap_or_else(|| {
+                let model = spec.model(self.folder).map_err(|error| error.to_string());
+                self.known.push((spec.clone(), model));
+                self.known.len() - 1
+            });
         self.known[at].1.as_ref().map_err(Clone::clone)
     }
 }
 
-/// For each frame the first one with the same image or the same frame of a video, if it is not the first itself.
+/// For each frame the first one with the same image or the same frame of a video, if it is not the
+/// first itself.
 fn duplicates(document: &Document) -> Vec<Option<usize>> {
     let (mut images, mut videos) = (BTreeMap::new(), BTreeMap::new());
     let firsts = document.frames.iter().enumerate().map(|(index, frame)| {
-        let image = frame.image.as_ref().map(|image| *images.entry(image).or_insert(index));
-        let video = frame.video.as_ref().map(|video| (&video.path, video.frame_index));
+        let image = frame
+            .image
+            .as_ref()
+            .map(|image| *images.entry(image).or_insert(index));
+        let video = frame
+            .video
+            .as_ref()
+            .map(|video| (&video.path, video.frame_index));
         let video = video.map(|video| *videos.entry(video).or_insert(index));
-        image.into_iter().chain(video).filter(|first| *first < index).min()
+        image
+            .into_iter()
+            .chain(video)
+            .filter(|first| *first < index)
+            .min()
     });
     firsts.collect()
 }
 
 fn check_camera(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
     match (camera.position_m, camera.base_from_world) {
-        (Some(_), None) => problem(Fault::HalfABase { missing: "base_from_world" }),
-        (None, Some(_)) => problem(Fault::HalfABase { missing: "position_m" }),
+        (Some(_), None) => problem(Fault::HalfABase {
+            missing: "base_from_world",
+        }),
+        (None, Some(_)) => problem(Fault::HalfABase {
+            missing: "position_m",
+        }),
         _ => {}
     }
     if camera.base().is_some_and(|base| !base.is_finite()) {
-        problem(Fault::NotFinite { what: "the base".to_owned() });
+        problem(Fault::NotFinite {
+            what: "the base".to_owned(),
+        });
     }
     if !camera.principal_point.is_finite() {
-        problem(Fault::NotFinite { what: "principal_point_px".to_owned() });
+        problem(Fault::NotFinite {
+            what: "principal_point_px".to_owned(),
+        });
     }
     // A word says what somebody noted; a number that is not zero would bend the picture.
-    let bends = |value: &Value| value.is_object() || value.is_array() || value.as_f64().is_some_and(|x| x != 0.0);
-    for (key, value) in camera.distortion.iter().flat_map(|distortion| &distortion.extra) {
+    let bends = |value: &Value| {
+        value.is_object() || value.is_array() || value.as_f64().is_some_and(|x| x != 0.0)
+    };
+    for (key, value) in camera
+        .distortion
+        .iter()
+        .flat_map(|distortion| &distortion.extra)
+    {
         if bends(value) {
             problem(Fault::UnusedDistortion { key: key.clone() });
         }
     }
-    for (what, value) in [("click_noise_px", camera.click_noise_px), ("sensor_width_mm", camera.sensor_width_mm)] {
+    for (what, value) in [
+        ("click_noise_px", camera.click_noise_px),
+        ("sensor_width_mm", camera.sensor_width_mm),
+    ] {
         if let Some(value) = value.filter(|value| *value <= 0.0) {
             problem(Fault::NotPositive { what, value });
         }
     }
-    let masks: Vec<PixelBox> =
-        camera.masks.iter().chain(camera.ranged_masks.iter().map(|mask| &mask.pixel_box)).copied().collect();
+    let masks: Vec<PixelBox> = camera
+        .masks
+        .iter()
+        .chain(camera.ranged_masks.iter().map(|mask| &mask.pixel_box))
+        .copied()
+        .collect();
     check_masks(&masks, camera.image_size, problem);
 }
 
@@ -131,40 +197,63 @@ fn check_masks(masks: &[PixelBox], picture: ImageSize, problem: &mut dyn FnMut(F
 
 /// What is said about the frame beside its clicks: its file's hash, its last change.
 fn check_record(frame: &Frame, problem: &mut dyn FnMut(Fault)) {
-    let is_sha256 = |text: &String| text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
+    let is_sha256 =
+        |text: &String| text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
     if frame.sha256.as_ref().is_some_and(|text| !is_sha256(text)) {
         problem(Fault::NoSha256);
     }
     let Some(edited) = &frame.edited else { return };
-    if let Some(at) = edited.at.as_ref().filter(|at| at.parse::<jiff::Timestamp>().is_err()) {
+    if let Some(at) = edited
+        .at
+        .as_ref()
+        .filter(|at| at.parse::<jiff::Timestamp>().is_err())
+    {
         problem(Fault::NoTime { stated: at.clone() });
     }
     if let Some(value) = edited.seconds.filter(|seconds| *seconds < 0.0) {
-        problem(Fault::NotPositive { what: "edited.seconds", value });
+        problem(Fault::NotPositive {
+            what: "edited.seconds",
+            value,
+        });
     }
 }
 
-fn check_frame(document: &Document, frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnMut(Fault)) {
+fn check_frame(
+    document: &Document,
+    frame: &Frame,
+    field: Option<&FieldModel>,
+    problem: &mut dyn FnMut(Fault),
+) {
     check_record(frame, problem);
     if frame.image.is_none() && frame.video.is_none() {
         problem(Fault::NoPicture);
     }
     match document.camera_of(frame) {
-        None => problem(Fault::UnknownCamera { camera: frame.camera.as_str().to_owned() }),
+        None => problem(Fault::UnknownCamera {
+            camera: frame.camera.as_str().to_owned(),
+        }),
         Some(camera) if camera.image_size != frame.image_size => {
-            problem(Fault::CameraSize { frame: frame.image_size, camera: camera.image_size });
+            problem(Fault::CameraSize {
+                frame: frame.image_size,
+                camera: camera.image_size,
+            });
         }
         Some(camera) => check_lens(camera, frame, problem),
     }
     match frame.status {
         FrameStatus::Reference | FrameStatus::Suggested if frame.ptz.is_none() => {
-            problem(Fault::Unsolved { status: frame.status });
+            problem(Fault::Unsolved {
+                status: frame.status,
+            });
         }
         FrameStatus::Rejected if frame.reason.is_none() => problem(Fault::NoReason),
         _ => {}
     }
     if let Some(paint) = frame.accepted_off_paint() {
-        problem(Fault::OffPaint { found: paint.found, open: paint.open() });
+        problem(Fault::OffPaint {
+            found: paint.found,
+            open: paint.open(),
+        });
     }
     check_view(document, frame, field, problem);
     check_clicks(frame, field, problem);
@@ -177,11 +266,17 @@ fn check_frame(document: &Document, frame: &Frame, field: Option<&FieldModel>, p
 fn check_lens(camera: &Camera, frame: &Frame, problem: &mut dyn FnMut(Fault)) {
     let Some(ptz) = &frame.ptz else { return };
     if !ptz.ptz().is_finite() {
-        problem(Fault::NotFinite { what: "ptz".to_owned() });
+        problem(Fault::NotFinite {
+            what: "ptz".to_owned(),
+        });
         return;
     }
     if let Some(pointed) = camera.pointed(frame)
-        && frame.image_size.corners().iter().any(|corner| pointed.cam_plane_from_image(*corner).is_err())
+        && frame
+            .image_size
+            .corners()
+            .iter()
+            .any(|corner| pointed.cam_plane_from_image(*corner).is_err())
     {
         problem(Fault::LensFolds { k1: pointed.k1() });
     }
@@ -194,24 +289,43 @@ fn check_clicks(frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnM
             Some(Target::Landmark(id)) => {
                 let name = || id.as_str().to_owned();
                 if field.is_some_and(|field| field.landmark(id.as_str()).is_none()) {
-                    problem(Fault::UnknownLandmark { click, name: name() });
+                    problem(Fault::UnknownLandmark {
+                        click,
+                        name: name(),
+                    });
                 }
-                let before = frame.clicks[..click].iter().position(|other| other.target == here.target);
+                let before = frame.clicks[..click]
+                    .iter()
+                    .position(|other| other.target == here.target);
                 if let Some(first) = before {
-                    problem(Fault::DuplicateLandmark { first, second: click, name: name() });
+                    problem(Fault::DuplicateLandmark {
+                        first,
+                        second: click,
+                        name: name(),
+                    });
                 }
             }
             Some(Target::Line(id)) => {
                 if field.is_some_and(|field| field.line(id.as_str()).is_none()) {
-                    problem(Fault::UnknownLine { click, name: id.as_str().to_owned() });
+                    problem(Fault::UnknownLine {
+                        click,
+                        name: id.as_str().to_owned(),
+                    });
                 }
             }
         }
         if !here.image.is_finite() {
-            problem(Fault::NotFinite { what: format!("click {}", click + 1) });
+            problem(Fault::NotFinite {
+                what: format!("click {}", click + 1),
+            });
         } else if !frame.image_size.contains(here.image) {
             let picture = frame.image_size;
-            problem(Fault::ClickOutside { click, x: here.image.x, y: here.image.y, picture });
+            problem(Fault::ClickOutside {
+                click,
+                x: here.image.x,
+                y: here.image.y,
+                picture,
+            });
         }
     }
 }
@@ -219,18 +333,31 @@ fn check_clicks(frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnM
 fn check_repeats(frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnMut(Fault)) {
     for (repeat, here) in frame.repeats.iter().enumerate() {
         if field.is_some_and(|field| field.landmark(here.landmark.as_str()).is_none()) {
-            problem(Fault::UnknownLandmarkAgain { repeat, name: here.landmark.as_str().to_owned() });
+            problem(Fault::UnknownLandmarkAgain {
+                repeat,
+                name: here.landmark.as_str().to_owned(),
+            });
         }
         if !frame.image_size.contains(here.image) {
-            problem(Fault::RepeatOutside { repeat, x: here.image.x, y: here.image.y, picture: frame.image_size });
+            problem(Fault::RepeatOutside {
+                repeat,
+                x: here.image.x,
+                y: here.image.y,
+                picture: frame.image_size,
+            });
         }
     }
 }
 
 fn check_solution(frame: &Frame, problem: &mut dyn FnMut(Fault)) {
-    let Some(solution) = &frame.solution else { return };
+    let Some(solution) = &frame.solution else {
+        return;
+    };
     let clicks = frame.clicks.len();
-    let renamed = solution.warnings.iter().flat_map(|warning| warning.renames.iter().map(|rename| &rename.click));
+    let renamed = solution
+        .warnings
+        .iter()
+        .flat_map(|warning| warning.renames.iter().map(|rename| &rename.click));
     let warned_of = solution.warnings.iter().flat_map(|warning| &warning.clicks);
     let spoken_of = solution.disputed.iter().chain(warned_of).chain(renamed);
     if let Some(&click) = spoken_of.filter(|click| **click >= clicks).max() {

@@ -15,12 +15,18 @@ pub(super) fn anchors(
     field: &FieldModel,
     camera: &ClipCamera,
 ) -> Vec<(PosePrior, f64)> {
-    let frames =
-        clip.frames.iter().enumerate().filter_map(|(at, frame)| Some((at, &**document.frames.get(frame.place?)?)));
-    frames.filter_map(|(at, frame)| of_frame(frame, at, field, &camera.base_at(at))).collect()
+    let frames = clip
+        .frames
+        .iter()
+        .enumerate()
+        .filter_map(|(at, frame)| Some((at, &**document.frames.get(frame.place?)?)));
+    frames
+        .filter_map(|(at, frame)| of_frame(frame, at, field, &camera.base_at(at)))
+        .collect()
 }
 
-/// Whether a frame's camera is certain enough to be carried on from, and was not carried there itself.
+/// Whether a frame's camera is certain enough to be carried on from, and was not carried there
+/// itself.
 #[must_use]
 pub fn is_anchor(frame: &Frame) -> bool {
     confidence_of(frame).is_some()
@@ -33,7 +39,8 @@ fn confidence_of(frame: &Frame) -> Option<f64> {
         return Some(1.0);
     }
     let solution = frame.solution.as_ref()?;
-    // Another program's camera says nothing of how exact it is. It holds weakly, and the points and the paint of the clip judge it.
+    // Another program's camera says nothing of how exact it is. It holds weakly, and the points and
+    // the paint of the clip judge it.
     let unstated = (solution.source == Some(SolutionSource::Import)).then_some(CERTAIN);
     let confidence = solution.confidence.or(unstated)?;
     (confidence >= CERTAIN && !frame.is_carried()).then_some(confidence)
@@ -43,7 +50,12 @@ fn is_persons(frame: &Frame) -> bool {
     frame.status == FrameStatus::Reference || frame.is_solved_by_clicks()
 }
 
-fn of_frame(frame: &Frame, at: usize, field: &FieldModel, base: &CameraBase) -> Option<(PosePrior, f64)> {
+fn of_frame(
+    frame: &Frame,
+    at: usize,
+    field: &FieldModel,
+    base: &CameraBase,
+) -> Option<(PosePrior, f64)> {
     let confidence = confidence_of(frame)?;
     let ptz = frame.ptz.as_ref()?.ptz();
     let camera = PtzCamera::new(*base, ptz);
@@ -54,7 +66,10 @@ fn of_frame(frame: &Frame, at: usize, field: &FieldModel, base: &CameraBase) -> 
         Some(SolutionSource::Markings) => PriorSource::Paint,
         _ => PriorSource::Proposal,
     };
-    Some((PosePrior::from_covariance(at, ptz, &covariance, source), confidence))
+    Some((
+        PosePrior::from_covariance(at, ptz, &covariance, source),
+        confidence,
+    ))
 }
 
 #[cfg(test)]
@@ -67,7 +82,11 @@ mod tests {
     fn frame(source: SolutionSource, confidence: Option<f64>, status: FrameStatus) -> Frame {
         let mut frame = Frame::from_image("1.jpg", "main".into(), ImageSize::new(1920, 1080));
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(3.0, -10.0, 2400.0), None));
-        frame.solution = Some(Solution { source: Some(source), confidence, ..Solution::default() });
+        frame.solution = Some(Solution {
+            source: Some(source),
+            confidence,
+            ..Solution::default()
+        });
         frame.status = status;
         frame
     }
@@ -84,7 +103,11 @@ mod tests {
             (Forest, None, Suggested, None),
             (Tracking, Some(0.99), Suggested, None),
         ] {
-            assert_eq!(confidence_of(&frame(source, confidence, status)), holds, "{source:?} {status:?}");
+            assert_eq!(
+                confidence_of(&frame(source, confidence, status)),
+                holds,
+                "{source:?} {status:?}"
+            );
         }
     }
 }

@@ -15,7 +15,9 @@ pub enum TrackClipError {
         camera: String,
     },
     /// No frame has a camera to begin with.
-    #[error("none of its {frames} frames has a camera to carry on: solve or accept one of them first")]
+    #[error(
+        "none of its {frames} frames has a camera to carry on: solve or accept one of them first"
+    )]
     NothingKnown {
         /// Frames of the clip.
         frames: usize,

@@ -7,8 +7,8 @@ use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_vision::media::FrameRef;
 use touchline_vision::track::{ClipCamera, FollowOptions, PointTracks};
 
-/// The points that were followed through a clip's pictures, and the paint that was looked for in them. With it the clip is adjusted
-/// to a corrected frame without reading its pictures again.
+/// The points that were followed through a clip's pictures, and the paint that was looked for in
+/// them. With it the clip is adjusted to a corrected frame without reading its pictures again.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClipEvidence {
     followed: Option<Followed>,
@@ -38,7 +38,8 @@ struct SeenPaint {
     says: Painted,
 }
 
-/// A camera that starts no farther from where paint pulled one is pulled to the same place, px at 1920 px width.
+/// A camera that starts no farther from where paint pulled one is pulled to the same place, px at
+/// 1920 px width.
 const PULLED_ALIKE_PX: f64 = 8.0;
 
 /// Paint that pulled no camera says the same about one no farther away, px at 1920 px width.
@@ -48,24 +49,47 @@ impl ClipEvidence {
     /// Whether points were followed through this picture.
     #[must_use]
     pub fn shows(&self, picture: &FrameRef) -> bool {
-        self.followed.as_ref().is_some_and(|followed| followed.pictures.sources.contains(picture))
+        self.followed
+            .as_ref()
+            .is_some_and(|followed| followed.pictures.sources.contains(picture))
     }
 
-    /// The points, if they were followed through the same pictures in the same way; those that lie under these masks are left out.
-    pub(super) fn tracks(&mut self, pictures: &FollowedPictures, masks: &[Vec<PixelBox>]) -> Option<PointTracks> {
-        let followed = self.followed.as_mut().filter(|followed| followed.pictures == *pictures)?;
+    /// The points, if they were followed through the same pictures in the same way; those that lie
+    /// under these masks are left out.
+    pub(super) fn tracks(
+        &mut self,
+        pictures: &FollowedPictures,
+        masks: &[Vec<PixelBox>],
+    ) -> Option<PointTracks> {
+        let followed = self
+            .followed
+            .as_mut()
+            .filter(|followed| followed.pictures == *pictures)?;
         if followed.masks != masks {
             followed.tracks = followed.tracks.outside(masks);
             let Followed { masks: before, .. } = followed;
-            self.paint.retain(|frame, _| before.get(*frame) == masks.get(*frame));
+            self.paint
+                .retain(|frame, _| before.get(*frame) == masks.get(*frame));
             *before = masks.to_vec();
         }
         Some(followed.tracks.clone())
     }
 
     /// Takes newly followed points in place of everything.
-    pub(super) fn begin(&mut self, pictures: FollowedPictures, masks: Vec<Vec<PixelBox>>, tracks: PointTracks) {
-        *self = Self { followed: Some(Followed { pictures, masks, tracks }), ..Self::default() };
+    pub(super) fn begin(
+        &mut self,
+        pictures: FollowedPictures,
+        masks: Vec<Vec<PixelBox>>,
+        tracks: PointTracks,
+    ) {
+        *self = Self {
+            followed: Some(Followed {
+                pictures,
+                masks,
+                tracks,
+            }),
+            ..Self::default()
+        };
     }
 
     /// Forgets the paint if it was seen with another base or other lenses.
@@ -92,7 +116,8 @@ impl ClipEvidence {
     }
 }
 
-/// About how far apart two cameras' pictures are, px: in the middle, or at the left and right border.
+/// About how far apart two cameras' pictures are, px: in the middle, or at the left and right
+/// border.
 pub(super) fn apart_px(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
     let across = other.pan.turn_from(one.pan).radians() * one.tilt.radians().cos();
     let turned_px = across.hypot((other.tilt - one.tilt).radians()) * one.focal_px;
@@ -120,12 +145,19 @@ mod tests {
         let mut evidence = ClipEvidence::default();
         evidence.with_camera(&base(0.0));
         evidence.keep_paint(7, ptz(3.0), Painted::Contradicts);
-        assert_eq!(evidence.paint(7, ptz(3.01), SIZE), Some(Painted::Contradicts));
+        assert_eq!(
+            evidence.paint(7, ptz(3.01), SIZE),
+            Some(Painted::Contradicts)
+        );
         assert_eq!(evidence.paint(7, ptz(3.1), SIZE), None, "3.4 px away");
         assert_eq!(evidence.paint(8, ptz(3.0), SIZE), None);
         evidence.with_camera(&base(0.0));
         assert!(evidence.paint(7, ptz(3.0), SIZE).is_some());
         evidence.with_camera(&base(0.1));
-        assert_eq!(evidence.paint(7, ptz(3.0), SIZE), None, "it was seen with another base");
+        assert_eq!(
+            evidence.paint(7, ptz(3.0), SIZE),
+            None,
+            "it was seen with another base"
+        );
     }
 }

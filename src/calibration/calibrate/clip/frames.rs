@@ -11,7 +11,8 @@ use touchline_vision::media::FrameRef;
 pub struct ClipFrame {
     /// Where it is.
     pub source: FrameRef,
-    /// The document's frame that shows it, by its place; none for a frame of a video that the document leaves out.
+    /// The document's frame that shows it, by its place; none for a frame of a video that the
+    /// document leaves out.
     pub place: Option<usize>,
 }
 
@@ -41,35 +42,58 @@ impl ClipFrames {
     pub fn span(&self) -> Option<ClipSpan> {
         let (first, last) = self.frames.first().zip(self.frames.last())?;
         let num_pictures = self.frames.len();
-        Some(ClipSpan { first: first.source.clone(), last: last.source.clone(), num_pictures })
+        Some(ClipSpan {
+            first: first.source.clone(),
+            last: last.source.clone(),
+            num_pictures,
+        })
     }
 }
 
-/// Where so many frames of a video are missing from the document, a clip ends: nothing is carried that far.
+/// Where so many frames of a video are missing from the document, a clip ends: nothing is carried
+/// that far.
 const GAP: usize = 300;
 
-/// The clips of a document: the frames of each video, with those between them that the document leaves out, and the images of
-/// each camera and shot in the document's order. Rejected frames belong to none. `within` leaves out frames of a video
-/// with other numbers, and images at other places.
+/// The clips of a document: the frames of each video, with those between them that the document
+/// leaves out, and the images of each camera and shot in the document's order. Rejected frames
+/// belong to none. `within` leaves out frames of a video with other numbers, and images at other
+/// places.
 #[must_use]
 pub fn clips(document: DocumentAt<'_>, within: Option<&RangeInclusive<usize>>) -> Vec<ClipFrames> {
     type Key<'a> = (&'a CameraId, Option<&'a Clip>, Option<PathBuf>);
     let mut of_key: BTreeMap<Key<'_>, usize> = BTreeMap::new();
     let mut groups: Vec<(CameraId, Vec<(usize, FrameRef)>)> = Vec::new();
     for (place, frame) in document.document.frames.iter().enumerate() {
-        let Some(source) = frame.picture_source(document.folder) else { continue };
-        let number = if let FrameRef::Video { index, .. } = &source { *index } else { place };
-        if frame.status == FrameStatus::Rejected || within.is_some_and(|within| !within.contains(&number)) {
+        let Some(source) = frame.picture_source(document.folder) else {
+            continue;
+        };
+        let number = if let FrameRef::Video { index, .. } = &source {
+            *index
+        } else {
+            place
+        };
+        if frame.status == FrameStatus::Rejected
+            || within.is_some_and(|within| !within.contains(&number))
+        {
             continue;
         }
-        let video = if let FrameRef::Video { path, .. } = &source { Some(path.to_path_buf()) } else { None };
-        let group = *of_key.entry((&frame.camera, frame.clip.as_ref(), video)).or_insert(groups.len());
+        let video = if let FrameRef::Video { path, .. } = &source {
+            Some(path.to_path_buf())
+        } else {
+            None
+        };
+        let group = *of_key
+            .entry((&frame.camera, frame.clip.as_ref(), video))
+            .or_insert(groups.len());
         match groups.get_mut(group) {
             Some((_, frames)) => frames.push((place, source)),
             None => groups.push((frame.camera.clone(), vec![(place, source)])),
         }
     }
-    groups.into_iter().flat_map(|(camera, frames)| in_time(&camera, frames)).collect()
+    groups
+        .into_iter()
+        .flat_map(|(camera, frames)| in_time(&camera, frames))
+        .collect()
 }
 
 /// The clip that a frame of the document belongs to, by the frame's index.
@@ -79,22 +103,38 @@ pub fn clip_of_frame(document: DocumentAt<'_>, index: usize) -> Option<ClipFrame
     clips(document, None).into_iter().find(has_frame)
 }
 
-/// The frames of one video or folder as clips without large gaps, each with the frames that the document leaves out.
+/// The frames of one video or folder as clips without large gaps, each with the frames that the
+/// document leaves out.
 fn in_time(camera: &CameraId, mut frames: Vec<(usize, FrameRef)>) -> Vec<ClipFrames> {
-    let number = |source: &FrameRef| if let FrameRef::Video { index, .. } = source { Some(*index) } else { None };
+    let number = |source: &FrameRef| {
+        if let FrameRef::Video { index, .. } = source {
+            Some(*index)
+        } else {
+            None
+        }
+    };
     frames.sort_by_key(|(place, source)| (number(source), *place));
     frames.dedup_by_key(|(place, source)| number(source).unwrap_or(*place));
     let mut clips: Vec<ClipFrames> = Vec::new();
     for (place, source) in frames {
-        let between = match (number(&source), clips.last().and_then(|clip| clip.frames.last())) {
+        let between = match (
+            number(&source),
+            clips.last().and_then(|clip| clip.frames.last()),
+        ) {
             (Some(index), Some(last)) => number(&last.source).map_or(0..0, |last| last + 1..index),
             _ => 0..0,
         };
         let clip = match clips.last_mut() {
             Some(clip) if between.len() < GAP => clip,
             _ => {
-                clips.push(ClipFrames { camera: camera.clone(), frames: Vec::new() });
-                let frames = vec![ClipFrame { source, place: Some(place) }];
+                clips.push(ClipFrames {
+                    camera: camera.clone(),
+                    frames: Vec::new(),
+                });
+                let frames = vec![ClipFrame {
+                    source,
+                    place: Some(place),
+                }];
                 if let Some(clip) = clips.last_mut() {
                     clip.frames = frames;
                 }
@@ -102,10 +142,19 @@ fn in_time(camera: &CameraId, mut frames: Vec<(usize, FrameRef)>) -> Vec<ClipFra
             }
         };
         if let FrameRef::Video { path, .. } = &source {
-            let left_out = |index| ClipFrame { source: FrameRef::Video { path: path.clone(), index }, place: None };
+            let left_out = |index| ClipFrame {
+                source: FrameRef::Video {
+                    path: path.clone(),
+                    index,
+                },
+                place: None,
+            };
             clip.frames.extend(between.map(left_out));
         }
-        clip.frames.push(ClipFrame { source, place: Some(place) });
+        clip.frames.push(ClipFrame {
+            source,
+            place: Some(place),
+        });
     }
     clips
 }
@@ -130,19 +179,44 @@ mod tests {
         document
     }
 
-    fn listed(document: &Document, within: Option<&RangeInclusive<usize>>) -> Vec<Vec<Option<usize>>> {
+    fn listed(
+        document: &Document,
+        within: Option<&RangeInclusive<usize>>,
+    ) -> Vec<Vec<Option<usize>>> {
         let clips = clips(document.at(Path::new("/f")), within);
-        clips.iter().map(|clip| clip.frames.iter().map(|frame| frame.place).collect()).collect()
+        clips
+            .iter()
+            .map(|clip| clip.frames.iter().map(|frame| frame.place).collect())
+            .collect()
     }
 
     #[test]
     fn frames_of_a_video_are_in_the_order_of_time_with_those_between() {
-        let document = document(&[("v.mp4", Some(7)), ("v.mp4", Some(4)), ("w.mp4", Some(5)), ("v.mp4", Some(900))]);
+        let document = document(&[
+            ("v.mp4", Some(7)),
+            ("v.mp4", Some(4)),
+            ("w.mp4", Some(5)),
+            ("v.mp4", Some(900)),
+        ]);
         let clips = clips(document.at(Path::new("/f")), None);
-        let frames: Vec<_> = clips[0].frames.iter().map(|frame| frame.source.to_string()).collect();
+        let frames: Vec<_> = clips[0]
+            .frames
+            .iter()
+            .map(|frame| frame.source.to_string())
+            .collect();
         assert_eq!(frames.len(), 4, "{frames:?}");
-        assert_eq!(listed(&document, None), [vec![Some(1), None, None, Some(0)], vec![Some(3)], vec![Some(2)]]);
-        assert_eq!(listed(&document, Some(&(5..=8))), [vec![Some(0)], vec![Some(2)]]);
+        assert_eq!(
+            listed(&document, None),
+            [
+                vec![Some(1), None, None, Some(0)],
+                vec![Some(3)],
+                vec![Some(2)]
+            ]
+        );
+        assert_eq!(
+            listed(&document, Some(&(5..=8))),
+            [vec![Some(0)], vec![Some(2)]]
+        );
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! A clip of a document: cameras carried from the frames that are known to all others, adjusted together.
+//! A clip of a document: cameras carried from the frames that are known to all others, adjusted
+//! together.
 
 mod anchors;
 mod certainty;

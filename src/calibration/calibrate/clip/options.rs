@@ -15,8 +15,9 @@ pub struct TrackClipOptions {
     pub paint_every: usize,
     /// Whether the motion is smoothed. False by default.
     pub smooth: bool,
-    /// Whether the focal length of frames that state their lens is sought as in all others, and their statement but a start. False
-    /// by default: it is kept, and pan and tilt alone are sought.
+    /// Whether the focal length of frames that state their lens is sought as in all others, and
+    /// their statement but a start. False by default: it is kept, and pan and tilt alone are
+    /// sought.
     pub seek_focal: bool,
 }
 

@@ -1,4 +1,5 @@
-//! The pictures of a clip: read in order, points followed through them, and their paint asked about cameras.
+//! The pictures of a clip: read in order, points followed through them, and their paint asked about
+//! cameras.
 
 use super::error::TrackClipError;
 use super::evidence::{ClipEvidence, FollowedPictures};
@@ -10,7 +11,9 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::DocumentAt;
-use touchline_vision::media::{FrameRef, FrameStream, MediaError, Picture, ReadFrames, StreamedFrame};
+use touchline_vision::media::{
+    FrameRef, FrameStream, MediaError, Picture, ReadFrames, StreamedFrame,
+};
 use touchline_vision::track::{ClipCamera, FollowOptions, PointFollower, PointTracks, TrackError};
 
 /// The pictures of a clip.
@@ -22,8 +25,15 @@ pub(super) struct ClipPictures<'a> {
 
 impl ClipPictures<'_> {
     /// A frame's picture, with its masks.
-    pub fn read_masked(&self, reader: &mut dyn ReadFrames, frame: usize) -> Result<MaskedPicture, TrackClipError> {
-        Ok(MaskedPicture { picture: self.read(reader, frame)?, masks: self.masks(frame) })
+    pub fn read_masked(
+        &self,
+        reader: &mut dyn ReadFrames,
+        frame: usize,
+    ) -> Result<MaskedPicture, TrackClipError> {
+        Ok(MaskedPicture {
+            picture: self.read(reader, frame)?,
+            masks: self.masks(frame),
+        })
     }
 
     fn read(&self, reader: &mut dyn ReadFrames, frame: usize) -> Result<Picture, TrackClipError> {
@@ -32,7 +42,11 @@ impl ClipPictures<'_> {
     }
 
     /// A picture of the clip, if it could be read and is as large as the others.
-    fn checked(&self, source: &FrameRef, picture: Result<Picture, MediaError>) -> Result<Picture, TrackClipError> {
+    fn checked(
+        &self,
+        source: &FrameRef,
+        picture: Result<Picture, MediaError>,
+    ) -> Result<Picture, TrackClipError> {
         let picture = picture?;
         let (actual, expected) = (picture.size(), self.size);
         if actual == expected {
@@ -45,11 +59,17 @@ impl ClipPictures<'_> {
         })
     }
 
-    /// What gives no points in a frame. One that the document leaves out has the masks of the frame before.
+    /// What gives no points in a frame. One that the document leaves out has the masks of the frame
+    /// before.
     fn masks(&self, frame: usize) -> Vec<PixelBox> {
-        let before = self.clip.frames[..=frame].iter().rev().find_map(|frame| frame.place);
+        let before = self.clip.frames[..=frame]
+            .iter()
+            .rev()
+            .find_map(|frame| frame.place);
         let of_document = before.and_then(|place| self.at.document.frames.get(place));
-        of_document.map(|frame| self.at.document.masks_of(frame)).unwrap_or_default()
+        of_document
+            .map(|frame| self.at.document.masks_of(frame))
+            .unwrap_or_default()
     }
 
     /// The points of all pictures.
@@ -60,9 +80,18 @@ impl ClipPictures<'_> {
         evidence: &mut ClipEvidence,
         progress: &Progress<'_, ClipProgress>,
     ) -> Result<PointTracks, TrackClipError> {
-        let pictures =
-            FollowedPictures { sources: self.clip.frames.iter().map(|frame| frame.source.clone()).collect(), options };
-        let masks: Vec<_> = (0..self.clip.frames.len()).map(|frame| self.masks(frame)).collect();
+        let pictures = FollowedPictures {
+            sources: self
+                .clip
+                .frames
+                .iter()
+                .map(|frame| frame.source.clone())
+                .collect(),
+            options,
+        };
+        let masks: Vec<_> = (0..self.clip.frames.len())
+            .map(|frame| self.masks(frame))
+            .collect();
         if let Some(tracks) = evidence.tracks(&pictures, &masks) {
             return Ok(tracks);
         }
@@ -71,7 +100,8 @@ impl ClipPictures<'_> {
         Ok(tracks)
     }
 
-    /// The points of all pictures, read one after the other; while one picture's are followed the next is read.
+    /// The points of all pictures, read one after the other; while one picture's are followed the
+    /// next is read.
     fn follow_afresh(
         &self,
         reader: &mut dyn ReadFrames,
@@ -80,12 +110,17 @@ impl ClipPictures<'_> {
         progress: &Progress<'_, ClipProgress>,
     ) -> Result<PointTracks, TrackClipError> {
         let mut follower = PointFollower::new(self.size, options);
-        let mut frames = FrameStream::new(self.clip.frames.iter().map(|frame| frame.source.clone()))
-            .with_reader(reader)
-            .with_progress(progress.part(|Share { done, of }| ClipProgress::Following(done, of)));
+        let mut frames =
+            FrameStream::new(self.clip.frames.iter().map(|frame| frame.source.clone()))
+                .with_reader(reader)
+                .with_progress(
+                    progress.part(|Share { done, of }| ClipProgress::Following(done, of)),
+                );
         let mut next = frames.next();
         for masks in masks {
-            let Some(StreamedFrame { source, picture }) = next else { break };
+            let Some(StreamedFrame { source, picture }) = next else {
+                break;
+            };
             let picture = self.checked(&source, picture)?;
             let mut ended: Result<usize, TrackError> = Ok(0);
             next = frames.next_during(|| ended = follower.add(&picture, masks));
@@ -97,7 +132,8 @@ impl ClipPictures<'_> {
         Ok(follower.finished())
     }
 
-    /// What the paint of some frames says about their cameras. What it said about cameras like these before is not asked again.
+    /// What the paint of some frames says about their cameras. What it said about cameras like
+    /// these before is not asked again.
     pub fn ask_paint(
         &self,
         reader: &mut dyn ReadFrames,
@@ -113,7 +149,12 @@ impl ClipPictures<'_> {
                 says
             } else {
                 let base = camera.base_at(frame);
-                let says = Painted::from_picture(&self.read_masked(reader, frame)?, field, &base, (frame, ptz));
+                let says = Painted::from_picture(
+                    &self.read_masked(reader, frame)?,
+                    field,
+                    &base,
+                    (frame, ptz),
+                );
                 evidence.keep_paint(frame, ptz, says.clone());
                 says
             };
@@ -127,6 +168,13 @@ impl ClipPictures<'_> {
 ///
 /// # Errors
 /// [`TrackClipError::Stopped`] if the receiver ends the tracking.
-pub(super) fn report(progress: &Progress<'_, ClipProgress>, step: ClipProgress) -> Result<(), TrackClipError> {
-    if progress.report(step).is_break() { Err(TrackClipError::Stopped) } else { Ok(()) }
+pub(super) fn report(
+    progress: &Progress<'_, ClipProgress>,
+    step: ClipProgress,
+) -> Result<(), TrackClipError> {
+    if progress.report(step).is_break() {
+        Err(TrackClipError::Stopped)
+    } else {
+        Ok(())
+    }
 }

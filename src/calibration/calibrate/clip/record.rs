@@ -15,8 +15,8 @@ pub const SIDES_DIFFER: &str = "sides_differ";
 /// The key under which a smoothed frame keeps its camera as it was before.
 const RAW: &str = "raw_ptz";
 
-/// Writes the cameras of a tracked clip into its frames, as suggestions. Frames that people decided on keep everything but, where the
-/// motion was smoothed, their numbers.
+/// Writes the cameras of a tracked clip into its frames, as suggestions. Frames that people decided
+/// on keep everything but, where the motion was smoothed, their numbers.
 pub fn record_tracked(document: &mut Document, tracked: &TrackedClip) {
     for of_frame in &tracked.frames {
         if let Some(frame) = document.frames.get_mut(of_frame.place) {
@@ -24,7 +24,9 @@ pub fn record_tracked(document: &mut Document, tracked: &TrackedClip) {
         }
     }
     for moved in &tracked.references {
-        let Some(frame) = document.frames.get_mut(moved.place) else { continue };
+        let Some(frame) = document.frames.get_mut(moved.place) else {
+            continue;
+        };
         let base = frame.base_from(&tracked.base);
         frame.point(moved.ptz, PtzCamera::new(base, moved.ptz).lens());
         let solution = frame.solution.get_or_insert_default();
@@ -51,26 +53,37 @@ pub(crate) fn record_tracked_frame(frame: &mut Frame, clip: &TrackedClip, tracke
     let mut solution = Solution {
         covariance: known.map(Uncertainty::ptz_covariance_deg),
         own_covariance: known.map(Uncertainty::own_covariance_deg),
-        worst_corner_sigma_px: known.map(|known| known.worst_corner_sigma_px(&camera, frame.image_size)),
+        worst_corner_sigma_px: known
+            .map(|known| known.worst_corner_sigma_px(&camera, frame.image_size)),
         source: Some(SolutionSource::Tracking),
         confidence: Some(tracked.confidence),
         ..Solution::default()
     };
-    if let Some(apart_px) = tracked.apart_px.filter(|apart| *apart > DIFFER_PX * frame.image_size.scale_from_1920()) {
+    if let Some(apart_px) = tracked
+        .apart_px
+        .filter(|apart| *apart > DIFFER_PX * frame.image_size.scale_from_1920())
+    {
         let message = format!(
             "tracked here from the known frame before and from the one after, the cameras are {apart_px:.1} px apart: click a frame between the two"
         );
-        solution.warnings.push(SolutionWarning::new(SIDES_DIFFER, message));
+        solution
+            .warnings
+            .push(SolutionWarning::new(SIDES_DIFFER, message));
     }
     if tracked.contradicted {
         let message = "the painted lines are not where this camera projects them".to_owned();
-        solution.warnings.push(SolutionWarning::new(crate::calibrate::paint::LINE_CHECK, message));
+        solution.warnings.push(SolutionWarning::new(
+            crate::calibrate::paint::LINE_CHECK,
+            message,
+        ));
     }
     if let Some(px) = tracked.length_px {
         let message = format!(
             "the field's length is assumed, and the lines about its middle may lie ±{px:.0} px off: state the length, or click a landmark there"
         );
-        solution.warnings.push(SolutionWarning::new(LENGTH_UNSEEN, message));
+        solution
+            .warnings
+            .push(SolutionWarning::new(LENGTH_UNSEEN, message));
     }
     if let Some(raw) = tracked.raw {
         keep_raw(&mut solution, &base, raw);

@@ -6,11 +6,12 @@ use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec2};
 use touchline_core::score::{camera_error, iou_part};
 use touchline_documents::document::{Document, Frame, FrameStatus, Target};
 
-/// Two clicks nearer than this mean the same spot, whatever it is called, px at 1920 px width: five sigmas of the
-/// difference of two ordinary clicks.
+/// Two clicks nearer than this mean the same spot, whatever it is called, px at 1920 px width: five
+/// sigmas of the difference of two ordinary clicks.
 const SAME_SPOT_PX: f64 = 15.0;
 
-/// Where a corner of the picture shows no ground nearer than this, a point so far away stands for it, m.
+/// Where a corner of the picture shows no ground nearer than this, a point so far away stands for
+/// it, m.
 const FAR_M: f64 = 300.0;
 
 /// How two annotators agree on a frame.
@@ -57,10 +58,11 @@ pub struct NameDispute {
 /// How the cameras of a frame differ: the second's less the first's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraAgreement {
-    /// Intersection over union of the part of the field that the picture shows; none where it shows none.
+    /// Intersection over union of the part of the field that the picture shows; none where it shows
+    /// none.
     pub iou_part: Option<f64>,
-    /// How far the worst corner of the picture lies from where the other camera has it, px at 1920 px width; infinite where
-    /// that one does not see it.
+    /// How far the worst corner of the picture lies from where the other camera has it, px at 1920
+    /// px width; infinite where that one does not see it.
     pub worst_corner_px: f64,
     /// Pan of the optical axis.
     pub pan: Angle,
@@ -110,7 +112,9 @@ impl Seen<'_> {
         let clicks = self.frame.clicks.iter().enumerate();
         clicks
             .filter_map(|(index, click)| match &click.target {
-                Some(Target::Landmark(id)) if click.image.is_finite() => Some((id, click.image, index)),
+                Some(Target::Landmark(id)) if click.image.is_finite() => {
+                    Some((id, click.image, index))
+                }
                 _ => None,
             })
             .collect()
@@ -118,13 +122,20 @@ impl Seen<'_> {
 
     /// The camera that this annotator made or accepted.
     fn camera(&self) -> Option<PtzCamera> {
-        let own = !matches!(self.frame.status, FrameStatus::Suggested | FrameStatus::Rejected);
+        let own = !matches!(
+            self.frame.status,
+            FrameStatus::Suggested | FrameStatus::Rejected
+        );
         self.document.pointed(self.frame).filter(|_| own)
     }
 }
 
 /// Compares a frame; `field` is the first's.
-pub(super) fn frame_agreement(first: &Seen<'_>, second: &Seen<'_>, field: &FieldModel) -> FrameAgreement {
+pub(super) fn frame_agreement(
+    first: &Seen<'_>,
+    second: &Seen<'_>,
+    field: &FieldModel,
+) -> FrameAgreement {
     let size = first.frame.image_size;
     let mut found = FrameAgreement {
         name: first.frame.name(),
@@ -173,8 +184,8 @@ pub(super) fn frame_agreement(first: &Seen<'_>, second: &Seen<'_>, field: &Field
     found
 }
 
-/// Clicks of the two that lie at one spot under different names. A click whose namesake lies there too is no dispute, nor are
-/// two landmarks that the picture shows at one spot.
+/// Clicks of the two that lie at one spot under different names. A click whose namesake lies there
+/// too is no dispute, nor are two landmarks that the picture shows at one spot.
 fn disputed_names(
     ones: &[(&LandmarkId, ImagePoint, usize)],
     others: &[(&LandmarkId, ImagePoint, usize)],
@@ -182,11 +193,17 @@ fn disputed_names(
     lie_together: impl Fn(&LandmarkId, &LandmarkId) -> bool,
 ) -> Vec<NameDispute> {
     let limit = SAME_SPOT_PX * scale;
-    let has_namesake_near = |id: &LandmarkId, at: ImagePoint, among: &[(&LandmarkId, ImagePoint, usize)]| {
-        among.iter().any(|(other, there, _)| *other == id && there.distance_px(at) <= limit)
-    };
+    let has_namesake_near =
+        |id: &LandmarkId, at: ImagePoint, among: &[(&LandmarkId, ImagePoint, usize)]| {
+            among
+                .iter()
+                .any(|(other, there, _)| *other == id && there.distance_px(at) <= limit)
+        };
     let mut found = Vec::new();
-    for (id, at, click) in ones.iter().filter(|(id, at, _)| !has_namesake_near(id, *at, others)) {
+    for (id, at, click) in ones
+        .iter()
+        .filter(|(id, at, _)| !has_namesake_near(id, *at, others))
+    {
         let near = others
             .iter()
             .filter(|(other, there, _)| other != id && !has_namesake_near(other, *there, ones))
@@ -195,29 +212,53 @@ fn disputed_names(
             .min_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((apart, other, other_click)) = near {
             let names = [(*id).clone(), other.clone()];
-            found.push(NameDispute { names, clicks: [*click, other_click], apart_px: apart / scale });
+            found.push(NameDispute {
+                names,
+                clicks: [*click, other_click],
+                apart_px: apart / scale,
+            });
         }
     }
     found
 }
 
 /// Whether a camera shows two landmarks so near to each other that clicks do not tell them apart.
-fn lie_together(camera: &PtzCamera, field: &FieldModel, a: &LandmarkId, b: &LandmarkId, scale: f64) -> bool {
+fn lie_together(
+    camera: &PtzCamera,
+    field: &FieldModel,
+    a: &LandmarkId,
+    b: &LandmarkId,
+    scale: f64,
+) -> bool {
     let at = |id: &LandmarkId| {
         let landmark = field.landmark(id.as_str())?;
-        camera.image_from_world(field.landmark_in_world(landmark)).ok()
+        camera
+            .image_from_world(field.landmark_in_world(landmark))
+            .ok()
     };
-    at(a).zip(at(b)).is_some_and(|(a, b)| a.distance_px(b) <= 2.0 * SAME_SPOT_PX * scale)
+    at(a)
+        .zip(at(b))
+        .is_some_and(|(a, b)| a.distance_px(b) <= 2.0 * SAME_SPOT_PX * scale)
 }
 
-/// How far from its place another camera has what a corner of the picture shows, px, at the worst corner.
+/// How far from its place another camera has what a corner of the picture shows, px, at the worst
+/// corner.
 fn worst_corner_px(one: &PtzCamera, other: &PtzCamera, size: ImageSize) -> f64 {
     let off = |corner: ImagePoint| {
         let position = one.base().position_m;
-        let on_ground = one.plane_from_image(corner, 0.0).filter(|point| (point - position).norm() <= FAR_M);
-        let far = || one.world_direction_from_image(corner).ok().map(|way| position + way.normalize() * FAR_M);
+        let on_ground = one
+            .plane_from_image(corner, 0.0)
+            .filter(|point| (point - position).norm() <= FAR_M);
+        let far = || {
+            one.world_direction_from_image(corner)
+                .ok()
+                .map(|way| position + way.normalize() * FAR_M)
+        };
         let image = other.image_from_world(on_ground.or_else(far)?).ok()?;
         Some(image.distance_px(corner))
     };
-    size.corners().into_iter().map(|corner| off(corner).unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
+    size.corners()
+        .into_iter()
+        .map(|corner| off(corner).unwrap_or(f64::INFINITY))
+        .fold(0.0, f64::max)
 }

@@ -1,8 +1,9 @@
 //! Two documents of the same frames: how far two annotators agree.
 //!
-//! Neither is the truth. Compared are the clicks on the same landmarks (a click on a line may lie anywhere on it, so it takes no
-//! part), the names given to the same spots, and the cameras. All distances are px at 1920 px width, so that pictures of any
-//! size count alike; offsets go from the first document to the second.
+//! Neither is the truth. Compared are the clicks on the same landmarks (a click on a line may lie
+//! anywhere on it, so it takes no part), the names given to the same spots, and the cameras. All
+//! distances are px at 1920 px width, so that pictures of any size count alike; offsets go from the
+//! first document to the second.
 
 mod frame;
 
@@ -28,13 +29,13 @@ pub struct Agreement {
     pub landmarks: Vec<LandmarkAgreement>,
     /// The distances of the clicks on the same landmarks, px; none without any.
     pub distances: Option<Summary>,
-    /// The click noise of either annotator, if both scatter alike, px; none where the clicks are too few to tell. A spot that
-    /// the two understand differently counts as scatter.
+    /// The click noise of either annotator, if both scatter alike, px; none where the clicks are
+    /// too few to tell. A spot that the two understand differently counts as scatter.
     pub noise: Option<ClickScatter>,
     /// The same to the right and downwards.
     pub noise_by_axis: [Option<ClickScatter>; 2],
-    /// Clicks that lie at the same place to the last digit: one document took them from the other. They take no part in
-    /// distances and noise.
+    /// Clicks that lie at the same place to the last digit: one document took them from the other.
+    /// They take no part in distances and noise.
     pub copies: usize,
 }
 
@@ -78,7 +79,9 @@ impl Agreement {
             copies => format!(" {copies} clicks are copies and are not counted."),
         };
         let Some(noise) = &self.noise else {
-            return format!("Too few clicks on the same landmarks to estimate the click noise.{copies}");
+            return format!(
+                "Too few clicks on the same landmarks to estimate the click noise.{copies}"
+            );
         };
         let [low, high] = noise.interval_95;
         let aside = match noise.set_aside {
@@ -119,18 +122,33 @@ pub fn agreement(first: DocumentAt<'_>, second: DocumentAt<'_>) -> Result<Agreem
         match (labelled, partner, other) {
             ((true, true), Some(partner), Some(other)) => {
                 let field = fields.of_frame(&first, one);
-                let seen = Seen { document: &first, frame: one, index };
-                let seen_by_other = Seen { document: &second, frame: other, index: *partner };
+                let seen = Seen {
+                    document: &first,
+                    frame: one,
+                    index,
+                };
+                let seen_by_other = Seen {
+                    document: &second,
+                    frame: other,
+                    index: *partner,
+                };
                 frames.push(frame_agreement(&seen, &seen_by_other, field));
             }
             ((true, false), ..) => lone.push(lone_frame(one, other, [Some(index), *partner], true)),
             ((false, true), ..) => {
-                lone.extend(other.map(|other| lone_frame(other, Some(one), [Some(index), *partner], false)));
+                lone.extend(
+                    other.map(|other| lone_frame(other, Some(one), [Some(index), *partner], false)),
+                );
             }
             _ => {}
         }
     }
-    for (index, other) in second.frames.iter().enumerate().filter(|(index, other)| !met[*index] && is_labelled(other)) {
+    for (index, other) in second
+        .frames
+        .iter()
+        .enumerate()
+        .filter(|(index, other)| !met[*index] && is_labelled(other))
+    {
         lone.push(lone_frame(other, None, [None, Some(index)], false));
     }
     Ok(summed_up(frames, lone))
@@ -146,9 +164,19 @@ fn is_labelled(frame: &Frame) -> bool {
     }
 }
 
-fn lone_frame(frame: &Frame, other: Option<&Frame>, frames: [Option<usize>; 2], by_first: bool) -> LoneFrame {
+fn lone_frame(
+    frame: &Frame,
+    other: Option<&Frame>,
+    frames: [Option<usize>; 2],
+    by_first: bool,
+) -> LoneFrame {
     let rejected = other.is_some_and(|other| other.status == FrameStatus::Rejected);
-    LoneFrame { name: frame.name(), frames, by_first, rejected }
+    LoneFrame {
+        name: frame.name(),
+        frames,
+        by_first,
+        rejected,
+    }
 }
 
 fn summed_up(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
@@ -159,15 +187,18 @@ fn summed_up(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
     for pair in own() {
         by_landmark.entry(&pair.landmark).or_default().push(pair);
     }
-    let mut landmarks: Vec<LandmarkAgreement> =
-        by_landmark.into_iter().map(|(landmark, pairs)| landmark_agreement(landmark, &pairs)).collect();
+    let mut landmarks: Vec<LandmarkAgreement> = by_landmark
+        .into_iter()
+        .map(|(landmark, pairs)| landmark_agreement(landmark, &pairs))
+        .collect();
     landmarks.sort_by(|a, b| b.median_px.total_cmp(&a.median_px));
     let distances: Vec<f64> = own().map(ClickPair::apart_px).collect();
     Agreement {
         landmarks,
         distances: Summary::of(&distances, 0),
         noise: ClickScatter::of(&differences),
-        noise_by_axis: [0, 1].map(|axis| ClickScatter::along(differences.iter().map(|difference| difference[axis]))),
+        noise_by_axis: [0, 1]
+            .map(|axis| ClickScatter::along(differences.iter().map(|difference| difference[axis]))),
         copies: pairs().filter(|pair| pair.is_copy()).count(),
         frames,
         lone,

@@ -30,8 +30,8 @@ impl GroupKind {
     }
 }
 
-/// Some frames and what they score together. Errors are those of the frames that have a camera: read them beside the
-/// completeness.
+/// Some frames and what they score together. Errors are those of the frames that have a camera:
+/// read them beside the completeness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameGroup {
     /// What makes it a group.
@@ -67,28 +67,46 @@ impl FrameGroup {
     /// The summary of one measure.
     #[must_use]
     pub fn measure(&self, measure: Measure) -> Option<&Summary> {
-        self.measures.iter().find(|(other, _)| *other == measure).map(|(_, summary)| summary)
+        self.measures
+            .iter()
+            .find(|(other, _)| *other == measure)
+            .map(|(_, summary)| summary)
     }
 
     /// The score of the `SoccerNet` camera calibration task: mean `JaC@5` times completeness.
     #[must_use]
     pub fn soccernet_score(&self) -> Option<f64> {
-        self.measure(Measure::Jaccard5).map(|jaccard| jaccard.mean * self.completeness())
+        self.measure(Measure::Jaccard5)
+            .map(|jaccard| jaccard.mean * self.completeness())
     }
 
     fn of(kind: GroupKind, name: String, frames: &[&FrameResult], seed: u64) -> Self {
-        let scored: Vec<&FrameScores> = frames.iter().filter_map(|frame| frame.scores.as_ref().ok()).collect();
+        let scored: Vec<&FrameScores> = frames
+            .iter()
+            .filter_map(|frame| frame.scores.as_ref().ok())
+            .collect();
         let pooled = |of: fn(&FrameScores) -> &[f64]| {
-            let values: Vec<f64> = scored.iter().flat_map(|scores| of(scores)).copied().collect();
+            let values: Vec<f64> = scored
+                .iter()
+                .flat_map(|scores| of(scores))
+                .copied()
+                .collect();
             Summary::of(&values, seed)
         };
-        let values =
-            |measure: Measure| -> Vec<f64> { scored.iter().filter_map(|scores| scores.get(measure)).collect() };
+        let values = |measure: Measure| -> Vec<f64> {
+            scored
+                .iter()
+                .filter_map(|scores| scores.get(measure))
+                .collect()
+        };
         let summaries = Measure::ALL.into_iter().filter_map(|measure| {
             let summary = Summary::of(&values(measure), seed)?;
             Some((measure, summary))
         });
-        let squared: Vec<f64> = values(Measure::Sigmas).iter().map(|sigmas| 3.0 * sigmas * sigmas).collect();
+        let squared: Vec<f64> = values(Measure::Sigmas)
+            .iter()
+            .map(|sigmas| 3.0 * sigmas * sigmas)
+            .collect();
         Self {
             kind,
             name,
@@ -104,8 +122,8 @@ impl FrameGroup {
 }
 
 impl Evaluation {
-    /// All frames together, then by shot, by camera and by field of view; of a kind with a single group nothing is repeated.
-    /// The seed decides the bootstrap intervals.
+    /// All frames together, then by shot, by camera and by field of view; of a kind with a single
+    /// group nothing is repeated. The seed decides the bootstrap intervals.
     #[must_use]
     pub fn groups(&self, seed: u64) -> Vec<FrameGroup> {
         let all: Vec<&FrameResult> = self.frames.iter().collect();
@@ -132,8 +150,11 @@ impl Evaluation {
             return;
         }
         for wanted in names {
-            let of_group: Vec<&FrameResult> =
-                self.frames.iter().filter(|frame| name(frame).as_ref() == Some(&wanted)).collect();
+            let of_group: Vec<&FrameResult> = self
+                .frames
+                .iter()
+                .filter(|frame| name(frame).as_ref() == Some(&wanted))
+                .collect();
             groups.push(FrameGroup::of(kind, wanted, &of_group, seed));
         }
     }

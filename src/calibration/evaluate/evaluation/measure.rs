@@ -118,6 +118,9 @@ impl Measure {
     /// Shares of which more is better; everything else is an error.
     #[must_use]
     pub const fn more_is_better(self) -> bool {
-        matches!(self, Self::IouPart | Self::IouWhole | Self::Jaccard5 | Self::Jaccard10 | Self::Jaccard20)
+        matches!(
+            self,
+            Self::IouPart | Self::IouWhole | Self::Jaccard5 | Self::Jaccard10 | Self::Jaccard20
+        )
     }
 }

@@ -1,8 +1,8 @@
 //! Two documents of the same frames: how far the cameras of one are from the truth of the other.
 //!
-//! The truth may hold cameras, clicks or both; what it does not hold is not measured. Clicks show what people can see, so
-//! a truth of clicks alone (real frames) says how far lines and landmarks are off, not how far pan, tilt and focal length
-//! are.
+//! The truth may hold cameras, clicks or both; what it does not hold is not measured. Clicks show
+//! what people can see, so a truth of clicks alone (real frames) says how far lines and landmarks
+//! are off, not how far pan, tilt and focal length are.
 
 mod groups;
 mod measure;
@@ -53,7 +53,10 @@ pub struct FrameResult {
 }
 
 /// The scores, or why there are none as text.
-fn scores_or_reason<S: Serializer>(scores: &Result<FrameScores, Unscored>, serializer: S) -> Result<S::Ok, S::Error> {
+fn scores_or_reason<S: Serializer>(
+    scores: &Result<FrameScores, Unscored>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     match scores {
         Ok(scores) => scores.serialize(serializer),
         Err(reason) => serializer.collect_str(reason),
@@ -101,7 +104,9 @@ pub enum EvaluationError {
         source: FieldError,
     },
     /// No frame of the truth has a camera or a named click.
-    #[error("no frame of the truth has a camera or a named click: there is nothing to compare with")]
+    #[error(
+        "no frame of the truth has a camera or a named click: there is nothing to compare with"
+    )]
     NoTruth,
 }
 
@@ -110,23 +115,35 @@ pub enum EvaluationError {
 ///
 /// # Errors
 /// A field is not valid, or the truth holds nothing to compare with.
-pub fn evaluate(truth: DocumentAt<'_>, estimate: DocumentAt<'_>) -> Result<Evaluation, EvaluationError> {
+pub fn evaluate(
+    truth: DocumentAt<'_>,
+    estimate: DocumentAt<'_>,
+) -> Result<Evaluation, EvaluationError> {
     let fields = |document: DocumentAt<'_>, which: &'static str| {
         Fields::of(document).map_err(|source| EvaluationError::Field { which, source })
     };
     let true_fields = fields(truth, "truth")?;
     let estimated_fields = fields(estimate, "estimate")?;
     let partners = matched(truth, estimate);
-    let known: Vec<usize> = (0..truth.frames.len()).filter(|&index| is_known(&truth, &truth.frames[index])).collect();
+    let known: Vec<usize> = (0..truth.frames.len())
+        .filter(|&index| is_known(&truth, &truth.frames[index]))
+        .collect();
     if known.is_empty() {
         return Err(EvaluationError::NoTruth);
     }
     let one = |&index: &usize| {
         let frame = &*truth.frames[index];
-        let known = TrueFrame { frame, field: true_fields.of_frame(&truth, frame), camera: truth.pointed(frame) };
+        let known = TrueFrame {
+            frame,
+            field: true_fields.of_frame(&truth, frame),
+            camera: truth.pointed(frame),
+        };
         let partner = partners[index].map(|partner| &*estimate.frames[partner]);
         let estimated_camera = partner.and_then(|partner| estimate.pointed(partner));
-        let focal_px = known.camera.or(estimated_camera).map(|camera| camera.ptz().focal_px);
+        let focal_px = known
+            .camera
+            .or(estimated_camera)
+            .map(|camera| camera.ptz().focal_px);
         FrameResult {
             name: frame.name(),
             index,
@@ -141,14 +158,22 @@ pub fn evaluate(truth: DocumentAt<'_>, estimate: DocumentAt<'_>) -> Result<Evalu
     for partner in known.iter().filter_map(|&index| partners[index]) {
         has_truth[partner] = true;
     }
-    let without_truth = estimate.frames.iter().zip(has_truth).filter(|(_, known)| !known);
+    let without_truth = estimate
+        .frames
+        .iter()
+        .zip(has_truth)
+        .filter(|(_, known)| !known);
     let without_truth = without_truth.map(|(frame, _)| frame.name()).collect();
-    Ok(Evaluation { frames, without_truth })
+    Ok(Evaluation {
+        frames,
+        without_truth,
+    })
 }
 
 fn is_known(truth: &Document, frame: &Frame) -> bool {
     frame.status != FrameStatus::Rejected
-        && (truth.pointed(frame).is_some() || frame.clicks.iter().any(|click| click.target.is_some()))
+        && (truth.pointed(frame).is_some()
+            || frame.clicks.iter().any(|click| click.target.is_some()))
 }
 
 fn score_frame(
@@ -159,12 +184,23 @@ fn score_frame(
 ) -> Result<FrameScores, Unscored> {
     let frame = partner.ok_or(Unscored::Absent)?;
     if frame.image_size != truth.frame.image_size {
-        return Err(Unscored::SizeDiffers { truth: truth.frame.image_size, estimate: frame.image_size });
+        return Err(Unscored::SizeDiffers {
+            truth: truth.frame.image_size,
+            estimate: frame.image_size,
+        });
     }
     let camera = estimate.pointed(frame).ok_or_else(|| {
-        let first = frame.solution.as_ref().and_then(|solution| solution.warnings.first());
-        Unscored::NoCamera { reason: first.map(|warning| warning.message.clone()) }
+        let first = frame
+            .solution
+            .as_ref()
+            .and_then(|solution| solution.warnings.first());
+        Unscored::NoCamera {
+            reason: first.map(|warning| warning.message.clone()),
+        }
     })?;
-    let shown = FieldView { field: fields.of_frame(estimate, frame), camera: &camera };
+    let shown = FieldView {
+        field: fields.of_frame(estimate, frame),
+        camera: &camera,
+    };
     Ok(scores(truth, frame, shown)?)
 }

@@ -8,8 +8,8 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldElement, FieldModel};
 use touchline_core::geometry::{ImageSize, Vec3, mean, median};
 use touchline_core::score::{
-    AnnotatedLine, FieldView, MarkingMatch, annotated_lines, camera_error, ground_error_m, iou_part, iou_whole,
-    landmark_errors, squared_sigmas,
+    AnnotatedLine, FieldView, MarkingMatch, annotated_lines, camera_error, ground_error_m,
+    iou_part, iou_whole, landmark_errors, squared_sigmas,
 };
 use touchline_core::solve::{Observation, ObservationError};
 use touchline_documents::document::{Frame, Target};
@@ -18,7 +18,8 @@ use touchline_documents::document::{Frame, Target};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameScores {
     values: [Option<f64>; Measure::ALL.len()],
-    /// The distance of each click that the estimate was made from, px; infinite where the estimate does not show its target.
+    /// The distance of each click that the estimate was made from, px; infinite where the estimate
+    /// does not show its target.
     pub clicks_px: Vec<f64>,
     /// The same of the clicks that it was not made from.
     pub held_out_px: Vec<f64>,
@@ -65,13 +66,25 @@ pub(super) struct TrueFrame<'a> {
 ///
 /// # Errors
 /// A click of the truth names something that the estimate's field lacks.
-pub(super) fn scores(truth: &TrueFrame, estimate: &Frame, shown: FieldView) -> Result<FrameScores, ObservationError> {
+pub(super) fn scores(
+    truth: &TrueFrame,
+    estimate: &Frame,
+    shown: FieldView,
+) -> Result<FrameScores, ObservationError> {
     let mut scores = FrameScores::default();
     let size = truth.frame.image_size;
     add_clicks(&mut scores, truth.frame, estimate, shown)?;
     let annotated = match &truth.camera {
         Some(true_camera) => {
-            add_camera(&mut scores, FieldView { field: truth.field, camera: true_camera }, shown, size);
+            add_camera(
+                &mut scores,
+                FieldView {
+                    field: truth.field,
+                    camera: true_camera,
+                },
+                shown,
+                size,
+            );
             add_sigmas(&mut scores, true_camera, shown.camera, estimate);
             annotated_lines(truth.field, true_camera, size)
         }
@@ -88,8 +101,14 @@ pub(super) fn scores(truth: &TrueFrame, estimate: &Frame, shown: FieldView) -> R
 
 fn add_camera(scores: &mut FrameScores, truth: FieldView, estimate: FieldView, size: ImageSize) {
     let error = camera_error(truth.camera, estimate.camera);
-    scores.set(Measure::IouPart, iou_part(truth.field, truth.camera, estimate.camera, size));
-    scores.set(Measure::IouWhole, Some(iou_whole(truth.field, truth.camera, estimate.camera)));
+    scores.set(
+        Measure::IouPart,
+        iou_part(truth.field, truth.camera, estimate.camera, size),
+    );
+    scores.set(
+        Measure::IouWhole,
+        Some(iou_whole(truth.field, truth.camera, estimate.camera)),
+    );
     scores.set(Measure::Rotation, Some(error.rotation.degrees()));
     scores.set(Measure::Pan, Some(error.pan.degrees().abs()));
     scores.set(Measure::Tilt, Some(error.tilt.degrees().abs()));
@@ -97,30 +116,52 @@ fn add_camera(scores: &mut FrameScores, truth: FieldView, estimate: FieldView, s
     scores.set(Measure::FocalPercent, Some(error.focal_percent.abs()));
     scores.set(Measure::Position, Some(error.position_m));
     let landmarks = landmark_errors(truth, estimate, size);
-    let in_image: Vec<f64> = landmarks.iter().map(|error| error.image_px.unwrap_or(f64::INFINITY)).collect();
-    let on_ground: Vec<f64> = landmarks.iter().filter_map(|error| error.ground_m).collect();
+    let in_image: Vec<f64> = landmarks
+        .iter()
+        .map(|error| error.image_px.unwrap_or(f64::INFINITY))
+        .collect();
+    let on_ground: Vec<f64> = landmarks
+        .iter()
+        .filter_map(|error| error.ground_m)
+        .collect();
     scores.set(Measure::Landmarks, mean(&in_image));
-    scores.set(Measure::WorstLandmark, in_image.iter().copied().reduce(f64::max));
+    scores.set(
+        Measure::WorstLandmark,
+        in_image.iter().copied().reduce(f64::max),
+    );
     scores.set(Measure::LandmarksOnGround, mean(&on_ground));
 }
 
 fn add_sigmas(scores: &mut FrameScores, truth: &PtzCamera, estimate: &PtzCamera, frame: &Frame) {
     let error = error_in_own_bases(truth, estimate);
-    let stated = frame.solution.as_ref().and_then(|solution| solution.covariance);
+    let stated = frame
+        .solution
+        .as_ref()
+        .and_then(|solution| solution.covariance);
     let squared = stated.and_then(|covariance| squared_sigmas(error, &covariance));
-    scores.set(Measure::Sigmas, squared.map(|squared| (squared / 3.0).sqrt()));
+    scores.set(
+        Measure::Sigmas,
+        squared.map(|squared| (squared / 3.0).sqrt()),
+    );
 }
 
-/// How far an estimate's pan (deg), tilt (deg) and focal length (px) are from the truth's, each in its own base: that is what the stated
-/// covariance is of. It has the base's error in it as far as pan and tilt follow that; in the truth's base they would err by the
-/// base's rotation as well. The pan gauge, which says nothing, is the same for both.
+/// How far an estimate's pan (deg), tilt (deg) and focal length (px) are from the truth's, each in
+/// its own base: that is what the stated covariance is of. It has the base's error in it as far as
+/// pan and tilt follow that; in the truth's base they would err by the base's rotation as well. The
+/// pan gauge, which says nothing, is the same for both.
 fn error_in_own_bases(truth: &PtzCamera, estimate: &PtzCamera) -> Vec3 {
-    let [true_pan, pan] = [truth, estimate].map(|camera| camera.ptz().pan + camera.base().in_pan_gauge().1);
+    let [true_pan, pan] =
+        [truth, estimate].map(|camera| camera.ptz().pan + camera.base().in_pan_gauge().1);
     let tilt = estimate.ptz().tilt - truth.ptz().tilt;
-    Vec3::new(pan.turn_from(true_pan).degrees(), tilt.degrees(), estimate.ptz().focal_px - truth.ptz().focal_px)
+    Vec3::new(
+        pan.turn_from(true_pan).degrees(),
+        tilt.degrees(),
+        estimate.ptz().focal_px - truth.ptz().focal_px,
+    )
 }
 
-/// A click of the truth was used where the estimate's frame holds a click on the same target that takes part in its solve.
+/// A click of the truth was used where the estimate's frame holds a click on the same target that
+/// takes part in its solve.
 fn add_clicks(
     scores: &mut FrameScores,
     truth: &Frame,
@@ -128,41 +169,69 @@ fn add_clicks(
     shown: FieldView,
 ) -> Result<(), ObservationError> {
     for observation in observations(truth, shown.field)? {
-        let distance_px = observation.distance_px(shown.camera).unwrap_or(f64::INFINITY);
+        let distance_px = observation
+            .distance_px(shown.camera)
+            .unwrap_or(f64::INFINITY);
         let target = truth.clicks[observation.click].target.as_ref();
-        let used = estimate.clicks.iter().any(|click| click.target.as_ref() == target && !click.check);
+        let used = estimate
+            .clicks
+            .iter()
+            .any(|click| click.target.as_ref() == target && !click.check);
         if used {
             scores.clicks_px.push(distance_px);
         } else {
             scores.held_out_px.push(distance_px);
-            scores.held_out_m.extend(on_ground_m(shown, target, &observation));
+            scores
+                .held_out_m
+                .extend(on_ground_m(shown, target, &observation));
         }
     }
-    let medians =
-        [&scores.clicks_px, &scores.held_out_px, &scores.held_out_m].map(|values| median(&mut values.clone()));
-    for (measure, median) in
-        [Measure::Clicks, Measure::HeldOutClicks, Measure::HeldOutOnGround].into_iter().zip(medians)
+    let medians = [&scores.clicks_px, &scores.held_out_px, &scores.held_out_m]
+        .map(|values| median(&mut values.clone()));
+    for (measure, median) in [
+        Measure::Clicks,
+        Measure::HeldOutClicks,
+        Measure::HeldOutOnGround,
+    ]
+    .into_iter()
+    .zip(medians)
     {
         scores.set(measure, median);
     }
     Ok(())
 }
 
-fn on_ground_m(shown: FieldView, target: Option<&Target>, observation: &Observation) -> Option<f64> {
+fn on_ground_m(
+    shown: FieldView,
+    target: Option<&Target>,
+    observation: &Observation,
+) -> Option<f64> {
     let at = observation.shape.point()?;
     let landmark = shown.field.landmark(target?.as_str())?;
-    if landmark.nominal_m.z == 0.0 { ground_error_m(shown.camera, observation.image, at) } else { None }
+    if landmark.nominal_m.z == 0.0 {
+        ground_error_m(shown.camera, observation.image, at)
+    } else {
+        None
+    }
 }
 
 /// What people clicked on lines, line by line.
 fn clicked_lines(truth: &TrueFrame) -> Vec<AnnotatedLine> {
     let mut annotated: Vec<AnnotatedLine> = Vec::new();
     for click in &truth.frame.clicks {
-        let element = click.target.as_ref().and_then(|target| target.element(truth.field));
-        let Some(FieldElement::Line(line)) = element else { continue };
+        let element = click
+            .target
+            .as_ref()
+            .and_then(|target| target.element(truth.field));
+        let Some(FieldElement::Line(line)) = element else {
+            continue;
+        };
         match annotated.iter_mut().find(|marking| marking.line == line) {
             Some(marking) => marking.points.push(click.image),
-            None => annotated.push(AnnotatedLine { line, points: vec![click.image] }),
+            None => annotated.push(AnnotatedLine {
+                line,
+                points: vec![click.image],
+            }),
         }
     }
     annotated

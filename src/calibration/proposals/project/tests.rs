@@ -9,14 +9,19 @@ use proptest::test_runner::RngSeed;
 use touchline_core::camera::{BaseAngles, Ptz};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline_documents::document::{
-    Click, FieldSpec, FramePtz, FrameStatus, History, SolutionSource, Step, document_from_bytes, document_to_string,
+    Click, FieldSpec, FramePtz, FrameStatus, History, SolutionSource, Step, document_from_bytes,
+    document_to_string,
 };
 use touchline_vision::relocalize::NotFound;
 
 const SIZE: ImageSize = ImageSize::new(64, 36);
 
 fn base(height_m: f64) -> CameraBase {
-    CameraBase::new(Vec3::new(0.0, -60.0, height_m), BaseAngles::default().base_from_world(), SIZE.centre())
+    CameraBase::new(
+        Vec3::new(0.0, -60.0, height_m),
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    )
 }
 
 fn document(frames: usize) -> Document {
@@ -32,16 +37,31 @@ fn document(frames: usize) -> Document {
 /// What the forest says of a frame as it is now: a camera, or none.
 fn proposal(document: &Document, position: usize, pan_deg: Option<f64>) -> Proposal {
     let answer = |pan_deg| Answer::at_pan(pan_deg, 0.9);
-    let outcome = pan_deg.map(answer).ok_or(NotFound::FewMatches { matched: 3, needed: 12 }.into());
+    let outcome = pan_deg.map(answer).ok_or(
+        NotFound::FewMatches {
+            matched: 3,
+            needed: 12,
+        }
+        .into(),
+    );
     let frame = &document.frames[position];
     let asked = Asked::of(document, frame);
-    Proposal { frame: frame.id.clone(), asked, generation: 1, outcome, timings: Timings::default() }
+    Proposal {
+        frame: frame.id.clone(),
+        asked,
+        generation: 1,
+        outcome,
+        timings: Timings::default(),
+    }
 }
 
 /// Writes a suggested camera into a frame.
 fn suggest_camera(frame: &mut Frame, pan_deg: f64, source: SolutionSource) {
     frame.ptz = Some(Answer::at_pan(pan_deg, 0.9).ptz);
-    frame.solution = Some(Solution { source: Some(source), ..Solution::default() });
+    frame.solution = Some(Solution {
+        source: Some(source),
+        ..Solution::default()
+    });
     frame.status = FrameStatus::Suggested;
 }
 
@@ -59,11 +79,19 @@ struct Desk {
 impl Desk {
     fn of(start: Document) -> Self {
         let project = Project::from_document(start.clone());
-        Self { now: start.clone(), start, project, history: History::default(), journal: Vec::new(), generation: 1 }
+        Self {
+            now: start.clone(),
+            start,
+            project,
+            history: History::default(),
+            journal: Vec::new(),
+            generation: 1,
+        }
     }
 
     fn edit(&mut self, name: &str, change: impl FnOnce(&mut Document)) {
-        self.history.begin(&self.project.edits_in(&self.now), Step::on_document(name));
+        self.history
+            .begin(&self.project.edits_in(&self.now), Step::on_document(name));
         change(&mut self.now);
         self.history.commit(&self.project.edits_in(&self.now));
         self.take_in();
@@ -73,25 +101,33 @@ impl Desk {
         for (position, frame) in self.project.not_shown_in(&self.now) {
             self.now.frames[position] = frame;
         }
-        self.journal.extend(self.project.take_in(&mut self.now, "Edit"));
+        self.journal
+            .extend(self.project.take_in(&mut self.now, "Edit"));
     }
 
     fn suggest(&mut self, proposals: &[Proposal]) {
         let offers: Vec<_> = proposals.iter().filter_map(Proposal::offer).collect();
-        let Some(generation) = proposals.first().map(|proposal| proposal.generation) else { return };
+        let Some(generation) = proposals.first().map(|proposal| proposal.generation) else {
+            return;
+        };
         let batch = self.project.batch_of_finder(Finder::Forest { generation });
-        self.journal.extend(self.project.suggest(&mut self.now, batch, &offers));
+        self.journal
+            .extend(self.project.suggest(&mut self.now, batch, &offers));
     }
 
     /// Carries cameras to frames: their positions and pans.
     fn carry(&mut self, cameras: &[(usize, f64)]) -> BatchId {
         let offer = |(position, pan_deg): &(usize, f64)| {
-            let record = |frame: &mut Frame| suggest_camera(frame, *pan_deg, SolutionSource::Tracking);
+            let record =
+                |frame: &mut Frame| suggest_camera(frame, *pan_deg, SolutionSource::Tracking);
             Offer::from_recorded(&self.now, *position, record)
         };
         let offers: Vec<_> = cameras.iter().filter_map(offer).collect();
-        let batch = self.project.open_batch(Finder::Command { name: "Carry".to_owned() });
-        self.journal.extend(self.project.suggest(&mut self.now, batch, &offers));
+        let batch = self.project.open_batch(Finder::Command {
+            name: "Carry".to_owned(),
+        });
+        self.journal
+            .extend(self.project.suggest(&mut self.now, batch, &offers));
         batch
     }
 
@@ -110,7 +146,11 @@ impl Desk {
 
     fn step(&mut self, back: bool) -> bool {
         let mut edited = self.project.edits_in(&self.now);
-        let step = if back { self.history.undo(&mut edited) } else { self.history.redo(&mut edited) };
+        let step = if back {
+            self.history.undo(&mut edited)
+        } else {
+            self.history.redo(&mut edited)
+        };
         self.project.keep_answers_not_in(&edited);
         self.now = self.project.view_with(&edited);
         self.take_in();
@@ -118,11 +158,18 @@ impl Desk {
     }
 
     fn accept(&mut self, position: usize) {
-        self.edit("Accept", |document| document.frames[position].status = FrameStatus::Reference);
+        self.edit("Accept", |document| {
+            document.frames[position].status = FrameStatus::Reference
+        });
     }
 
     fn pans(&self) -> Vec<Option<f64>> {
-        let pan_deg = |frame: &Shared<Frame>| frame.ptz.as_ref().map(|ptz| (1e6 * ptz.pan_deg).round() / 1e6);
+        let pan_deg = |frame: &Shared<Frame>| {
+            frame
+                .ptz
+                .as_ref()
+                .map(|ptz| (1e6 * ptz.pan_deg).round() / 1e6)
+        };
         self.now.frames.iter().map(pan_deg).collect()
     }
 
@@ -131,22 +178,33 @@ impl Desk {
         for (edited, shown) in project.edited().frames.iter().zip(&now.frames) {
             assert!(!edited.shows_suggestion());
             let base = Bases::in_document(now).of_frame(edited);
-            let suggestion = project.suggestions.topmost(&edited.id, base.as_ref()).filter(|_| edited.is_untouched());
+            let suggestion = project
+                .suggestions
+                .topmost(&edited.id, base.as_ref())
+                .filter(|_| edited.is_untouched());
             let mut expected = Frame::clone(edited);
             if let Some(suggestion) = suggestion {
                 suggestion.show_in(&mut expected);
             }
-            assert_eq!(**shown, expected, "people's work, and what is suggested where there is none");
+            assert_eq!(
+                **shown, expected,
+                "people's work, and what is suggested where there is none"
+            );
         }
         assert_eq!(*project.view(), *now);
         assert_eq!(project.view_with(project.edited()), *now);
         assert_eq!(project.edits_in(now), *project.edited());
         let mut read = self.start.clone();
-        self.journal.iter().for_each(|edit| edit.clone().apply(&mut read).unwrap());
+        self.journal
+            .iter()
+            .for_each(|edit| edit.clone().apply(&mut read).unwrap());
         assert_eq!(read, *now, "the journal has it");
         let text = document_to_string(project.view()).unwrap();
         let reopened = Project::from_document(document_from_bytes(text.as_bytes()).unwrap());
-        assert_eq!((reopened.view(), reopened.edited()), (project.view(), project.edited()));
+        assert_eq!(
+            (reopened.view(), reopened.edited()),
+            (project.view(), project.edited())
+        );
     }
 }
 
@@ -159,11 +217,19 @@ fn a_file_is_split_and_written_as_it_was() {
     document.frames[2].status = FrameStatus::Reference;
     let text = document_to_string(&document).unwrap();
     let project = Project::from_document(document_from_bytes(text.as_bytes()).unwrap());
-    let untouched: Vec<bool> = project.edited().frames.iter().map(|frame| frame.is_untouched()).collect();
+    let untouched: Vec<bool> = project
+        .edited()
+        .frames
+        .iter()
+        .map(|frame| frame.is_untouched())
+        .collect();
     assert_eq!(untouched, [true, true, false, true]);
     assert_eq!(project.suggestions.frames().count(), 2);
     assert_eq!(document_to_string(project.view()).unwrap(), text);
-    assert_eq!(document_to_string(&project.view_with(project.edited())).unwrap(), text);
+    assert_eq!(
+        document_to_string(&project.view_with(project.edited())).unwrap(),
+        text
+    );
 }
 
 #[test]
@@ -173,9 +239,14 @@ fn accepting_is_one_step_and_taking_it_back_shows_what_is_suggested_by_then() {
     assert_eq!(desk.history.next_undo(), None, "a suggestion is not a step");
     desk.accept(0);
     let accepted = &desk.project.edited().frames[0];
-    assert_eq!((accepted.status, accepted.revision), (FrameStatus::Reference, 1));
-    let meanwhile =
-        Proposal { asked: Asked::of(&desk.start, &desk.start.frames[0]), ..proposal(&desk.now, 0, Some(2.0)) };
+    assert_eq!(
+        (accepted.status, accepted.revision),
+        (FrameStatus::Reference, 1)
+    );
+    let meanwhile = Proposal {
+        asked: Asked::of(&desk.start, &desk.start.frames[0]),
+        ..proposal(&desk.now, 0, Some(2.0))
+    };
     desk.suggest(&[meanwhile]);
     assert_eq!(desk.pans(), [Some(1.0), None], "what was accepted stays");
     assert!(desk.step(true));
@@ -189,7 +260,10 @@ fn accepting_is_one_step_and_taking_it_back_shows_what_is_suggested_by_then() {
 #[test]
 fn what_was_accepted_or_corrected_before_a_restart_is_suggested_again_when_that_is_undone() {
     let mut desk = Desk::of(document(2));
-    desk.suggest(&[proposal(&desk.now, 0, Some(1.0)), proposal(&desk.now, 1, Some(2.0))]);
+    desk.suggest(&[
+        proposal(&desk.now, 0, Some(1.0)),
+        proposal(&desk.now, 1, Some(2.0)),
+    ]);
     desk.accept(0);
     desk.edit("Click", |document| {
         let frame = &mut document.frames[1];
@@ -197,12 +271,21 @@ fn what_was_accepted_or_corrected_before_a_restart_is_suggested_again_when_that_
         frame.clicks.push(Click::unnamed(ImagePoint::new(3.0, 1.0)));
         frame.status = FrameStatus::Draft;
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(2.5, -9.0, 900.0), None));
-        frame.solution = Some(Solution { source: Some(SolutionSource::Forest), proposed, ..Solution::default() });
+        frame.solution = Some(Solution {
+            source: Some(SolutionSource::Forest),
+            proposed,
+            ..Solution::default()
+        });
     });
     desk.project = Project::from_document(desk.now.clone());
     while desk.step(true) {}
     assert_eq!(desk.pans(), [Some(1.0), Some(2.0)]);
-    assert!(desk.now.frames.iter().all(|frame| frame.status == FrameStatus::Suggested));
+    assert!(
+        desk.now
+            .frames
+            .iter()
+            .all(|frame| frame.status == FrameStatus::Suggested)
+    );
     desk.check();
 }
 
@@ -210,7 +293,9 @@ fn what_was_accepted_or_corrected_before_a_restart_is_suggested_again_when_that_
 fn an_answer_for_an_earlier_revision_does_not_replace_a_later_one() {
     let mut desk = Desk::of(document(1));
     let early = proposal(&desk.now, 0, Some(1.0));
-    desk.edit("Comment", |document| document.frames[0].comment = Some("rain".to_owned()));
+    desk.edit("Comment", |document| {
+        document.frames[0].comment = Some("rain".to_owned())
+    });
     let late = proposal(&desk.now, 0, Some(2.0));
     desk.suggest(&[late]);
     desk.suggest(&[early]);
@@ -248,14 +333,21 @@ fn each_base_has_what_was_suggested_for_it() {
         desk.suggest(&[proposal(&desk.now, 0, Some(3.0))]);
     }
     let id = &desk.now.frames[0].id;
-    assert_eq!(desk.project.suggestions.topmost(id, Some(&base(18.0))), None, "it was too long ago");
+    assert_eq!(
+        desk.project.suggestions.topmost(id, Some(&base(18.0))),
+        None,
+        "it was too long ago"
+    );
     desk.check();
 }
 
 #[test]
 fn frames_that_come_go_and_come_back_bring_what_is_suggested_for_them() {
     let mut desk = Desk::of(document(3));
-    desk.suggest(&[proposal(&desk.now, 0, Some(1.0)), proposal(&desk.now, 2, Some(3.0))]);
+    desk.suggest(&[
+        proposal(&desk.now, 0, Some(1.0)),
+        proposal(&desk.now, 2, Some(3.0)),
+    ]);
     desk.edit("Remove", |document| {
         document.frames.remove(0);
         let mut coming = Frame::from_image("new.jpg", "main".into(), SIZE);
@@ -274,18 +366,36 @@ fn frames_that_come_go_and_come_back_bring_what_is_suggested_for_them() {
 #[test]
 fn a_discarded_batch_gives_back_what_was_suggested_before() {
     let mut desk = Desk::of(document(3));
-    desk.suggest(&[proposal(&desk.now, 0, Some(1.0)), proposal(&desk.now, 1, Some(2.0))]);
+    desk.suggest(&[
+        proposal(&desk.now, 0, Some(1.0)),
+        proposal(&desk.now, 1, Some(2.0)),
+    ]);
     let before = desk.now.clone();
     let batch = desk.carry(&[(0, 5.0), (1, 6.0), (2, 7.0)]);
     desk.accept(1);
     assert_eq!(desk.pans(), [Some(5.0), Some(6.0), Some(7.0)]);
     let discarded = desk.discard(batch);
-    assert_eq!((discarded.emptied, discarded.given_back, discarded.refused), (1, 1, None));
-    assert_eq!(desk.pans(), [Some(1.0), Some(6.0), None], "what was accepted stays");
-    assert_eq!(desk.history.next_undo().map(|step| step.name.as_str()), Some("Accept"), "it is no step");
+    assert_eq!(
+        (discarded.emptied, discarded.given_back, discarded.refused),
+        (1, 1, None)
+    );
+    assert_eq!(
+        desk.pans(),
+        [Some(1.0), Some(6.0), None],
+        "what was accepted stays"
+    );
+    assert_eq!(
+        desk.history.next_undo().map(|step| step.name.as_str()),
+        Some("Accept"),
+        "it is no step"
+    );
     assert_eq!(desk.now.frames[0], before.frames[0]);
     assert!(desk.step(true));
-    assert_eq!(desk.pans(), [Some(1.0), Some(6.0), None], "nobody discarded what the frame shows again");
+    assert_eq!(
+        desk.pans(),
+        [Some(1.0), Some(6.0), None],
+        "nobody discarded what the frame shows again"
+    );
     desk.discard(batch);
     assert_eq!(desk.now.frames[1].ptz, before.frames[1].ptz);
     desk.check();
@@ -309,27 +419,46 @@ fn what_was_discarded_does_not_come_back_when_its_acceptance_is_redone_and_undon
 #[test]
 fn a_forest_that_answers_late_does_not_cover_a_camera_that_was_carried_meanwhile() {
     let mut desk = Desk::of(document(2));
-    let late = [proposal(&desk.now, 0, Some(1.0)), proposal(&desk.now, 1, Some(2.0))];
+    let late = [
+        proposal(&desk.now, 0, Some(1.0)),
+        proposal(&desk.now, 1, Some(2.0)),
+    ];
     let batch = desk.carry(&[(0, 5.0)]);
     desk.suggest(&late);
     assert_eq!(desk.pans(), [Some(5.0), Some(2.0)]);
     desk.discard(batch);
-    assert_eq!(desk.pans(), [Some(1.0), Some(2.0)], "beneath it the answer was kept");
+    assert_eq!(
+        desk.pans(),
+        [Some(1.0), Some(2.0)],
+        "beneath it the answer was kept"
+    );
     desk.check();
 }
 
 #[test]
 fn a_forest_whose_answers_were_discarded_is_not_listened_to_again() {
     let mut desk = Desk::of(document(2));
-    desk.suggest(&[proposal(&desk.now, 0, Some(1.0)), proposal(&desk.now, 1, None)]);
+    desk.suggest(&[
+        proposal(&desk.now, 0, Some(1.0)),
+        proposal(&desk.now, 1, None),
+    ]);
     let batch = desk.project.batch_shown_in(&desk.now.frames[0]).unwrap();
-    assert_eq!(desk.project.batch_shown_in(&desk.now.frames[1]), Some(batch));
+    assert_eq!(
+        desk.project.batch_shown_in(&desk.now.frames[1]),
+        Some(batch)
+    );
     let refused = desk.discard(batch).refused.unwrap();
     assert_eq!((refused.frames.len(), refused.generation), (2, 1));
     assert_eq!(desk.project.batch_shown_in(&desk.now.frames[0]), None);
-    desk.suggest(&[proposal(&desk.now, 0, Some(1.0)), proposal(&desk.now, 1, Some(2.0))]);
+    desk.suggest(&[
+        proposal(&desk.now, 0, Some(1.0)),
+        proposal(&desk.now, 1, Some(2.0)),
+    ]);
     assert_eq!(desk.pans(), [None, None]);
-    let later = Proposal { generation: 2, ..proposal(&desk.now, 0, Some(1.0)) };
+    let later = Proposal {
+        generation: 2,
+        ..proposal(&desk.now, 0, Some(1.0))
+    };
     desk.suggest(&[later]);
     assert_eq!(desk.pans(), [Some(1.0), None]);
     desk.check();
@@ -385,11 +514,16 @@ impl Desk {
     fn happen(&mut self, happening: Happening) {
         match happening {
             Happening::Answer(frame, pan_deg) => {
-                self.suggest(&[Proposal { generation: self.generation, ..proposal(&self.now, frame, pan_deg) }]);
+                self.suggest(&[Proposal {
+                    generation: self.generation,
+                    ..proposal(&self.now, frame, pan_deg)
+                }]);
             }
             Happening::Learn => self.generation += 1,
             Happening::Carry(first, pan_deg) => {
-                let cameras: Vec<_> = (first..self.now.frames.len()).map(|frame| (frame, pan_deg)).collect();
+                let cameras: Vec<_> = (first..self.now.frames.len())
+                    .map(|frame| (frame, pan_deg))
+                    .collect();
                 self.carry(&cameras);
             }
             Happening::Find(height_m, pan_deg) => self.edit("Find the camera", |document| {
@@ -406,10 +540,14 @@ impl Desk {
             Happening::Accept(frame) if self.now.frames[frame].ptz.is_none() => {}
             Happening::Accept(frame) => self.accept(frame),
             Happening::Comment(frame, text) => {
-                self.edit("Comment", |document| document.frames[frame].comment = Some(text.to_string()));
+                self.edit("Comment", |document| {
+                    document.frames[frame].comment = Some(text.to_string())
+                });
             }
             Happening::Click(frame, x) => self.edit("Click", |document| {
-                document.frames[frame].clicks.push(Click::unnamed(ImagePoint::new(x, 1.0)));
+                document.frames[frame]
+                    .clicks
+                    .push(Click::unnamed(ImagePoint::new(x, 1.0)));
                 document.frames[frame].status = FrameStatus::Draft;
             }),
             Happening::Move(height_m) => self.edit("Move camera", |document| {
@@ -427,7 +565,10 @@ impl Desk {
 
 /// How often each property is tried, always in the same way.
 fn trials(seed: u64) -> ProptestConfig {
-    ProptestConfig { rng_seed: RngSeed::Fixed(seed), ..ProptestConfig::with_cases(96) }
+    ProptestConfig {
+        rng_seed: RngSeed::Fixed(seed),
+        ..ProptestConfig::with_cases(96)
+    }
 }
 
 proptest! {

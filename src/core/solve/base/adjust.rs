@@ -11,7 +11,8 @@ use crate::field::{Crown, FieldModel};
 use crate::geometry::{Angle, Mat3, Vec2};
 use crate::solve::{Loss, Observation};
 
-/// What is known of a broadcast camera before its clicks are looked at: weak, and decisive only where the clicks are few.
+/// What is known of a broadcast camera before its clicks are looked at: weak, and decisive only
+/// where the clicks are few.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BasePriors {
     /// 1-σ of the base's pitch: camera heads are levelled, along the view less well than across it.
@@ -29,8 +30,9 @@ pub struct BasePriors {
 }
 
 impl Default for BasePriors {
-    /// Measured on nine matches: rolls of 0.1 to 0.4°, pitches of up to 1.6°, crowns of 0.05 to 0.25 m, k₁ ≈ −0.02 + 0.21 (f − 2000) / 1000.
-    /// Twenty lenses that a World Cup's provider calibrated frame by frame have principal points up to 69 px off the middle.
+    /// Measured on nine matches: rolls of 0.1 to 0.4°, pitches of up to 1.6°, crowns of 0.05 to
+    /// 0.25 m, k₁ ≈ −0.02 + 0.21 (f − 2000) / 1000. Twenty lenses that a World Cup's provider
+    /// calibrated frame by frame have principal points up to 69 px off the middle.
     fn default() -> Self {
         Self {
             pitch: Angle::from_degrees(1.0),
@@ -74,7 +76,8 @@ pub struct AdjustedBase {
     pub base: CameraBase,
     /// The crown of the pitch, m.
     pub crown_m: f64,
-    /// Pan, tilt, focal length of every frame; none where the start had none, or where nothing was seen.
+    /// Pan, tilt, focal length of every frame; none where the start had none, or where nothing was
+    /// seen.
     pub ptz: Vec<Option<Ptz>>,
     /// Covariance of the position, m².
     pub position_covariance: Mat3,
@@ -101,14 +104,23 @@ pub fn adjust_base(
     let image_width_px = clicks.image_size.width;
     let on_ground = |observation: &Observation| BaseClick::new(observation, field.crown());
     // A frame of which nothing was seen has nothing to say: its equations would have no solution.
-    let start_of = |(frame, ptz): (&FrameClicks, &Option<Ptz>)| ptz.filter(|_| frame.used().next().is_some());
+    let start_of =
+        |(frame, ptz): (&FrameClicks, &Option<Ptz>)| ptz.filter(|_| frame.used().next().is_some());
     let start_ptz: Vec<Option<Ptz>> = frames.iter().zip(start_ptz).map(start_of).collect();
-    let clicks = frames.iter().map(|frame| frame.used().map(on_ground).collect());
-    let (clicks, ptz): (_, Vec<Ptz>) =
-        clicks.zip(&start_ptz).filter_map(|(clicks, ptz): (Vec<_>, _)| Some((clicks, (*ptz)?))).unzip();
+    let clicks = frames
+        .iter()
+        .map(|frame| frame.used().map(on_ground).collect());
+    let (clicks, ptz): (_, Vec<Ptz>) = clicks
+        .zip(&start_ptz)
+        .filter_map(|(clicks, ptz): (Vec<_>, _)| Some((clicks, (*ptz)?)))
+        .unzip();
     let bundle = Bundle::<OF_BASE> {
         frames: clicks,
-        priors: options.priors.of_model(model, image_width_px, &UsualView::from_frames(start, &ptz)),
+        priors: options.priors.of_model(
+            model,
+            image_width_px,
+            &UsualView::from_frames(start, &ptz),
+        ),
         free: free_parameters(model),
         loss: options.loss,
     };
@@ -125,14 +137,22 @@ pub fn adjust_base(
         principal_point_px: options.priors.principal_point_px * per_1920(image_width_px),
     };
     let view = UsualView::from_frames(start, ptz);
-    let covariance = held.covariance(bundle, &|model| options.priors.of_model(model, image_width_px, &view));
+    let covariance = held.covariance(bundle, &|model| {
+        options.priors.of_model(model, image_width_px, &view)
+    });
     let (mut base, added) = shared.base.in_pan_gauge();
     base.sigma = BaseSigma::from_covariance(&covariance, shared.crown.width_m);
-    let mut solved = ptz.iter().map(|ptz| Ptz { pan: (ptz.pan + added).wrapped(), ..*ptz });
+    let mut solved = ptz.iter().map(|ptz| Ptz {
+        pan: (ptz.pan + added).wrapped(),
+        ..*ptz
+    });
     AdjustedBase {
         base,
         crown_m: shared.crown.height_m,
-        ptz: start_ptz.iter().map(|ptz| ptz.and_then(|_| solved.next())).collect(),
+        ptz: start_ptz
+            .iter()
+            .map(|ptz| ptz.and_then(|_| solved.next()))
+            .collect(),
         noise_scale,
         position_covariance: covariance.fixed_view::<3, 3>(0, 0).into_owned(),
         cost: crate::solve::least_squares::Equations::cost(&found.equations),
@@ -141,21 +161,46 @@ pub fn adjust_base(
 }
 
 /// The start's shared parameters as the model has them.
-pub(super) fn starting(field: &FieldModel, start: &CameraBase, image_width_px: u32, model: &BaseModel) -> Shared {
+pub(super) fn starting(
+    field: &FieldModel,
+    start: &CameraBase,
+    image_width_px: u32,
+    model: &BaseModel,
+) -> Shared {
     let at_focal_px = LENS_FOCAL_PX * per_1920(image_width_px);
     let value = start.distortion.at(at_focal_px);
     let distortion = match model.lens {
-        LensModel::Pinhole => FocalCurve { at_focal_px, ..FocalCurve::NONE },
-        LensModel::K1 => FocalCurve { at_focal_px, value, ..FocalCurve::NONE },
+        LensModel::Pinhole => FocalCurve {
+            at_focal_px,
+            ..FocalCurve::NONE
+        },
+        LensModel::K1 => FocalCurve {
+            at_focal_px,
+            value,
+            ..FocalCurve::NONE
+        },
         LensModel::K1Focal | LensModel::K1FocalK2 => FocalCurve {
             at_focal_px,
             value,
             per_1000_px: start.distortion.per_1000_px,
-            k2_per_k1_squared: if model.lens.never_folds() { FocalCurve::WITHOUT_FOLD } else { 0.0 },
+            k2_per_k1_squared: if model.lens.never_folds() {
+                FocalCurve::WITHOUT_FOLD
+            } else {
+                0.0
+            },
         },
     };
     let height_m = model.crown.fixed_m().unwrap_or(field.crown_m);
-    Shared::new(&CameraBase { distortion, ..*start }, Crown { height_m, ..field.crown() })
+    Shared::new(
+        &CameraBase {
+            distortion,
+            ..*start
+        },
+        Crown {
+            height_m,
+            ..field.crown()
+        },
+    )
 }
 
 /// The focal length at which k₁ itself is a parameter, px of a frame 1920 px wide.
@@ -165,27 +210,34 @@ fn per_1920(image_width_px: u32) -> f64 {
     f64::from(image_width_px) / 1920.0
 }
 
-/// With fewer frames the principal point and the direction to the field are not told from the position.
+/// With fewer frames the principal point and the direction to the field are not told from the
+/// position.
 pub(super) const PLACING_FRAMES: usize = 12;
 
 /// Where a camera usually looks: what its priors are about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct UsualView {
-    /// From where it stands to the middle of the field, seen from above: unit, `world` x and y. Operators level their heads along and
-    /// across it, wherever a single frame looks.
+    /// From where it stands to the middle of the field, seen from above: unit, `world` x and y.
+    /// Operators level their heads along and across it, wherever a single frame looks.
     pub along: Vec2,
-    /// The focal length, px: the middle of the frames' on a logarithmic scale; none where that of the priors holds.
+    /// The focal length, px: the middle of the frames' on a logarithmic scale; none where that of
+    /// the priors holds.
     pub focal_px: Option<f64>,
 }
 
 impl UsualView {
-    /// Of frames of a base. Few frames do not place a camera well enough to say where it sees its field: then it is taken to stand on
-    /// the main stand, at the focal length of the priors.
+    /// Of frames of a base. Few frames do not place a camera well enough to say where it sees its
+    /// field: then it is taken to stand on the main stand, at the focal length of the priors.
     pub fn from_frames(base: &CameraBase, ptz: &[Ptz]) -> Self {
         if ptz.len() < PLACING_FRAMES {
-            return Self { along: Vec2::new(0.0, 1.0), focal_px: None };
+            return Self {
+                along: Vec2::new(0.0, 1.0),
+                focal_px: None,
+            };
         }
-        let along = (-base.position_m.xy()).try_normalize(1e-9).unwrap_or(Vec2::new(0.0, 1.0));
+        let along = (-base.position_m.xy())
+            .try_normalize(1e-9)
+            .unwrap_or(Vec2::new(0.0, 1.0));
         let logs: f64 = ptz.iter().map(|ptz| ptz.focal_px.ln()).sum();
         let focal_px = Some((logs / ptz.len() as f64).exp());
         Self { along, focal_px }
@@ -195,8 +247,14 @@ impl UsualView {
 impl BasePriors {
     /// Those of the parameters that a model leaves free.
     ///
-    /// Heads are levelled along and across the direction in which they look at the field, whatever the field's axes are.
-    pub(super) fn of_model(&self, model: &BaseModel, image_width_px: u32, view: &UsualView) -> Vec<SharedPrior> {
+    /// Heads are levelled along and across the direction in which they look at the field, whatever
+    /// the field's axes are.
+    pub(super) fn of_model(
+        &self,
+        model: &BaseModel,
+        image_width_px: u32,
+        view: &UsualView,
+    ) -> Vec<SharedPrior> {
         let per_1920 = per_1920(image_width_px);
         let prior = |of: Expected, sigma: f64| SharedPrior { of, sigma };
         let mut found = vec![
@@ -208,17 +266,25 @@ impl BasePriors {
             let own_px = view.focal_px.filter(|_| !model.lens.follows_focal());
             let beyond_px = own_px.map_or(0.0, |own_px| own_px / per_1920 - LENS_FOCAL_PX);
             let expected = self.k1.0 + self.k1_slope.0 * beyond_px / 1000.0;
-            found.push(prior(Expected::K1(expected), self.k1.1.hypot(self.k1_slope.1 * beyond_px / 1000.0)));
+            found.push(prior(
+                Expected::K1(expected),
+                self.k1.1.hypot(self.k1_slope.1 * beyond_px / 1000.0),
+            ));
         }
         if model.lens.follows_focal() {
-            found.push(prior(Expected::Slope(self.k1_slope.0 / per_1920), self.k1_slope.1 / per_1920));
+            found.push(prior(
+                Expected::Slope(self.k1_slope.0 / per_1920),
+                self.k1_slope.1 / per_1920,
+            ));
         }
         if model.crown == CrownModel::Free {
             found.push(prior(Expected::Crown(self.crown_m.0), self.crown_m.1));
         }
         if let Some(nominal) = model.principal_point {
             let sigma_px = self.principal_point_px * per_1920;
-            found.extend((0..2).map(|axis| prior(Expected::PrincipalPoint(nominal, axis), sigma_px)));
+            found.extend(
+                (0..2).map(|axis| prior(Expected::PrincipalPoint(nominal, axis), sigma_px)),
+            );
         }
         found
     }

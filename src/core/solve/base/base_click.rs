@@ -14,7 +14,8 @@ use nalgebra::SMatrix;
 pub(super) struct BaseClick {
     /// The click, what it shows on flat ground.
     flat: Observation,
-    /// The same shape where each of the fitted lengths is one metre greater; none where the size is not fitted.
+    /// The same shape where each of the fitted lengths is one metre greater; none where the size is
+    /// not fitted.
     larger: [Option<ObservedShape>; SIZES],
 }
 
@@ -28,19 +29,29 @@ pub(super) struct FrameView {
 impl FrameView {
     /// The base pointed.
     pub fn new(shared: &Shared, ptz: Ptz) -> Self {
-        Self { shared: *shared, camera: PtzCamera::new(shared.base, ptz) }
+        Self {
+            shared: *shared,
+            camera: PtzCamera::new(shared.base, ptz),
+        }
     }
 }
 
 impl BaseClick {
-    /// A click on a field of known size; `crown` is that of the field from which the observation was made.
+    /// A click on a field of known size; `crown` is that of the field from which the observation
+    /// was made.
     pub fn new(observation: &Observation, crown: Crown) -> Self {
         let shape = observation.shape.recrowned(crown, Crown::FLAT);
-        Self { flat: Observation { shape, ..*observation }, larger: [None; SIZES] }
+        Self {
+            flat: Observation {
+                shape,
+                ..*observation
+            },
+            larger: [None; SIZES],
+        }
     }
 
-    /// The same click where a length of the field is fitted: what it shows becomes `larger` (on flat ground) when the
-    /// length grows by `by_m`.
+    /// The same click where a length of the field is fitted: what it shows becomes `larger` (on
+    /// flat ground) when the length grows by `by_m`.
     pub fn growing(mut self, size: usize, larger: &ObservedShape, by_m: f64) -> Self {
         self.larger[size] = Some(self.flat.shape.moved(&self.flat.shape, larger, 1.0 / by_m));
         self
@@ -53,7 +64,10 @@ impl BaseClick {
 
     /// Its squared distance from what it shows, sigmas²; none where that has no image.
     pub fn squared_sigmas(&self, at: &FrameView) -> Option<f64> {
-        let off_px = self.observation(&at.shared).shape.residual_px(&at.camera, self.flat.image)?;
+        let off_px = self
+            .observation(&at.shared)
+            .shape
+            .residual_px(&at.camera, self.flat.image)?;
         Some(off_px.norm_squared() / (self.flat.sigma_px * self.flat.sigma_px))
     }
 
@@ -65,14 +79,21 @@ impl BaseClick {
                 shape = shape.moved(&self.flat.shape, larger, larger_m);
             }
         }
-        Observation { shape: shape.recrowned(Crown::FLAT, shared.crown), ..self.flat }
+        Observation {
+            shape: shape.recrowned(Crown::FLAT, shared.crown),
+            ..self.flat
+        }
     }
 
     /// How the point that a click was compared with moves as the size grows, m/m.
     fn world_by_size(&self, shared: &Shared, size: usize, here: &ShapeJacobian) -> Vec3 {
-        let Some(larger) = &self.larger[size] else { return Vec3::zeros() };
+        let Some(larger) = &self.larger[size] else {
+            return Vec3::zeros();
+        };
         let mut by = larger.nominal_at(here.parameter) - self.flat.shape.nominal_at(here.parameter);
-        let [by_y, by_width] = shared.crown.drop_share_by_y_and_width(here.nearest_in_world.y);
+        let [by_y, by_width] = shared
+            .crown
+            .drop_share_by_y_and_width(here.nearest_in_world.y);
         by.z -= shared.crown.height_m * (by_y * by.y + by_width * shared.width_by_size[size]);
         by
     }
@@ -90,27 +111,43 @@ impl<const SHARED: usize> Residual<2, SHARED, 3> for BaseClick {
     }
 
     fn value(&self, at: &FrameView) -> Option<Vec2> {
-        self.observation(&at.shared).shape.residual_px(&at.camera, self.flat.image)
+        self.observation(&at.shared)
+            .shape
+            .residual_px(&at.camera, self.flat.image)
     }
 
     fn linearised(&self, at: &FrameView) -> Option<Linearised<2, SHARED, 3>> {
         let FrameView { shared, camera } = at;
-        let here = self.observation(shared).shape.jacobian(camera, self.flat.image)?;
+        let here = self
+            .observation(shared)
+            .shape
+            .jacobian(camera, self.flat.image)?;
         let focal_px = camera.ptz().focal_px;
         let kilo_px = (focal_px - shared.base.distortion.at_focal_px) / 1000.0;
         let mut by_shared = SMatrix::<f64, 2, SHARED>::zeros();
-        by_shared.fixed_columns_mut::<5>(0).copy_from(&here.by_base.fixed_columns::<5>(0));
+        by_shared
+            .fixed_columns_mut::<5>(0)
+            .copy_from(&here.by_base.fixed_columns::<5>(0));
         by_shared.set_column(K1, &here.by_k1);
         by_shared.set_column(SLOPE, &(here.by_k1 * kilo_px));
         let drop = shared.crown.drop_share(here.nearest_in_world.y);
         by_shared.set_column(CROWN, &(here.by_world.column(2) * -drop));
-        by_shared.fixed_columns_mut::<2>(PRINCIPAL_POINT).copy_from(&here.by_image);
+        by_shared
+            .fixed_columns_mut::<2>(PRINCIPAL_POINT)
+            .copy_from(&here.by_image);
         for size in 0..SHARED.saturating_sub(SIZE) {
-            by_shared.set_column(SIZE + size, &(here.by_world * self.world_by_size(shared, size, &here)));
+            by_shared.set_column(
+                SIZE + size,
+                &(here.by_world * self.world_by_size(shared, size, &here)),
+            );
         }
         let mut by_own = here.by_ptz;
         by_own.column_mut(2).scale_mut(focal_px);
-        Some(Linearised { value: here.value_px, by_shared, by_own })
+        Some(Linearised {
+            value: here.value_px,
+            by_shared,
+            by_own,
+        })
     }
 }
 
@@ -130,24 +167,52 @@ mod tests {
     use std::collections::BTreeMap;
 
     fn field(length_m: f64, width_m: f64) -> FieldModel {
-        let size = BTreeMap::from([("length_m".to_owned(), length_m), ("width_m".to_owned(), width_m)]);
+        let size = BTreeMap::from([
+            ("length_m".to_owned(), length_m),
+            ("width_m".to_owned(), width_m),
+        ]);
         builtin("soccer").unwrap().model(&size, 0.15).unwrap()
     }
 
     fn base() -> CameraBase {
-        let angles =
-            BaseAngles { roll: Angle::from_degrees(0.7), pitch: Angle::from_degrees(-1.0), ..BaseAngles::default() };
+        let angles = BaseAngles {
+            roll: Angle::from_degrees(0.7),
+            pitch: Angle::from_degrees(-1.0),
+            ..BaseAngles::default()
+        };
         CameraBase {
-            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.2, k2_per_k1_squared: 1.5 },
-            ..CameraBase::new(Vec3::new(3.0, -62.0, 17.0), angles.base_from_world(), ImagePoint::new(955.0, 543.0))
+            distortion: FocalCurve {
+                at_focal_px: 2000.0,
+                value: -0.05,
+                per_1000_px: 0.2,
+                k2_per_k1_squared: 1.5,
+            },
+            ..CameraBase::new(
+                Vec3::new(3.0, -62.0, 17.0),
+                angles.base_from_world(),
+                ImagePoint::new(955.0, 543.0),
+            )
         }
     }
 
     fn elements(field: &FieldModel) -> Vec<FieldElement> {
-        let landmarks = ["centre_circle_halfway_far", "penalty_area_far_left_front", "post_far_left_top"];
-        let lines = ["halfway_line", "touchline_far", "penalty_area_left_front", "centre_circle", "penalty_arc_left"];
+        let landmarks = [
+            "centre_circle_halfway_far",
+            "penalty_area_far_left_front",
+            "post_far_left_top",
+        ];
+        let lines = [
+            "halfway_line",
+            "touchline_far",
+            "penalty_area_left_front",
+            "centre_circle",
+            "penalty_arc_left",
+        ];
         let landmarks = landmarks.map(|name| field.landmark_element(name).unwrap());
-        landmarks.into_iter().chain(lines.map(|name| field.line_element(name).unwrap())).collect()
+        landmarks
+            .into_iter()
+            .chain(lines.map(|name| field.line_element(name).unwrap()))
+            .collect()
     }
 
     fn clicks() -> Vec<BaseClick> {
@@ -155,12 +220,17 @@ mod tests {
         let larger = [field(105.2, 68.0), field(105.0, 68.2)];
         let click = |element: FieldElement| {
             let image = ImagePoint::new(620.0, 420.0);
-            let at = Observation::of_point(Vec3::zeros(), image, 2.0, 0).renamed(&usual, element).unwrap();
+            let at = Observation::of_point(Vec3::zeros(), image, 2.0, 0)
+                .renamed(&usual, element)
+                .unwrap();
             let click = BaseClick::new(&at, usual.crown());
-            larger.iter().enumerate().fold(click, |click, (size, larger)| {
-                let shape = ObservedShape::of_element(larger, element).unwrap();
-                click.growing(size, &shape.recrowned(larger.crown(), Crown::FLAT), 0.2)
-            })
+            larger
+                .iter()
+                .enumerate()
+                .fold(click, |click, (size, larger)| {
+                    let shape = ObservedShape::of_element(larger, element).unwrap();
+                    click.growing(size, &shape.recrowned(larger.crown(), Crown::FLAT), 0.2)
+                })
         };
         elements(&usual).into_iter().map(click).collect()
     }
@@ -170,7 +240,13 @@ mod tests {
         let shared = Shared {
             larger_m: [0.4, -0.3],
             width_by_size: [0.0, 1.0],
-            ..Shared::new(&base(), Crown { height_m: 0.15, width_m: 67.7 })
+            ..Shared::new(
+                &base(),
+                Crown {
+                    height_m: 0.15,
+                    width_m: 67.7,
+                },
+            )
         };
         let ptz = Ptz::from_degrees(-14.0, -15.0, 1910.0);
         for click in clicks() {
@@ -189,11 +265,17 @@ mod tests {
     #[test]
     fn a_click_on_a_larger_field_shows_the_landmark_or_line_of_that_field() {
         let (usual, larger) = (field(105.0, 68.0), field(106.5, 66.0));
-        let shared = Shared { larger_m: [1.5, -2.0], ..Shared::new(&base(), larger.crown()) };
+        let shared = Shared {
+            larger_m: [1.5, -2.0],
+            ..Shared::new(&base(), larger.crown())
+        };
         for (click, element) in clicks().into_iter().zip(elements(&usual)) {
             let there = ObservedShape::of_element(&larger, element).unwrap();
             let there = there.recrowned(larger.crown(), Crown::FLAT);
-            let moved = click.observation(&shared).shape.recrowned(shared.crown, Crown::FLAT);
+            let moved = click
+                .observation(&shared)
+                .shape
+                .recrowned(shared.crown, Crown::FLAT);
             for parameter in [0.0, 0.4, 1.0] {
                 let off = (moved.nominal_at(parameter) - there.nominal_at(parameter)).norm();
                 assert!(off < 1e-9, "{element:?}: {off}");

@@ -1,9 +1,11 @@
-//! Whether a base stops fitting from some frame on: somebody bumped the tripod, or set it up anew at half-time.
+//! Whether a base stops fitting from some frame on: somebody bumped the tripod, or set it up anew
+//! at half-time.
 //!
-//! Each frame's clicks pull the base somewhere (gradient) and say how surely (normal equations, the frame's own pan, tilt
-//! and focal length eliminated). At every place of the sequence two models are compared: one displacement of the base for
-//! all frames, or one before and another from there on, each with the same prior. With Gaussians the Bayes factor has a
-//! closed form. What frames scatter beyond the noise of their clicks (lens, pitch, names) is estimated along and makes all
+//! Each frame's clicks pull the base somewhere (gradient) and say how surely (normal equations, the
+//! frame's own pan, tilt and focal length eliminated). At every place of the sequence two models
+//! are compared: one displacement of the base for all frames, or one before and another from there
+//! on, each with the same prior. With Gaussians the Bayes factor has a closed form. What frames
+//! scatter beyond the noise of their clicks (lens, pitch, names) is estimated along and makes all
 //! of them count less. What is found must also show in pixels.
 
 use super::FrameClicks;
@@ -59,8 +61,8 @@ pub struct BaseChange {
     pub evidence: f64,
 }
 
-/// Where a base stops fitting, if it does: `frames` and their cameras in the order of time. Frames without a camera or with
-/// too few clicks are passed over.
+/// Where a base stops fitting, if it does: `frames` and their cameras in the order of time. Frames
+/// without a camera or with too few clicks are passed over.
 #[must_use]
 pub fn base_change(
     field: &FieldModel,
@@ -77,12 +79,21 @@ pub fn base_change(
         .filter_map(|(place, (frame, ptz))| Some(Telling::new(place, frame, (*ptz)?, field)))
         .collect();
     if telling.len() > COARSE {
-        let coarse: Vec<Pull> = subsample(&telling, COARSE).map(|frame| frame.pull(&shared)).collect();
+        let coarse: Vec<Pull> = subsample(&telling, COARSE)
+            .map(|frame| frame.pull(&shared))
+            .collect();
         // What a part of the frames does not suggest, all of them are not asked.
         split(&coarse).filter(|split| split.evidence > 0.5 * EVIDENCE)?;
     }
-    let pulls: Vec<Pull> = telling.par_iter().map(|frame| frame.pull(&shared)).collect();
-    let Split { at, evidence, scatter } = split(&pulls).filter(|split| split.evidence > EVIDENCE)?;
+    let pulls: Vec<Pull> = telling
+        .par_iter()
+        .map(|frame| frame.pull(&shared))
+        .collect();
+    let Split {
+        at,
+        evidence,
+        scatter,
+    } = split(&pulls).filter(|split| split.evidence > EVIDENCE)?;
 
     let (before, after) = telling.split_at(at);
     let held = Displaced::fitted(&shared, before);
@@ -95,7 +106,14 @@ pub fn base_change(
     }
     let mut base = own.shared.base.in_pan_gauge().0;
     base.sigma = own.sigma(scatter);
-    Some(BaseChange { frame: after.first()?.place, before_px, after_px, own_px, base, evidence })
+    Some(BaseChange {
+        frame: after.first()?.place,
+        before_px,
+        after_px,
+        own_px,
+        base,
+        evidence,
+    })
 }
 
 /// A frame that says something about the base.
@@ -109,12 +127,25 @@ struct Telling {
 impl Telling {
     fn new(place: usize, frame: &FrameClicks, ptz: Ptz, field: &FieldModel) -> Self {
         let observations: Vec<Observation> = frame.used().copied().collect();
-        let clicks = observations.iter().map(|observation| BaseClick::new(observation, field.crown())).collect();
-        Self { place, clicks, observations, ptz }
+        let clicks = observations
+            .iter()
+            .map(|observation| BaseClick::new(observation, field.crown()))
+            .collect();
+        Self {
+            place,
+            clicks,
+            observations,
+            ptz,
+        }
     }
 
     fn pull(&self, shared: &Shared) -> Pull {
-        Pull::of(&frame_equations(shared, self.ptz, &self.clicks, Loss::default()))
+        Pull::of(&frame_equations(
+            shared,
+            self.ptz,
+            &self.clicks,
+            Loss::default(),
+        ))
     }
 }
 
@@ -127,12 +158,17 @@ struct Pull {
 
 impl Pull {
     fn none() -> Self {
-        Self { gradient: Moved::zeros(), information: MovedMatrix::zeros() }
+        Self {
+            gradient: Moved::zeros(),
+            information: MovedMatrix::zeros(),
+        }
     }
 
     /// Pan, tilt and focal length follow. A frame that leaves those open says nothing.
     fn of(frame: &BlockEquations<OF_BASE, 3>) -> Self {
-        let Some((information, gradient)) = frame.eliminated() else { return Self::none() };
+        let Some((information, gradient)) = frame.eliminated() else {
+            return Self::none();
+        };
         Self {
             gradient: gradient.fixed_rows::<MOVED>(0).into_owned(),
             information: information.fixed_view::<MOVED, MOVED>(0, 0).into_owned(),
@@ -140,23 +176,37 @@ impl Pull {
     }
 
     fn plus(self, other: &Self) -> Self {
-        Self { gradient: self.gradient + other.gradient, information: self.information + other.information }
+        Self {
+            gradient: self.gradient + other.gradient,
+            information: self.information + other.information,
+        }
     }
 
     fn minus(self, other: &Self) -> Self {
-        Self { gradient: self.gradient - other.gradient, information: self.information - other.information }
+        Self {
+            gradient: self.gradient - other.gradient,
+            information: self.information - other.information,
+        }
     }
 
-    /// How much of the misfit a displacement explains, and how much noise alone would have it explain.
+    /// How much of the misfit a displacement explains, and how much noise alone would have it
+    /// explain.
     fn explained(&self) -> (f64, f64) {
-        let Some(inverse) = (self.information + prior()).try_inverse() else { return (0.0, 0.0) };
-        (self.gradient.dot(&(inverse * self.gradient)), (inverse * self.information).trace())
+        let Some(inverse) = (self.information + prior()).try_inverse() else {
+            return (0.0, 0.0);
+        };
+        (
+            self.gradient.dot(&(inverse * self.gradient)),
+            (inverse * self.information).trace(),
+        )
     }
 
     /// The logarithm of the evidence for one displacement, against none.
     fn evidence(&self, scatter: f64) -> f64 {
         let information = self.information / scatter;
-        let Some(inverse) = (information + prior()).try_inverse() else { return 0.0 };
+        let Some(inverse) = (information + prior()).try_inverse() else {
+            return 0.0;
+        };
         let gradient = self.gradient / scatter;
         let spread = MovedMatrix::identity() + information * variance();
         0.5 * (gradient.dot(&(inverse * gradient)) - spread.determinant().ln())
@@ -166,7 +216,13 @@ impl Pull {
 /// What is known of a displacement beforehand, as variances (m², rad²).
 fn variance() -> MovedMatrix {
     let turn = BUMP_TURN.radians();
-    MovedMatrix::from_diagonal(&Moved::from_fn(|index, _| if index < ROTATION { BUMP_M.powi(2) } else { turn * turn }))
+    MovedMatrix::from_diagonal(&Moved::from_fn(|index, _| {
+        if index < ROTATION {
+            BUMP_M.powi(2)
+        } else {
+            turn * turn
+        }
+    }))
 }
 
 /// The inverse of [`variance`].
@@ -199,9 +255,14 @@ fn split(pulls: &[Pull]) -> Option<Split> {
             let (of_before, of_after) = (before.explained(), after.explained());
             let left = freedom - of_before.1 - of_after.1;
             let scatter = ((misfit - of_before.0 - of_after.0) / left.max(1.0)).max(1.0);
-            let evidence = before.evidence(scatter) + after.evidence(scatter) - all.evidence(scatter);
+            let evidence =
+                before.evidence(scatter) + after.evidence(scatter) - all.evidence(scatter);
             if best.is_none_or(|best| evidence > best.evidence) {
-                best = Some(Split { at: index, evidence, scatter });
+                best = Some(Split {
+                    at: index,
+                    evidence,
+                    scatter,
+                });
             }
         }
         before = before.plus(pull);
@@ -216,9 +277,14 @@ struct Displaced {
 }
 
 impl Displaced {
-    /// The base adjusted to some frames, held near the start by what is known of bumps; the lens stays.
+    /// The base adjusted to some frames, held near the start by what is known of bumps; the lens
+    /// stays.
     fn fitted(start: &Shared, frames: &[Telling]) -> Self {
-        const UNTIL: Stopping = Stopping { max_iterations: 8, short_step: 0.0, small_gain: 1e-6 };
+        const UNTIL: Stopping = Stopping {
+            max_iterations: 8,
+            short_step: 0.0,
+            small_gain: 1e-6,
+        };
         let mut free = [false; OF_BASE];
         free[..MOVED].fill(true);
         let bundle = Bundle {
@@ -228,10 +294,20 @@ impl Displaced {
             loss: Loss::default(),
         };
         let ptz = frames.iter().map(|frame| frame.ptz).collect();
-        let found = minimise(&bundle, BundleState { shared: *start, ptz }, UNTIL);
+        let found = minimise(
+            &bundle,
+            BundleState {
+                shared: *start,
+                ptz,
+            },
+            UNTIL,
+        );
         let pulls = found.equations.blocks.iter().map(Pull::of);
         let sum = pulls.fold(Pull::none(), |sum, pull| sum.plus(&pull));
-        Self { shared: found.state.shared, information: sum.information }
+        Self {
+            shared: found.state.shared,
+            information: sum.information,
+        }
     }
 
     /// Median distance of some frames' clicks, each frame pointed anew, px.
@@ -242,7 +318,11 @@ impl Displaced {
             .flat_map_iter(|frame| {
                 let refined = refine(&base, frame.ptz, &frame.observations, Loss::default(), None);
                 let camera = PtzCamera::new(base, refined.ptz);
-                frame.observations.iter().filter_map(move |click| click.distance_px(&camera)).collect::<Vec<_>>()
+                frame
+                    .observations
+                    .iter()
+                    .filter_map(move |click| click.distance_px(&camera))
+                    .collect::<Vec<_>>()
             })
             .collect();
         median_high(&mut errors)
@@ -250,9 +330,13 @@ impl Displaced {
 
     /// How far position and rotation are known.
     fn sigma(&self, scatter: f64) -> BaseSigma {
-        let covariance = (self.information / scatter + prior()).try_inverse().unwrap_or_else(variance);
+        let covariance = (self.information / scatter + prior())
+            .try_inverse()
+            .unwrap_or_else(variance);
         let mut of_shared = SharedCovariance::zeros();
-        of_shared.fixed_view_mut::<5, 5>(0, 0).copy_from(&covariance.fixed_view::<5, 5>(0, 0));
+        of_shared
+            .fixed_view_mut::<5, 5>(0, 0)
+            .copy_from(&covariance.fixed_view::<5, 5>(0, 0));
         BaseSigma::from_covariance(&of_shared, self.shared.crown.width_m)
     }
 }

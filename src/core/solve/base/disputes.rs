@@ -54,11 +54,18 @@ pub(super) fn disputed_clicks(
         let camera = PtzCamera::new(*base, *ptz);
         for click in frame.used() {
             let error_px = click.distance_px(&camera);
-            if squared_sigmas(error_px, click.sigma_px * noise_scale) <= DISPUTED_SIGMAS * DISPUTED_SIGMAS {
+            if squared_sigmas(error_px, click.sigma_px * noise_scale)
+                <= DISPUTED_SIGMAS * DISPUTED_SIGMAS
+            {
                 continue;
             }
             let fits_better = better_landmark(&camera, field, click, noise_scale);
-            found.push(DisputedClick { frame: index, click: click.click, error_px, fits_better });
+            found.push(DisputedClick {
+                frame: index,
+                click: click.click,
+                error_px,
+                fits_better,
+            });
         }
     }
     found
@@ -75,7 +82,9 @@ fn better_landmark(
         .landmarks
         .iter()
         .filter_map(|landmark| {
-            let projected = camera.image_from_world(field.landmark_in_world(landmark)).ok()?;
+            let projected = camera
+                .image_from_world(field.landmark_in_world(landmark))
+                .ok()?;
             Some((landmark.id.clone(), projected.distance_px(click.image)))
         })
         .min_by(|a, b| a.1.total_cmp(&b.1))
@@ -103,13 +112,27 @@ pub(super) fn mirrored_frames(
         let as_named = median_and_cost(base, ptz[index], &clicks, loss);
         let mut best: Option<(f64, MirroredFrame)> = None;
         for symmetry in Symmetry::ALL {
-            let mirrored: Option<Vec<Observation>> = clicks.iter().map(|click| mirrored(click, symmetry)).collect();
+            let mirrored: Option<Vec<Observation>> = clicks
+                .iter()
+                .map(|click| mirrored(click, symmetry))
+                .collect();
             let Some(mirrored) = mirrored else { continue };
-            let Ok(solved) = solve_frame(base, &mirrored, &context) else { continue };
-            let (median_mirrored_px, cost) = median_and_cost(base, Some(solved.ptz), &mirrored, loss);
+            let Ok(solved) = solve_frame(base, &mirrored, &context) else {
+                continue;
+            };
+            let (median_mirrored_px, cost) =
+                median_and_cost(base, Some(solved.ptz), &mirrored, loss);
             if cost < BETTER * as_named.1 && best.is_none_or(|(least, _)| cost < least) {
                 let median_px = as_named.0;
-                best = Some((cost, MirroredFrame { frame: index, symmetry, median_px, median_mirrored_px }));
+                best = Some((
+                    cost,
+                    MirroredFrame {
+                        frame: index,
+                        symmetry,
+                        median_px,
+                        median_mirrored_px,
+                    },
+                ));
             }
         }
         found.extend(best.map(|(_, mirrored)| mirrored));
@@ -119,18 +142,32 @@ pub(super) fn mirrored_frames(
 
 /// A landmark click under the names of another side; lines stay out of it.
 fn mirrored(click: &Observation, symmetry: Symmetry) -> Option<Observation> {
-    Some(Observation { element: None, shape: click.shape.mirrored_point(symmetry)?, ..*click })
+    Some(Observation {
+        element: None,
+        shape: click.shape.mirrored_point(symmetry)?,
+        ..*click
+    })
 }
 
-fn median_and_cost(base: &CameraBase, ptz: Option<Ptz>, clicks: &[Observation], loss: Loss) -> (f64, f64) {
+fn median_and_cost(
+    base: &CameraBase,
+    ptz: Option<Ptz>,
+    clicks: &[Observation],
+    loss: Loss,
+) -> (f64, f64) {
     let camera = ptz.map(|ptz| PtzCamera::new(*base, ptz));
-    let distances: Vec<Option<f64>> =
-        clicks.iter().map(|click| camera.as_ref().and_then(|camera| click.distance_px(camera))).collect();
+    let distances: Vec<Option<f64>> = clicks
+        .iter()
+        .map(|click| camera.as_ref().and_then(|camera| click.distance_px(camera)))
+        .collect();
     let cost = distances
         .iter()
         .zip(clicks)
         .map(|(distance, click)| loss.of(squared_sigmas(*distance, click.sigma_px)).0)
         .sum();
-    let mut distances: Vec<f64> = distances.into_iter().map(|distance| distance.unwrap_or(f64::INFINITY)).collect();
+    let mut distances: Vec<f64> = distances
+        .into_iter()
+        .map(|distance| distance.unwrap_or(f64::INFINITY))
+        .collect();
     (median_high(&mut distances).unwrap_or(f64::INFINITY), cost)
 }

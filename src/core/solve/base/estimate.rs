@@ -7,8 +7,9 @@ use super::one_more::one_more_frame;
 use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
 use super::{
-    AdjustOptions, AdjustedBase, BaseError, BaseModel, BaseProgress, CameraClicks, CrownModel, DisputedClick,
-    FrameClicks, HeldOutErrors, LensModel, MirroredFrame, ModelReason, ModelScore, OneMoreFrame, Prescribed,
+    AdjustOptions, AdjustedBase, BaseError, BaseModel, BaseProgress, CameraClicks, CrownModel,
+    DisputedClick, FrameClicks, HeldOutErrors, LensModel, MirroredFrame, ModelReason, ModelScore,
+    OneMoreFrame, Prescribed,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
@@ -21,19 +22,22 @@ use serde::Serialize;
 pub struct BaseOptions {
     /// The lens; none: chosen by cross-validation.
     pub lens: Option<LensModel>,
-    /// The pitch; none: chosen by cross-validation between the field's crown, or flat, and a free one.
+    /// The pitch; none: chosen by cross-validation between the field's crown, or flat, and a free
+    /// one.
     pub crown: Option<CrownModel>,
-    /// Also find the principal point where enough frames may show it, held near the middle by its prior. True by default.
+    /// Also find the principal point where enough frames may show it, held near the middle by its
+    /// prior. True by default.
     pub principal_point: bool,
-    /// How many frames are enough for that; with fewer it stays in the middle and counts in the uncertainty. 12 by default.
+    /// How many frames are enough for that; with fewer it stays in the middle and counts in the
+    /// uncertainty. 12 by default.
     pub placing_frames: usize,
     /// How to adjust.
     pub adjust: AdjustOptions,
 }
 
 impl BaseEstimate {
-    /// What a person should know where all frames look the same way: they hold the position less well than their number
-    /// suggests. None where they do not, or where there is only one.
+    /// What a person should know where all frames look the same way: they hold the position less
+    /// well than their number suggests. None where they do not, or where there is only one.
     #[must_use]
     pub fn one_view(&self) -> Option<String> {
         /// Frames that differ less are one view, degrees and log f.
@@ -41,11 +45,16 @@ impl BaseEstimate {
         let solved: Vec<&FrameFit> = self.frames.iter().flatten().collect();
         let span = |of: &dyn Fn(&Ptz) -> f64| {
             let values = solved.iter().map(|fit| of(&fit.ptz));
-            let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+            let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+                (a.min(x), b.max(x))
+            });
             most - least
         };
-        let pan_deg = AngleRange::smallest(solved.iter().map(|fit| fit.ptz.pan))?.width().degrees();
-        let same = solved.len() > 1 && pan_deg < SAME[0] && span(&|ptz| ptz.focal_px.ln()) < SAME[1];
+        let pan_deg = AngleRange::smallest(solved.iter().map(|fit| fit.ptz.pan))?
+            .width()
+            .degrees();
+        let same =
+            solved.len() > 1 && pan_deg < SAME[0] && span(&|ptz| ptz.focal_px.ln()) < SAME[1];
         let sigma_m = self.base.sigma.position_m.norm();
         same.then(|| {
             format!(
@@ -57,8 +66,9 @@ impl BaseEstimate {
 }
 
 impl BaseOptions {
-    /// Around which point the principal point is found; none where it stays. Few frames do not show it: on real matches one or two
-    /// frames err by a tenth more with it than without, and ten by 2 %; all frames err by a tenth less.
+    /// Around which point the principal point is found; none where it stays. Few frames do not show
+    /// it: on real matches one or two frames err by a tenth more with it than without, and ten by 2
+    /// %; all frames err by a tenth less.
     fn free_centre(&self, nominal: ImagePoint, frames: usize) -> Option<ImagePoint> {
         (self.principal_point && frames >= self.placing_frames).then_some(nominal)
     }
@@ -66,14 +76,23 @@ impl BaseOptions {
     /// How to adjust, with what these options prescribe.
     fn adjusting(&self) -> AdjustOptions {
         let (lens, crown) = (self.lens.is_some(), self.crown.is_some());
-        AdjustOptions { prescribed: Prescribed { lens, crown, principal_point: !self.principal_point }, ..self.adjust }
+        AdjustOptions {
+            prescribed: Prescribed {
+                lens,
+                crown,
+                principal_point: !self.principal_point,
+            },
+            ..self.adjust
+        }
     }
 
     /// The model with most that is free among those that may be chosen.
     #[must_use]
     pub fn richest(&self, clicks: &CameraClicks<'_>) -> BaseModel {
         let centre = self.free_centre(clicks.principal_point, clicks.frames.len());
-        models(clicks.field, centre, self).pop().unwrap_or_else(|| pinhole(clicks.field))
+        models(clicks.field, centre, self)
+            .pop()
+            .unwrap_or_else(|| pinhole(clicks.field))
     }
 }
 
@@ -104,8 +123,8 @@ pub struct FrameFit {
 /// A base estimated from clicks, with everything needed to judge it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BaseEstimate {
-    /// The base with its sigma: the adjustment's (landmarks that lie off their places in every frame included), raised where the
-    /// jackknife over groups of frames shows more.
+    /// The base with its sigma: the adjustment's (landmarks that lie off their places in every
+    /// frame included), raised where the jackknife over groups of frames shows more.
     pub base: CameraBase,
     /// The crown of the pitch, m.
     pub crown_m: f64,
@@ -136,28 +155,45 @@ pub struct BaseEstimate {
 
 /// Estimates the base from the clicks of many frames (one is enough where it has four landmarks).
 ///
-/// The field's crown is a start, and holds where [`CrownModel::Fixed`] says so. `previous` is a base to start from as well and to compare with.
+/// The field's crown is a start, and holds where [`CrownModel::Fixed`] says so. `previous` is a
+/// base to start from as well and to compare with.
 ///
 /// # Errors
-/// No frame to start from, no camera that explains half of the clicks, frames that leave the position open, or `progress` cancelled it
-/// ([`BaseError::Stopped`]).
+/// No frame to start from, no camera that explains half of the clicks, frames that leave the
+/// position open, or `progress` cancelled it ([`BaseError::Stopped`]).
 pub fn estimate_base(
     clicks: &CameraClicks<'_>,
     previous: Option<&CameraBase>,
     options: &BaseOptions,
     progress: &Progress<'_, BaseProgress>,
 ) -> Result<BaseEstimate, BaseError> {
-    let CameraClicks { field, frames, image_size, principal_point } = *clicks;
-    let models = models(field, options.free_centre(principal_point, frames.len()), options);
+    let CameraClicks {
+        field,
+        frames,
+        image_size,
+        principal_point,
+    } = *clicks;
+    let models = models(
+        field,
+        options.free_centre(principal_point, frames.len()),
+        options,
+    );
     let adjust = options.adjusting();
     let adjustments = Adjustments::new(progress, STARTING_ROUNDS + models.len() * FOLDS);
     let previous_fit = previous.map(|base| {
         let ptz = solve_all(base, frames, image_size);
-        (*base, median(&mut distances(base, frames, &ptz)).unwrap_or(f64::INFINITY), ptz)
+        (
+            *base,
+            median(&mut distances(base, frames, &ptz)).unwrap_or(f64::INFINITY),
+            ptz,
+        )
     });
     let (mut base, mut ptz) = match start_base(clicks) {
         Ok(start) => (start.base, start.ptz),
-        Err(error) => previous_fit.as_ref().map(|(base, _, ptz)| (*base, ptz.clone())).ok_or(error)?,
+        Err(error) => previous_fit
+            .as_ref()
+            .map(|(base, _, ptz)| (*base, ptz.clone()))
+            .ok_or(error)?,
     };
     // First the pinhole, which has nothing to go astray with; then each frame anew from its clicks.
     let pinhole = pinhole(field);
@@ -171,8 +207,14 @@ pub fn estimate_base(
     }
 
     let fit = chosen_fit(clicks, &models, (&base, &ptz), &adjust, &adjustments)?;
-    let crowned = FieldModel { crown_m: fit.adjusted.crown_m, ..field.clone() };
-    let frames: Vec<FrameClicks> = frames.iter().map(|frame| on_field(frame, field, &crowned)).collect();
+    let crowned = FieldModel {
+        crown_m: fit.adjusted.crown_m,
+        ..field.clone()
+    };
+    let frames: Vec<FrameClicks> = frames
+        .iter()
+        .map(|frame| on_field(frame, field, &crowned))
+        .collect();
     let solved_frames = ptz.iter().flatten().count();
     let (model, adjusted_ptz) = (fit.model, fit.adjusted.ptz.clone());
     let ptz = solve_all(&fit.adjusted.base, &frames, image_size);
@@ -181,14 +223,16 @@ pub fn estimate_base(
     if solved_frames < MIN_FRAMES {
         let known_m = estimate.base.sigma.position_m.norm();
         let adjusting = (&model, &adjust);
-        estimate.one_more_frame = one_more_frame(clicks, &estimate.base, &adjusted_ptz, adjusting, known_m);
+        estimate.one_more_frame =
+            one_more_frame(clicks, &estimate.base, &adjusted_ptz, adjusting, known_m);
     }
     Ok(estimate)
 }
 
-/// The same from clicks and paint in one adjustment. `painted` has the clicks of each frame of `clicks`, which may be none, followed by
-/// its paint; the cameras are adjusted from `start`, a base and the frames' cameras, and stay where both together put them. The model
-/// is the one that does best at paint that it has not seen.
+/// The same from clicks and paint in one adjustment. `painted` has the clicks of each frame of
+/// `clicks`, which may be none, followed by its paint; the cameras are adjusted from `start`, a
+/// base and the frames' cameras, and stay where both together put them. The model is the one that
+/// does best at paint that it has not seen.
 ///
 /// # Errors
 /// Those of [`estimate_base`].
@@ -199,24 +243,50 @@ pub fn estimate_base_on_paint(
     options: &BaseOptions,
     progress: &Progress<'_, BaseProgress>,
 ) -> Result<BaseEstimate, BaseError> {
-    let CameraClicks { field, frames, image_size, principal_point } = *clicks;
+    let CameraClicks {
+        field,
+        frames,
+        image_size,
+        principal_point,
+    } = *clicks;
     let solved_frames = start.1.iter().flatten().count();
-    let models = models(field, options.free_centre(principal_point, solved_frames), options);
+    let models = models(
+        field,
+        options.free_centre(principal_point, solved_frames),
+        options,
+    );
     let adjustments = Adjustments::new(progress, models.len() * FOLDS);
-    let painted = CameraClicks { frames: painted, ..*clicks };
+    let painted = CameraClicks {
+        frames: painted,
+        ..*clicks
+    };
     let fit = chosen_fit(&painted, &models, start, &options.adjusting(), &adjustments)?;
-    let crowned = FieldModel { crown_m: fit.adjusted.crown_m, ..field.clone() };
-    let recrowned = |frames: &[FrameClicks]| frames.iter().map(|frame| on_field(frame, field, &crowned)).collect();
-    let (frames, painted): (Vec<FrameClicks>, Vec<FrameClicks>) = (recrowned(frames), recrowned(painted.frames));
+    let crowned = FieldModel {
+        crown_m: fit.adjusted.crown_m,
+        ..field.clone()
+    };
+    let recrowned = |frames: &[FrameClicks]| {
+        frames
+            .iter()
+            .map(|frame| on_field(frame, field, &crowned))
+            .collect()
+    };
+    let (frames, painted): (Vec<FrameClicks>, Vec<FrameClicks>) =
+        (recrowned(frames), recrowned(painted.frames));
     let ptz = fit.adjusted.ptz.clone();
     let mut estimate = summary(fit, &crowned, &frames, &ptz, image_size)?;
-    let fits = painted.iter().zip(&ptz).map(|(frame, ptz)| frame_fit(&estimate.base, frame, (*ptz)?)).collect();
+    let fits = painted
+        .iter()
+        .zip(&ptz)
+        .map(|(frame, ptz)| frame_fit(&estimate.base, frame, (*ptz)?))
+        .collect();
     estimate.frames = fits;
     Ok(estimate)
 }
 
-/// The errors of frames under a base that is not adjusted to them, each camera refined on one half of its clicks and paint and judged by
-/// the other: of the paint, and of the clicks. `crown_m` is the crown that goes with the base.
+/// The errors of frames under a base that is not adjusted to them, each camera refined on one half
+/// of its clicks and paint and judged by the other: of the paint, and of the clicks. `crown_m` is
+/// the crown that goes with the base.
 #[must_use]
 pub fn held_out_on_paint(
     painted: &CameraClicks<'_>,
@@ -224,7 +294,10 @@ pub fn held_out_on_paint(
     crown_m: f64,
     ptz: &[Option<Ptz>],
 ) -> (Option<HeldOutErrors>, Option<HeldOutErrors>) {
-    let crowned = FieldModel { crown_m, ..painted.field.clone() };
+    let crowned = FieldModel {
+        crown_m,
+        ..painted.field.clone()
+    };
     let mut errors = Errors::default();
     for (frame, ptz) in painted.frames.iter().zip(ptz) {
         if let Some(start) = ptz {
@@ -250,22 +323,38 @@ fn chosen_fit(
     options: &AdjustOptions,
     adjustments: &Adjustments<'_>,
 ) -> Result<ChosenFit, BaseError> {
-    let validation = CrossValidation { clicks, start: base, start_ptz: ptz, options, adjustments };
+    let validation = CrossValidation {
+        clicks,
+        start: base,
+        start_ptz: ptz,
+        options,
+        adjustments,
+    };
     let scores = validation.scores(models);
     if adjustments.are_cancelled() {
         return Err(BaseError::Stopped);
     }
     let solved_frames = ptz.iter().flatten().count();
-    let (model, reason) = choose(&scores, solved_frames).unwrap_or((pinhole(clicks.field), ModelReason::Prescribed));
+    let (model, reason) =
+        choose(&scores, solved_frames).unwrap_or((pinhole(clicks.field), ModelReason::Prescribed));
     let mut adjusted = adjust_base(clicks, base, ptz, &model, options);
     if let Some(score) = scores.iter().find(|score| score.model == model) {
         adjusted.base.sigma = adjusted.base.sigma.covering(&score.spread);
     }
-    Ok(ChosenFit { adjusted, model, reason, scores })
+    Ok(ChosenFit {
+        adjusted,
+        model,
+        reason,
+        scores,
+    })
 }
 
 const fn pinhole(field: &FieldModel) -> BaseModel {
-    BaseModel { lens: LensModel::Pinhole, crown: CrownModel::Fixed(field.crown_m), principal_point: None }
+    BaseModel {
+        lens: LensModel::Pinhole,
+        crown: CrownModel::Fixed(field.crown_m),
+        principal_point: None,
+    }
 }
 
 /// What a fit is worth, by clicks on the field that it has found and the frames' cameras.
@@ -276,30 +365,55 @@ fn summary(
     ptz: &[Option<Ptz>],
     image_size: ImageSize,
 ) -> Result<BaseEstimate, BaseError> {
-    let ChosenFit { adjusted, model, reason, scores } = fit;
+    let ChosenFit {
+        adjusted,
+        model,
+        reason,
+        scores,
+    } = fit;
     let base = adjusted.base;
     let mut errors = distances(&base, frames, ptz);
     errors.sort_by(f64::total_cmp);
-    let at = |share| if errors.is_empty() { f64::INFINITY } else { quantile(&errors, share) };
+    let at = |share| {
+        if errors.is_empty() {
+            f64::INFINITY
+        } else {
+            quantile(&errors, share)
+        }
+    };
     let median_px = at(0.5);
     let has_clicks = frames.iter().any(|frame| frame.equations() > 0);
     if has_clicks && !(median_px < NO_FIT_PX * image_size.scale_from_1920()) {
         return Err(BaseError::NoFit { median_px });
     }
     let known = adjusted.position_covariance.iter().all(|x| x.is_finite());
-    let sigma_m =
-        if known { adjusted.position_covariance.symmetric_eigenvalues().max().max(0.0).sqrt() } else { f64::INFINITY };
+    let sigma_m = if known {
+        adjusted
+            .position_covariance
+            .symmetric_eigenvalues()
+            .max()
+            .max(0.0)
+            .sqrt()
+    } else {
+        f64::INFINITY
+    };
     if !(sigma_m < MAX_POSITION_SIGMA_M) {
         return Err(BaseError::Undetermined { sigma_m });
     }
     if base.position_m.z <= 0.0 {
-        return Err(BaseError::BelowGround { depth_m: -base.position_m.z });
+        return Err(BaseError::BelowGround {
+            depth_m: -base.position_m.z,
+        });
     }
     let mirrored = mirrored_frames(&base, frames, ptz, image_size);
     let noise_scale = adjusted.noise_scale.sqrt();
     let mut disputed = disputed_clicks(&base, field, frames, ptz, noise_scale);
     disputed.retain(|click| mirrored.iter().all(|frame| frame.frame != click.frame));
-    let frame_fits = frames.iter().zip(ptz).map(|(frame, ptz)| frame_fit(&base, frame, (*ptz)?)).collect();
+    let frame_fits = frames
+        .iter()
+        .zip(ptz)
+        .map(|(frame, ptz)| frame_fit(&base, frame, (*ptz)?))
+        .collect();
     Ok(BaseEstimate {
         base,
         crown_m: adjusted.crown_m,
@@ -327,30 +441,56 @@ const NO_FIT_PX: f64 = 25.0;
 const MAX_POSITION_SIGMA_M: f64 = 20.0;
 
 /// The models to compare, simple ones first.
-fn models(field: &FieldModel, principal_point: Option<ImagePoint>, options: &BaseOptions) -> Vec<BaseModel> {
+fn models(
+    field: &FieldModel,
+    principal_point: Option<ImagePoint>,
+    options: &BaseOptions,
+) -> Vec<BaseModel> {
     let lenses = match options.lens {
         Some(lens) => vec![lens],
-        None => vec![LensModel::Pinhole, LensModel::K1, LensModel::K1FocalK2, LensModel::K1Focal],
+        None => vec![
+            LensModel::Pinhole,
+            LensModel::K1,
+            LensModel::K1FocalK2,
+            LensModel::K1Focal,
+        ],
     };
     let crowns = match options.crown {
         Some(crown) => vec![crown],
         None if field.may_be_crowned() => vec![CrownModel::Fixed(field.crown_m), CrownModel::Free],
         None => vec![CrownModel::Fixed(field.crown_m)],
     };
-    let of_crown = |crown| lenses.iter().map(move |&lens| BaseModel { lens, crown, principal_point });
+    let of_crown = |crown| {
+        lenses.iter().map(move |&lens| BaseModel {
+            lens,
+            crown,
+            principal_point,
+        })
+    };
     crowns.into_iter().flat_map(of_crown).collect()
 }
 
 fn on_field(frame: &FrameClicks, from: &FieldModel, to: &FieldModel) -> FrameClicks {
-    let observations = frame.observations.iter().map(|click| click.recrowned(from, to)).collect();
-    FrameClicks { observations, start: frame.start }
+    let observations = frame
+        .observations
+        .iter()
+        .map(|click| click.recrowned(from, to))
+        .collect();
+    FrameClicks {
+        observations,
+        start: frame.start,
+    }
 }
 
 fn frame_fit(base: &CameraBase, frame: &FrameClicks, ptz: Ptz) -> Option<FrameFit> {
     let mut errors = distances(base, std::slice::from_ref(frame), &[Some(ptz)]);
     let squares: f64 = errors.iter().map(|error| error * error).sum();
     let rms_px = (squares / errors.len() as f64).sqrt();
-    Some(FrameFit { ptz, median_px: median(&mut errors)?, rms_px })
+    Some(FrameFit {
+        ptz,
+        median_px: median(&mut errors)?,
+        rms_px,
+    })
 }
 
 /// The distances of all clicks of solved frames, px, in order.

@@ -1,9 +1,10 @@
 //! The field's length and width from the clicks, where a person asks for it.
 //!
-//! Both shift landmarks against each other in ways that a camera can nearly imitate, so they are found after the base, with
-//! priors at what is assumed and within what the rules allow: as further shared parameters of the bundle adjustment. How
-//! landmarks and lines move with them is taken from fields of two sizes, whatever the template's expressions are; where
-//! they do not move in proportion, the fit is repeated at the size found.
+//! Both shift landmarks against each other in ways that a camera can nearly imitate, so they are
+//! found after the base, with priors at what is assumed and within what the rules allow: as further
+//! shared parameters of the bundle adjustment. How landmarks and lines move with them is taken from
+//! fields of two sizes, whatever the template's expressions are; where they do not move in
+//! proportion, the fit is repeated at the size found.
 
 use super::adjust::{UsualView, starting};
 use super::base_click::BaseClick;
@@ -43,14 +44,16 @@ pub struct FittedSize {
     pub value_m: f64,
     /// Its 1-σ, m: of clicks that scatter, and of landmarks that lie off their places.
     pub sigma_m: f64,
-    /// What that adds to the camera's position, 1-σ along `world` x, y, z, m. Where one end of a field is seen and not the other,
-    /// its middle, the origin of `world`, is known half as well as its length, and so is everything that is told from there.
+    /// What that adds to the camera's position, 1-σ along `world` x, y, z, m. Where one end of a
+    /// field is seen and not the other, its middle, the origin of `world`, is known half as well as
+    /// its length, and so is everything that is told from there.
     pub position_sigma_m: Vec3,
     /// The frames do not show the length: what was assumed holds.
     pub is_open: bool,
 }
 
-/// A length that is less certain is not shown by the frames, m: where they show it, 0.04 to 0.13 m is stated before any floor.
+/// A length that is less certain is not shown by the frames, m: where they show it, 0.04 to 0.13 m
+/// is stated before any floor.
 const OPEN_M: f64 = 0.5;
 
 /// Where the fit starts: a base and its frames on the field as assumed.
@@ -81,8 +84,9 @@ const MAX_FITS: usize = 6;
 /// A size that moves by less ends the search, m.
 const ENOUGH_M: f64 = 0.005;
 
-/// Fits the field's size; `sized` gives the field (crown as in `start`) for values of the parameters in their order. None
-/// where nothing is to be fitted, where it is more than two lengths, or where the clicks leave it open.
+/// Fits the field's size; `sized` gives the field (crown as in `start`) for values of the
+/// parameters in their order. None where nothing is to be fitted, where it is more than two
+/// lengths, or where the clicks leave it open.
 #[must_use]
 pub fn fit_field_size(
     sized: &dyn Fn(&[f64]) -> Option<FieldModel>,
@@ -92,15 +96,31 @@ pub fn fit_field_size(
     if params.is_empty() || params.len() > SIZES {
         return None;
     }
-    let fit = SizeFit { sized, params, start };
+    let fit = SizeFit {
+        sized,
+        params,
+        start,
+    };
     let shared = starting(start.field, start.base, start.image_width_px, start.model);
-    let mut state = BundleState { shared, ptz: start.ptz.iter().flatten().copied().collect() };
-    let mut values: Vec<f64> = params.iter().map(|param| param.assumed_m.clamp(param.min_m, param.max_m)).collect();
+    let mut state = BundleState {
+        shared,
+        ptz: start.ptz.iter().flatten().copied().collect(),
+    };
+    let mut values: Vec<f64> = params
+        .iter()
+        .map(|param| param.assumed_m.clamp(param.min_m, param.max_m))
+        .collect();
     // A size at the end of what the rules allow stays there.
     let mut held = [false; SIZES];
     for round in 1.. {
         let (bundle, shared) = fit.bundle(&values, &state.shared, held)?;
-        let mut found = bundle.minimum(BundleState { shared, ptz: state.ptz }, start.options.max_iterations);
+        let mut found = bundle.minimum(
+            BundleState {
+                shared,
+                ptz: state.ptz,
+            },
+            start.options.max_iterations,
+        );
         let mut moved_m: f64 = 0.0;
         for (size, (value, param)) in values.iter_mut().zip(params).enumerate() {
             let wanted = *value + found.state.shared.larger_m[size];
@@ -117,7 +137,8 @@ pub fn fit_field_size(
             let of = |size: usize| {
                 let variance = covariance[(SIZE + size, SIZE + size)];
                 // The position that is most likely at another value of the length, m per m.
-                let position_by_size = Vec3::from_fn(|axis, _| covariance[(axis, SIZE + size)] / variance);
+                let position_by_size =
+                    Vec3::from_fn(|axis, _| covariance[(axis, SIZE + size)] / variance);
                 (variance * noise_scale, position_by_size)
             };
             return fit.fitted(&values, (0..values.len()).map(of));
@@ -138,9 +159,14 @@ struct SizeFit<'a> {
 }
 
 impl SizeFit<'_> {
-    /// The field at some size with one length changed by up to [`STEP_M`] within what the rules allow, and by how much.
+    /// The field at some size with one length changed by up to [`STEP_M`] within what the rules
+    /// allow, and by how much.
     fn changed(&self, values: &[f64], size: usize) -> Option<(FieldModel, f64)> {
-        let by_m = if values[size] + STEP_M <= self.params[size].max_m { STEP_M } else { -STEP_M };
+        let by_m = if values[size] + STEP_M <= self.params[size].max_m {
+            STEP_M
+        } else {
+            -STEP_M
+        };
         let mut changed = values.to_vec();
         changed[size] += by_m;
         Some(((self.sized)(&changed)?, by_m))
@@ -164,9 +190,13 @@ impl SizeFit<'_> {
     ) -> Option<(Bundle<OF_BASE_AND_SIZE>, Shared)> {
         let start = self.start;
         let field = (self.sized)(values)?;
-        let changed: Vec<(FieldModel, f64)> =
-            (0..values.len()).map(|size| self.changed(values, size)).collect::<Option<_>>()?;
-        let crown = Crown { width_m: field.width_m, ..shared.crown };
+        let changed: Vec<(FieldModel, f64)> = (0..values.len())
+            .map(|size| self.changed(values, size))
+            .collect::<Option<_>>()?;
+        let crown = Crown {
+            width_m: field.width_m,
+            ..shared.crown
+        };
         let mut shared = Shared::new(&shared.base, crown);
         for (size, (larger, by_m)) in changed.iter().enumerate() {
             shared.width_by_size[size] = (larger.width_m - field.width_m) / by_m;
@@ -175,29 +205,63 @@ impl SizeFit<'_> {
         let on_field = |click: &Observation| {
             let element = click.element?;
             let sized = BaseClick::new(&click.renamed(&field, element)?, field.crown());
-            changed.iter().enumerate().try_fold(sized, |sized, (size, (larger, by_m))| {
-                let shape = ObservedShape::of_element(larger, element)?.recrowned(larger.crown(), Crown::FLAT);
-                Some(sized.growing(size, &shape, *by_m))
-            })
+            changed
+                .iter()
+                .enumerate()
+                .try_fold(sized, |sized, (size, (larger, by_m))| {
+                    let shape = ObservedShape::of_element(larger, element)?
+                        .recrowned(larger.crown(), Crown::FLAT);
+                    Some(sized.growing(size, &shape, *by_m))
+                })
         };
-        let solved = start.frames.iter().zip(start.ptz).filter(|(_, ptz)| ptz.is_some());
-        let frames = solved.map(|(frame, _)| frame.used().filter_map(on_field).collect()).collect();
-        let view = UsualView::from_frames(start.base, &start.ptz.iter().flatten().copied().collect::<Vec<_>>());
-        let mut priors = start.options.priors.of_model(start.model, start.image_width_px, &view);
-        priors.extend(self.params.iter().zip(values).enumerate().map(|(size, (param, value))| SharedPrior {
-            of: Expected::Larger(param.assumed_m - value, size),
-            sigma: param.sigma_m,
-        }));
-        let bundle = Bundle { frames, priors, free: self.free(held), loss: start.options.loss };
+        let solved = start
+            .frames
+            .iter()
+            .zip(start.ptz)
+            .filter(|(_, ptz)| ptz.is_some());
+        let frames = solved
+            .map(|(frame, _)| frame.used().filter_map(on_field).collect())
+            .collect();
+        let view = UsualView::from_frames(
+            start.base,
+            &start.ptz.iter().flatten().copied().collect::<Vec<_>>(),
+        );
+        let mut priors = start
+            .options
+            .priors
+            .of_model(start.model, start.image_width_px, &view);
+        priors.extend(
+            self.params
+                .iter()
+                .zip(values)
+                .enumerate()
+                .map(|(size, (param, value))| SharedPrior {
+                    of: Expected::Larger(param.assumed_m - value, size),
+                    sigma: param.sigma_m,
+                }),
+        );
+        let bundle = Bundle {
+            frames,
+            priors,
+            free: self.free(held),
+            loss: start.options.loss,
+        };
         Some((bundle, shared))
     }
 
-    /// The sizes with their sigmas: the variances of clicks that scatter, each with how the position goes with the length, and of
-    /// landmarks that lie off their places.
-    fn fitted(&self, values: &[f64], variances: impl Iterator<Item = Known>) -> Option<Vec<FittedSize>> {
+    /// The sizes with their sigmas: the variances of clicks that scatter, each with how the
+    /// position goes with the length, and of landmarks that lie off their places.
+    fn fitted(
+        &self,
+        values: &[f64],
+        variances: impl Iterator<Item = Known>,
+    ) -> Option<Vec<FittedSize>> {
         let displaced = self.displaced(values)?;
         let known = variances.zip(displaced);
-        let of = |((param, value), ((variance, position_by_size), displaced)): ((&SizeParam, &f64), (Known, f64))| {
+        let of = |((param, value), ((variance, position_by_size), displaced)): (
+            (&SizeParam, &f64),
+            (Known, f64),
+        )| {
             // What is seen leaves a length no less certain than it was before.
             let sigma_m = (variance + displaced).sqrt().min(param.sigma_m);
             (variance.is_finite() && variance > 0.0).then(|| FittedSize {
@@ -212,10 +276,15 @@ impl SizeFit<'_> {
         self.params.iter().zip(values).zip(known).map(of).collect()
     }
 
-    /// The variance of each length, m², because the landmarks and lines that move with it lie off their places.
+    /// The variance of each length, m², because the landmarks and lines that move with it lie off
+    /// their places.
     fn displaced(&self, values: &[f64]) -> Option<Vec<f64>> {
         let field = (self.sized)(values)?;
-        let clicks = self.start.frames.iter().flat_map(|frame| &frame.observations);
+        let clicks = self
+            .start
+            .frames
+            .iter()
+            .flat_map(|frame| &frame.observations);
         let mut clicked: Vec<FieldElement> = clicks.filter_map(|click| click.element).collect();
         clicked.sort_unstable();
         clicked.dedup();
@@ -254,33 +323,57 @@ mod tests {
     fn sizes(pans_deg: &[f64]) -> Vec<FittedSize> {
         let template = builtin("soccer").unwrap();
         let field = template.default_model().unwrap();
-        let base =
-            CameraBase::new(Vec3::new(-8.0, -64.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre());
-        let ptz: Vec<Option<Ptz>> = pans_deg.iter().map(|pan| Some(Ptz::from_degrees(*pan, -12.0, 2800.0))).collect();
+        let base = CameraBase::new(
+            Vec3::new(-8.0, -64.0, 17.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        );
+        let ptz: Vec<Option<Ptz>> = pans_deg
+            .iter()
+            .map(|pan| Some(Ptz::from_degrees(*pan, -12.0, 2800.0)))
+            .collect();
         let seen = |ptz: &Option<Ptz>| {
             let camera = PtzCamera::new(base, ptz.unwrap());
             let of = |(number, landmark): (usize, &crate::field::Landmark)| {
-                let image = camera.image_from_world(field.landmark_in_world(landmark)).ok()?;
+                let image = camera
+                    .image_from_world(field.landmark_in_world(landmark))
+                    .ok()?;
                 let seen = SIZE.contains(image) && landmark.nominal_m.z == 0.0;
-                seen.then(|| Observation::of_landmark(&field, landmark.id.as_str(), image, SIZE, number).unwrap())
+                seen.then(|| {
+                    Observation::of_landmark(&field, landmark.id.as_str(), image, SIZE, number)
+                        .unwrap()
+                })
             };
-            FrameClicks { observations: field.landmarks.iter().enumerate().filter_map(of).collect(), start: None }
+            FrameClicks {
+                observations: field.landmarks.iter().enumerate().filter_map(of).collect(),
+                start: None,
+            }
         };
         let frames: Vec<FrameClicks> = ptz.iter().map(seen).collect();
-        let params: Vec<SizeParam> = [("length_m", 105.0, 2.5, 90.0, 120.0), ("width_m", 68.0, 3.75, 45.0, 90.0)]
-            .map(|(name, assumed_m, sigma_m, min_m, max_m)| SizeParam {
-                name: name.to_owned(),
-                assumed_m,
-                sigma_m,
-                min_m,
-                max_m,
-            })
-            .into();
+        let params: Vec<SizeParam> = [
+            ("length_m", 105.0, 2.5, 90.0, 120.0),
+            ("width_m", 68.0, 3.75, 45.0, 90.0),
+        ]
+        .map(|(name, assumed_m, sigma_m, min_m, max_m)| SizeParam {
+            name: name.to_owned(),
+            assumed_m,
+            sigma_m,
+            min_m,
+            max_m,
+        })
+        .into();
         let sized = |values: &[f64]| {
-            let lengths = params.iter().zip(values).map(|(param, value)| (param.name.clone(), *value));
+            let lengths = params
+                .iter()
+                .zip(values)
+                .map(|(param, value)| (param.name.clone(), *value));
             template.model(&lengths.collect(), 0.0).ok()
         };
-        let model = BaseModel { lens: LensModel::Pinhole, crown: CrownModel::Fixed(0.0), principal_point: None };
+        let model = BaseModel {
+            lens: LensModel::Pinhole,
+            crown: CrownModel::Fixed(0.0),
+            principal_point: None,
+        };
         let start = SizeStart {
             field: &field,
             frames: &frames,
@@ -298,19 +391,29 @@ mod tests {
         let one_end = sizes(&[42.0, 46.0, 50.0]);
         assert!(one_end[0].sigma_m > 2.4, "{one_end:?}");
         let along = one_end[0].position_sigma_m;
-        assert!((along.x - 0.5 * one_end[0].sigma_m).abs() < 0.02 && along.yz().norm() < 0.02, "{along}");
+        assert!(
+            (along.x - 0.5 * one_end[0].sigma_m).abs() < 0.02 && along.yz().norm() < 0.02,
+            "{along}"
+        );
     }
 
     #[test]
     fn with_the_centre_alone_the_length_is_open_and_the_position_is_not() {
         let centre = sizes(&[4.0, 7.0, 10.0]);
-        // Nothing is seen that moves with the length: it stays as well known as it was assumed to be.
-        assert!((centre[0].sigma_m - 2.5).abs() < 0.1 && centre[0].position_sigma_m.norm() < 0.1, "{centre:?}");
+        // Nothing is seen that moves with the length: it stays as well known as it was assumed to
+        // be.
+        assert!(
+            (centre[0].sigma_m - 2.5).abs() < 0.1 && centre[0].position_sigma_m.norm() < 0.1,
+            "{centre:?}"
+        );
     }
 
     #[test]
     fn with_both_ends_the_length_adds_little_to_the_position() {
         let both = sizes(&[-42.0, -25.0, -8.0, 8.0, 25.0, 42.0]);
-        assert!(both[0].sigma_m < 0.3 && both[0].position_sigma_m.norm() < 0.15, "{both:?}");
+        assert!(
+            both[0].sigma_m < 0.3 && both[0].position_sigma_m.norm() < 0.15,
+            "{both:?}"
+        );
     }
 }

@@ -1,7 +1,8 @@
 //! How far a base is to be trusted when its model holds numbers that no real camera has exactly.
 //!
-//! A model without distortion, with a level pitch or with its principal point in the middle leaves out what is there. What it leaves out
-//! is known as well as its prior says, and errs along with everything that is adjusted beside it.
+//! A model without distortion, with a level pitch or with its principal point in the middle leaves
+//! out what is there. What it leaves out is known as well as its prior says, and errs along with
+//! everything that is adjusted beside it.
 
 use super::bundle::{Bundle, BundleState, determined};
 use super::parameters::{OF_BASE, PRINCIPAL_POINT, free_parameters};
@@ -24,20 +25,34 @@ pub(super) struct Adjusted<'a> {
 }
 
 impl Adjusted<'_> {
-    /// The covariance of what the frames share. `priors` are those of the parameters that a model leaves free.
+    /// The covariance of what the frames share. `priors` are those of the parameters that a model
+    /// leaves free.
     ///
-    /// Lens and crown were held because the clicks showed nothing of them: their posterior is taken as if they were free. The principal
-    /// point is held whatever the clicks show, so its whole prior counts as an error that nothing made up for (a "considered" parameter;
-    /// Schmidt 1966, Tapley, Schutz and Born, Statistical Orbit Determination, chapter 6).
+    /// Lens and crown were held because the clicks showed nothing of them: their posterior is taken
+    /// as if they were free. The principal point is held whatever the clicks show, so its whole
+    /// prior counts as an error that nothing made up for (a "considered" parameter; Schmidt 1966,
+    /// Tapley, Schutz and Born, Statistical Orbit Determination, chapter 6).
     pub fn covariance(
         &self,
         mut bundle: Bundle<OF_BASE>,
         priors: &dyn Fn(&BaseModel) -> Vec<SharedPrior>,
     ) -> SharedCovariance {
-        let lens = if self.prescribed.lens { self.model.lens } else { LensModel::K1Focal };
+        let lens = if self.prescribed.lens {
+            self.model.lens
+        } else {
+            LensModel::K1Focal
+        };
         let is_level = self.prescribed.crown || !self.field.may_be_crowned();
-        let crown = if is_level { self.model.crown } else { CrownModel::Free };
-        let uncertain = BaseModel { lens, crown, ..*self.model };
+        let crown = if is_level {
+            self.model.crown
+        } else {
+            CrownModel::Free
+        };
+        let uncertain = BaseModel {
+            lens,
+            crown,
+            ..*self.model
+        };
         bundle.free = free_parameters(&uncertain);
         bundle.priors = priors(&uncertain);
         let covariance = bundle.covariance(self.state, self.noise_scale);
@@ -45,17 +60,27 @@ impl Adjusted<'_> {
             return covariance;
         }
         let mut equations = determined(bundle.equations(self.state));
-        let held = equations.reduced(0.0).and_then(|(matrix, _)| matrix.try_inverse());
+        let held = equations
+            .reduced(0.0)
+            .and_then(|(matrix, _)| matrix.try_inverse());
         let middle = Some(self.state.shared.base.principal_point);
-        equations.free = free_parameters(&BaseModel { principal_point: middle, ..uncertain });
+        equations.free = free_parameters(&BaseModel {
+            principal_point: middle,
+            ..uncertain
+        });
         let with_all = equations.reduced(0.0);
-        let (Some(inverse), Some((information, _))) = (held, with_all) else { return covariance };
+        let (Some(inverse), Some((information, _))) = (held, with_all) else {
+            return covariance;
+        };
         // Everything else moves by −H⁻¹ B for each px that the principal point is off.
         let mut mixed = information.fixed_columns::<2>(PRINCIPAL_POINT).into_owned();
         mixed.fixed_rows_mut::<2>(PRINCIPAL_POINT).fill(0.0);
         let mut moved: SMatrix<f64, OF_BASE, 2> = -inverse * mixed;
-        moved.fixed_rows_mut::<2>(PRINCIPAL_POINT).fill_diagonal(1.0);
-        let variance = SMatrix::<f64, 2, 2>::from_diagonal(&Vector2::repeat(self.principal_point_px.powi(2)));
+        moved
+            .fixed_rows_mut::<2>(PRINCIPAL_POINT)
+            .fill_diagonal(1.0);
+        let variance =
+            SMatrix::<f64, 2, 2>::from_diagonal(&Vector2::repeat(self.principal_point_px.powi(2)));
         covariance + moved * variance * moved.transpose()
     }
 }

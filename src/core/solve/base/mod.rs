@@ -1,29 +1,38 @@
-//! The base of a camera from many frames: position, base rotation, lens, principal point and the crown of the pitch.
+//! The base of a camera from many frames: position, base rotation, lens, principal point and the
+//! crown of the pitch.
 //!
 //! # Problem
 //!
-//! A broadcast camera stands still. Its frames share a position, the rotation of its head (the *base*) and a lens whose distortion follows the
-//! focal length; each frame adds its own pan, tilt and focal length. Given clicks on landmarks and lines in some frames, or painted lines
-//! seen in many, find what the frames share, and how well it is known.
+//! A broadcast camera stands still. Its frames share a position, the rotation of its head (the
+//! *base*) and a lens whose distortion follows the focal length; each frame adds its own pan, tilt
+//! and focal length. Given clicks on landmarks and lines in some frames, or painted lines seen in
+//! many, find what the frames share, and how well it is known.
 //!
 //! # Method
 //!
-//! 1. **Start** (`start.rs`). A frame with four landmarks on the ground gives a homography, and that gives a camera (`plane_pose.rs`).
-//!    Its position is noisy and some are nonsense, so each is tried as the base of a sample of frames, with a level head, and the one whose
-//!    frames fit best wins. Wrong names in a few frames cannot spoil it.
-//! 2. **Bundle adjustment** (`bundle.rs`, `adjust.rs`). All parameters together by damped Gauss–Newton. Frames see each other only
-//!    through what they share, so their own three parameters are eliminated first (Schur complement; Triggs and others: "Bundle Adjustment – A Modern Synthesis", 2000, section 6). A robust loss lets wrong clicks go.
-//! 3. **Priors** (`shared_prior.rs`). Heads are levelled along and across the direction in which they see the field; k₁ follows the focal
-//!    length as measured on twenty broadcast lenses; the principal point lies within ±40 px of the middle at 1920 px width.
-//! 4. **Model choice** (`model_choice.rs`). Four lens models, each on a level and a crowned pitch, are compared by five-fold cross-validation: frames
-//!    are left out, each is refined on one half of its clicks and judged by the other. A richer model has to be better by 0.5 %. Fewer
-//!    than six frames keep the usual lens and pitch unless their clicks clearly contradict them.
-//! 5. **Size of the field** (`field_fit.rs`), if it is asked for: length and width as two more shared parameters.
+//! 1. **Start** (`start.rs`). A frame with four landmarks on the ground gives a homography, and
+//!    that gives a camera (`plane_pose.rs`). Its position is noisy and some are nonsense, so each
+//!    is tried as the base of a sample of frames, with a level head, and the one whose frames fit
+//!    best wins. Wrong names in a few frames cannot spoil it.
+//! 2. **Bundle adjustment** (`bundle.rs`, `adjust.rs`). All parameters together by damped
+//!    Gauss–Newton. Frames see each other only through what they share, so their own three
+//!    parameters are eliminated first (Schur complement; Triggs and others: "Bundle Adjustment – A
+//!    Modern Synthesis", 2000, section 6). A robust loss lets wrong clicks go.
+//! 3. **Priors** (`shared_prior.rs`). Heads are levelled along and across the direction in which
+//!    they see the field; k₁ follows the focal length as measured on twenty broadcast lenses; the
+//!    principal point lies within ±40 px of the middle at 1920 px width.
+//! 4. **Model choice** (`model_choice.rs`). Four lens models, each on a level and a crowned pitch,
+//!    are compared by five-fold cross-validation: frames are left out, each is refined on one half
+//!    of its clicks and judged by the other. A richer model has to be better by 0.5 %. Fewer than
+//!    six frames keep the usual lens and pitch unless their clicks clearly contradict them.
+//! 5. **Size of the field** (`field_fit.rs`), if it is asked for: length and width as two more
+//!    shared parameters.
 //!
 //! # How certain it is
 //!
-//! The inverse of the normal equations promises too much. Three things are added to it, each as a full covariance of position, rotation,
-//! lens, crown and principal point, so that what cancels in a picture still cancels:
+//! The inverse of the normal equations promises too much. Three things are added to it, each as a
+//! full covariance of position, rotation, lens, crown and principal point, so that what cancels in
+//! a picture still cancels:
 //!
 //! * landmarks lie off their places in all frames alike (`scatter.rs`: a random effect per landmark);
 //! * lens, crown and principal point that a model holds are as uncertain as they are known beforehand (`held.rs`);
@@ -31,13 +40,14 @@
 //!
 //! # What it is proof against
 //!
-//! Swapped and mirrored names ([`DisputedClick`], [`MirroredFrame`]), frames of a few clicks each, a first base that is metres off, lenses that no
-//! model describes exactly. It is not proof against one zoom alone: then k₁ and its slope are known by their priors.
+//! Swapped and mirrored names ([`DisputedClick`], [`MirroredFrame`]), frames of a few clicks each,
+//! a first base that is metres off, lenses that no model describes exactly. It is not proof against
+//! one zoom alone: then k₁ and its slope are known by their priors.
 //!
 //! # Figures
 //!
-//! `tests/benches/base.md`: drawn cameras with everything drawn from its prior (`base_coverage`), twelve measured broadcast lenses (`lenses`), clicked
-//! matches.
+//! `tests/benches/base.md`: drawn cameras with everything drawn from its prior (`base_coverage`),
+//! twelve measured broadcast lenses (`lenses`), clicked matches.
 
 mod adjust;
 mod base_click;
@@ -59,7 +69,9 @@ mod start;
 pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, adjust_base};
 pub use change::{BaseChange, base_change};
 pub use disputes::{DisputedClick, MirroredFrame};
-pub use estimate::{BaseEstimate, BaseOptions, FrameFit, estimate_base, estimate_base_on_paint, held_out_on_paint};
+pub use estimate::{
+    BaseEstimate, BaseOptions, FrameFit, estimate_base, estimate_base_on_paint, held_out_on_paint,
+};
 pub use field_fit::{FittedSize, SizeParam, SizeStart, fit_field_size};
 pub use model::{BaseModel, CrownModel, LensModel, Prescribed};
 pub use model_choice::{HeldOutErrors, ModelReason, ModelScore};
@@ -85,7 +97,9 @@ pub struct FrameClicks {
 impl FrameClicks {
     /// The clicks that take part.
     pub(super) fn used(&self) -> impl Iterator<Item = &Observation> + Clone {
-        self.observations.iter().filter(|observation| !observation.check)
+        self.observations
+            .iter()
+            .filter(|observation| !observation.check)
     }
 
     /// How many equations they give.
@@ -111,8 +125,17 @@ pub struct CameraClicks<'a> {
 impl<'a> CameraClicks<'a> {
     /// Those of a camera whose principal point is the middle of the picture.
     #[must_use]
-    pub fn centred(field: &'a FieldModel, frames: &'a [FrameClicks], image_size: ImageSize) -> Self {
-        Self { field, frames, image_size, principal_point: image_size.centre() }
+    pub fn centred(
+        field: &'a FieldModel,
+        frames: &'a [FrameClicks],
+        image_size: ImageSize,
+    ) -> Self {
+        Self {
+            field,
+            frames,
+            image_size,
+            principal_point: image_size.centre(),
+        }
     }
 }
 
@@ -141,7 +164,9 @@ pub enum BaseError {
         median_px: f64,
     },
     /// The camera that fits sees the field from below.
-    #[error("the best-fitting camera is {depth_m:.1} m below the field: check left and right, near and far")]
+    #[error(
+        "the best-fitting camera is {depth_m:.1} m below the field: check left and right, near and far"
+    )]
     BelowGround {
         /// How deep, m.
         depth_m: f64,

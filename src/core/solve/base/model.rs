@@ -65,7 +65,8 @@ pub struct BaseModel {
     pub principal_point: Option<ImagePoint>,
 }
 
-/// What a model holds because a person has prescribed it. Where it holds something else, that errs as its prior says.
+/// What a model holds because a person has prescribed it. Where it holds something else, that errs
+/// as its prior says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Prescribed {
     /// The lens.
@@ -84,8 +85,16 @@ impl fmt::Display for BaseModel {
             LensModel::K1Focal => "k1 linear in f",
             LensModel::K1FocalK2 => "k1, k2 by f",
         };
-        let crown = if self.crown == CrownModel::Free { ", crowned pitch" } else { "" };
-        let centre = if self.principal_point.is_some() { ", principal point" } else { "" };
+        let crown = if self.crown == CrownModel::Free {
+            ", crowned pitch"
+        } else {
+            ""
+        };
+        let centre = if self.principal_point.is_some() {
+            ", principal point"
+        } else {
+            ""
+        };
         f.pad(&format!("{lens}{crown}{centre}"))
     }
 }

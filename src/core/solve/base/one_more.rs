@@ -50,8 +50,9 @@ impl fmt::Display for OneMoreFrame {
     }
 }
 
-/// Whether one more frame, half a picture farther to the left or to the right than those there are, would make a base clearly
-/// better known, and how much: it is adjusted with points that such a frame would show. `known_m` is the 1-σ of the position that is stated now.
+/// Whether one more frame, half a picture farther to the left or to the right than those there are,
+/// would make a base clearly better known, and how much: it is adjusted with points that such a
+/// frame would show. `known_m` is the 1-σ of the position that is stated now.
 pub(super) fn one_more_frame(
     clicks: &CameraClicks<'_>,
     base: &CameraBase,
@@ -62,42 +63,83 @@ pub(super) fn one_more_frame(
     let seen = AngleRange::smallest(ptz.iter().flatten().map(|ptz| ptz.pan))?;
     // With exact points of the new frame the noise would seem smaller than it is.
     let sigma_m = |frames: &[FrameClicks], ptz: &[Option<Ptz>]| {
-        let adjusted = adjust_base(&CameraClicks { frames, ..*clicks }, base, ptz, model, options);
+        let adjusted = adjust_base(
+            &CameraClicks { frames, ..*clicks },
+            base,
+            ptz,
+            model,
+            options,
+        );
         (adjusted.position_covariance.trace() / adjusted.noise_scale).sqrt()
     };
     let now = sigma_m(clicks.frames, ptz);
     let gain = |side: BesideFrames| {
-        let at = if side == BesideFrames::Left { seen.start() } else { seen.end() };
+        let at = if side == BesideFrames::Left {
+            seen.start()
+        } else {
+            seen.end()
+        };
         let outermost = ptz.iter().flatten().min_by(|a, b| {
             let off = |ptz: &&Ptz| ptz.pan.turn_from(at).abs().radians();
             off(a).total_cmp(&off(b))
         })?;
-        let half_view = Angle::from_radians((0.5 * f64::from(clicks.image_size.width) / outermost.focal_px).atan());
-        let pan = if side == BesideFrames::Left { at - half_view } else { at + half_view };
-        let there = Ptz { pan: pan.wrapped(), ..*outermost };
-        let observations = points_shown(clicks.field, &PtzCamera::new(*base, there), clicks.image_size)?;
+        let half_view = Angle::from_radians(
+            (0.5 * f64::from(clicks.image_size.width) / outermost.focal_px).atan(),
+        );
+        let pan = if side == BesideFrames::Left {
+            at - half_view
+        } else {
+            at + half_view
+        };
+        let there = Ptz {
+            pan: pan.wrapped(),
+            ..*outermost
+        };
+        let observations = points_shown(
+            clicks.field,
+            &PtzCamera::new(*base, there),
+            clicks.image_size,
+        )?;
         let (mut frames, mut ptz) = (clicks.frames.to_vec(), ptz.to_vec());
-        frames.push(FrameClicks { observations, start: None });
+        frames.push(FrameClicks {
+            observations,
+            start: None,
+        });
         ptz.push(Some(there));
         let share = sigma_m(&frames, &ptz) / now;
-        (share <= WORTH_A_FRAME).then_some(OneMoreFrame { side, now_m: known_m, then_m: share * known_m })
+        (share <= WORTH_A_FRAME).then_some(OneMoreFrame {
+            side,
+            now_m: known_m,
+            then_m: share * known_m,
+        })
     };
-    let sides = [BesideFrames::Left, BesideFrames::Right].into_iter().filter_map(gain);
+    let sides = [BesideFrames::Left, BesideFrames::Right]
+        .into_iter()
+        .filter_map(gain);
     sides.min_by(|a, b| a.then_m.total_cmp(&b.then_m))
 }
 
-/// Exact clicks on the landmarks nearest to the corners of a picture; none where it shows fewer than four.
-fn points_shown(field: &FieldModel, camera: &PtzCamera, image_size: ImageSize) -> Option<Vec<Observation>> {
+/// Exact clicks on the landmarks nearest to the corners of a picture; none where it shows fewer
+/// than four.
+fn points_shown(
+    field: &FieldModel,
+    camera: &PtzCamera,
+    image_size: ImageSize,
+) -> Option<Vec<Observation>> {
     let click = |landmark: &Landmark| {
-        let image = camera.image_from_world(field.landmark_in_world(landmark)).ok()?;
-        let click = Observation::of_landmark(field, landmark.id.as_str(), image, image_size, 0).ok()?;
+        let image = camera
+            .image_from_world(field.landmark_in_world(landmark))
+            .ok()?;
+        let click =
+            Observation::of_landmark(field, landmark.id.as_str(), image, image_size, 0).ok()?;
         image_size.contains(image).then_some(click)
     };
     let mut shown: Vec<Observation> = field.landmarks.iter().filter_map(click).collect();
     let mut chosen = Vec::with_capacity(POINTS);
     for corner in image_size.corners() {
         let off_px = |click: &Observation| click.image.distance_px(corner);
-        let nearest = (0..shown.len()).min_by(|&a, &b| off_px(&shown[a]).total_cmp(&off_px(&shown[b])))?;
+        let nearest =
+            (0..shown.len()).min_by(|&a, &b| off_px(&shown[a]).total_cmp(&off_px(&shown[b])))?;
         chosen.push(shown.swap_remove(nearest));
     }
     Some(chosen)

@@ -7,8 +7,9 @@ use crate::geometry::rotation::{from_rotation_vector, nearest_rotation};
 use crate::geometry::{Vec2, Vec3};
 use nalgebra::SVector;
 
-/// Where each stands, after the position (m) at 0: rotation about world x and y (rad), k₁, its slope per 1000 px, height of
-/// the crown (m), principal point (px), and how much larger the field is than assumed (m).
+/// Where each stands, after the position (m) at 0: rotation about world x and y (rad), k₁, its
+/// slope per 1000 px, height of the crown (m), principal point (px), and how much larger the field
+/// is than assumed (m).
 pub(super) const ROTATION: usize = 3;
 pub(super) const K1: usize = 5;
 pub(super) const SLOPE: usize = 6;
@@ -37,7 +38,12 @@ pub(super) struct Shared {
 impl Shared {
     /// A base on a field whose size is as the clicks have it.
     pub const fn new(base: &CameraBase, crown: Crown) -> Self {
-        Self { base: *base, crown, larger_m: [0.0; SIZES], width_by_size: [0.0; SIZES] }
+        Self {
+            base: *base,
+            crown,
+            larger_m: [0.0; SIZES],
+            width_by_size: [0.0; SIZES],
+        }
     }
 
     /// The parameters after a step.
@@ -45,12 +51,23 @@ impl Shared {
         let position_m = self.base.position_m + Vec3::new(step[0], step[1], step[2]);
         let turn = from_rotation_vector(Vec3::new(step[ROTATION], step[ROTATION + 1], 0.0));
         let curve = self.base.distortion;
-        let distortion =
-            FocalCurve { value: curve.value + step[K1], per_1000_px: curve.per_1000_px + step[SLOPE], ..curve };
-        let principal_point =
-            self.base.principal_point.moved(Vec2::new(step[PRINCIPAL_POINT], step[PRINCIPAL_POINT + 1]));
+        let distortion = FocalCurve {
+            value: curve.value + step[K1],
+            per_1000_px: curve.per_1000_px + step[SLOPE],
+            ..curve
+        };
+        let principal_point = self
+            .base
+            .principal_point
+            .moved(Vec2::new(step[PRINCIPAL_POINT], step[PRINCIPAL_POINT + 1]));
         let base_from_world = nearest_rotation(&(self.base.base_from_world * turn));
-        let base = CameraBase { position_m, base_from_world, principal_point, distortion, ..self.base };
+        let base = CameraBase {
+            position_m,
+            base_from_world,
+            principal_point,
+            distortion,
+            ..self.base
+        };
         let mut stepped = Self { base, ..*self };
         stepped.crown.height_m += step[CROWN];
         for (size, by) in step.iter().skip(SIZE).enumerate() {

@@ -4,7 +4,8 @@ use crate::progress::Progress;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// How far an estimation has come, in adjustments of the base: each model on each group of clicks held out is one.
+/// How far an estimation has come, in adjustments of the base: each model on each group of clicks
+/// held out is one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BaseProgress {
     /// Adjustments made.
@@ -22,13 +23,20 @@ pub(super) struct Adjustments<'a> {
 
 impl<'a> Adjustments<'a> {
     pub fn new(progress: &'a Progress<'_, BaseProgress>, total: usize) -> Self {
-        Self { progress, total, done: AtomicUsize::new(0) }
+        Self {
+            progress,
+            total,
+            done: AtomicUsize::new(0),
+        }
     }
 
     /// Counts one more. A break cancels the estimation.
     pub fn count(&self) -> ControlFlow<()> {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        self.progress.report(BaseProgress { done, total: self.total })
+        self.progress.report(BaseProgress {
+            done,
+            total: self.total,
+        })
     }
 
     pub fn are_cancelled(&self) -> bool {

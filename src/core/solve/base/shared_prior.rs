@@ -19,7 +19,8 @@ pub(super) struct SharedPrior {
 /// Which number, and what it should be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Expected {
-    /// The base's downward axis leans neither forward nor backward along the direction to the field (unit, `world` x and y), rad.
+    /// The base's downward axis leans neither forward nor backward along the direction to the field
+    /// (unit, `world` x and y), rad.
     Pitch(Vec2),
     /// Nor to the side of that direction, rad.
     Roll(Vec2),
@@ -46,40 +47,71 @@ impl Expected {
         let down = base.base_from_world.row(1);
         let alone = |value: f64, parameter: usize| (value, [(parameter, 1.0), (parameter, 0.0)]);
         match *self {
-            // Turning by ω moves the downward axis by down × ω, of which x and y are −down_z ω_y and down_z ω_x.
+            // Turning by ω moves the downward axis by down × ω, of which x and y are −down_z ω_y
+            // and down_z ω_x.
             Self::Pitch(view) => {
                 let lean = -(view.x * down[0] + view.y * down[1]);
-                (lean, [(ROTATION, -view.y * down[2]), (ROTATION + 1, view.x * down[2])])
+                (
+                    lean,
+                    [
+                        (ROTATION, -view.y * down[2]),
+                        (ROTATION + 1, view.x * down[2]),
+                    ],
+                )
             }
             Self::Roll(view) => {
                 let lean = view.y * down[0] - view.x * down[1];
-                (lean, [(ROTATION, -view.x * down[2]), (ROTATION + 1, -view.y * down[2])])
+                (
+                    lean,
+                    [
+                        (ROTATION, -view.x * down[2]),
+                        (ROTATION + 1, -view.y * down[2]),
+                    ],
+                )
             }
             Self::K1(expected) => alone(base.distortion.value - expected, K1),
             Self::Slope(expected) => alone(base.distortion.per_1000_px - expected, SLOPE),
             Self::Crown(expected_m) => alone(shared.crown.height_m - expected_m, CROWN),
-            Self::PrincipalPoint(expected, axis) => {
-                alone(base.principal_point.offset_from(expected)[axis], PRINCIPAL_POINT + axis)
+            Self::PrincipalPoint(expected, axis) => alone(
+                base.principal_point.offset_from(expected)[axis],
+                PRINCIPAL_POINT + axis,
+            ),
+            Self::Position(expected_m, axis) => {
+                alone(base.position_m[axis] - expected_m[axis], axis)
             }
-            Self::Position(expected_m, axis) => alone(base.position_m[axis] - expected_m[axis], axis),
             Self::Turn(from, axis) => {
-                let other = CameraBase { base_from_world: from, ..*base };
+                let other = CameraBase {
+                    base_from_world: from,
+                    ..*base
+                };
                 let turn = base.rotation_from(&other);
                 let by_turn = rotation_vector_by_turn(turn);
-                (turn[axis], [(ROTATION, by_turn[(axis, 0)]), (ROTATION + 1, by_turn[(axis, 1)])])
+                (
+                    turn[axis],
+                    [
+                        (ROTATION, by_turn[(axis, 0)]),
+                        (ROTATION + 1, by_turn[(axis, 1)]),
+                    ],
+                )
             }
-            Self::Larger(expected_m, size) => alone(shared.larger_m[size] - expected_m, SIZE + size),
+            Self::Larger(expected_m, size) => {
+                alone(shared.larger_m[size] - expected_m, SIZE + size)
+            }
         }
     }
 }
 
-/// The derivative of a rotation vector by a further turn on its right, for vectors short of half a turn: the inverse of the
-/// right Jacobian of SO(3) (Solà, Deray and Atchuthan, arXiv 1812.01537, eq. 144).
+/// The derivative of a rotation vector by a further turn on its right, for vectors short of half a
+/// turn: the inverse of the right Jacobian of SO(3) (Solà, Deray and Atchuthan, arXiv 1812.01537,
+/// eq. 144).
 fn rotation_vector_by_turn(vector: Vec3) -> Mat3 {
     let cross = crate::geometry::rotation::skew(vector);
     let angle = vector.norm();
-    let second_order =
-        if angle < 1e-4 { 1.0 / 12.0 } else { (1.0 - 0.5 * angle / (0.5 * angle).tan()) / (angle * angle) };
+    let second_order = if angle < 1e-4 {
+        1.0 / 12.0
+    } else {
+        (1.0 - 0.5 * angle / (0.5 * angle).tan()) / (angle * angle)
+    };
     Mat3::identity() + cross * 0.5 + cross * cross * second_order
 }
 
@@ -104,7 +136,11 @@ impl<const SHARED: usize> Residual<1, SHARED, 3> for SharedPrior {
         for (parameter, by) in derivatives {
             by_shared[parameter] += by;
         }
-        Some(Linearised { value: SVector::<f64, 1>::new(value), by_shared, by_own: SMatrix::zeros() })
+        Some(Linearised {
+            value: SVector::<f64, 1>::new(value),
+            by_shared,
+            by_own: SMatrix::zeros(),
+        })
     }
 
     fn loss(&self, _: Loss) -> Loss {
@@ -112,12 +148,26 @@ impl<const SHARED: usize> Residual<1, SHARED, 3> for SharedPrior {
     }
 }
 
-/// A base known to stand and look as another one does, within a 1-σ of its position (m) and of its rotation.
-pub(super) fn near(base: &CameraBase, sigma_m: f64, sigma_turn: Angle) -> impl Iterator<Item = SharedPrior> + use<> {
-    let CameraBase { position_m, base_from_world, .. } = *base;
-    let position = (0..3).map(move |axis| SharedPrior { of: Expected::Position(position_m, axis), sigma: sigma_m });
-    let turn =
-        (0..2).map(move |axis| SharedPrior { of: Expected::Turn(base_from_world, axis), sigma: sigma_turn.radians() });
+/// A base known to stand and look as another one does, within a 1-σ of its position (m) and of its
+/// rotation.
+pub(super) fn near(
+    base: &CameraBase,
+    sigma_m: f64,
+    sigma_turn: Angle,
+) -> impl Iterator<Item = SharedPrior> + use<> {
+    let CameraBase {
+        position_m,
+        base_from_world,
+        ..
+    } = *base;
+    let position = (0..3).map(move |axis| SharedPrior {
+        of: Expected::Position(position_m, axis),
+        sigma: sigma_m,
+    });
+    let turn = (0..2).map(move |axis| SharedPrior {
+        of: Expected::Turn(base_from_world, axis),
+        sigma: sigma_turn.radians(),
+    });
     position.chain(turn)
 }
 
@@ -132,23 +182,47 @@ mod tests {
 
     #[test]
     fn each_changes_with_the_parameters_as_its_jacobian_says() {
-        let angles =
-            BaseAngles { roll: Angle::from_degrees(2.0), pitch: Angle::from_degrees(-3.0), ..BaseAngles::default() };
+        let angles = BaseAngles {
+            roll: Angle::from_degrees(2.0),
+            pitch: Angle::from_degrees(-3.0),
+            ..BaseAngles::default()
+        };
         let base = CameraBase {
-            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.2, ..FocalCurve::NONE },
-            ..CameraBase::new(Vec3::new(3.0, -62.0, 17.0), angles.base_from_world(), ImagePoint::new(955.0, 543.0))
+            distortion: FocalCurve {
+                at_focal_px: 2000.0,
+                value: -0.05,
+                per_1000_px: 0.2,
+                ..FocalCurve::NONE
+            },
+            ..CameraBase::new(
+                Vec3::new(3.0, -62.0, 17.0),
+                angles.base_from_world(),
+                ImagePoint::new(955.0, 543.0),
+            )
         };
         let shared = Shared {
             larger_m: [0.5, -0.2],
             width_by_size: [0.0, 1.0],
-            ..Shared::new(&base, Crown { height_m: 0.15, width_m: 68.0 })
+            ..Shared::new(
+                &base,
+                Crown {
+                    height_m: 0.15,
+                    width_m: 68.0,
+                },
+            )
         };
         let from = base.base_from_world * from_rotation_vector(Vec3::new(0.02, -0.05, 0.03));
-        let mut all = vec![Expected::K1(0.01), Expected::Slope(0.1), Expected::Crown(0.1)];
+        let mut all = vec![
+            Expected::K1(0.01),
+            Expected::Slope(0.1),
+            Expected::Crown(0.1),
+        ];
         for view in [Vec2::new(0.0, 1.0), Vec2::new(0.8, -0.6)] {
             all.extend([Expected::Pitch(view), Expected::Roll(view)]);
         }
-        all.extend((0..2).map(|axis| Expected::PrincipalPoint(ImagePoint::new(960.0, 540.0), axis)));
+        all.extend(
+            (0..2).map(|axis| Expected::PrincipalPoint(ImagePoint::new(960.0, 540.0), axis)),
+        );
         all.extend((0..3).map(|axis| Expected::Position(Vec3::zeros(), axis)));
         all.extend((0..2).map(|axis| Expected::Turn(from, axis)));
         all.extend((0..SIZES).map(|size| Expected::Larger(0.3, size)));

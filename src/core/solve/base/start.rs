@@ -1,8 +1,9 @@
 //! Where the adjustment starts: a base that many frames agree on, found without knowing anything.
 //!
-//! Every frame with four ground landmarks gives a camera by itself; its position is noisy, a few are nonsense. Each such
-//! position (and their median) is tried as the base, with a level head, on a sample of frames: the one whose frames fit best
-//! wins. Wrong names in some frames so cannot spoil the start.
+//! Every frame with four ground landmarks gives a camera by itself; its position is noisy, a few
+//! are nonsense. Each such position (and their median) is tried as the base, with a level head, on
+//! a sample of frames: the one whose frames fit best wins. Wrong names in some frames so cannot
+//! spoil the start.
 
 use super::{BaseError, CameraClicks, FrameClicks};
 use crate::camera::{BaseAngles, CameraBase, Ptz};
@@ -34,47 +35,87 @@ pub struct BaseStart {
 /// # Errors
 /// No frame has four ground landmarks that determine a camera.
 pub fn start_base(clicks: &CameraClicks<'_>) -> Result<BaseStart, BaseError> {
-    let CameraClicks { frames, image_size, principal_point, .. } = *clicks;
+    let CameraClicks {
+        frames,
+        image_size,
+        principal_point,
+        ..
+    } = *clicks;
     let mut poses: Vec<(Vec3, Vec3)> = Vec::new();
     let mut most_landmarks = 0;
     for frame in frames {
         let ground = ground_landmarks(frame);
         most_landmarks = most_landmarks.max(ground.len());
-        let Ok(pose) = pose_from_plane(&ground, principal_point) else { continue };
+        let Ok(pose) = pose_from_plane(&ground, principal_point) else {
+            continue;
+        };
         if (1.0..200.0).contains(&pose.position_m.z) && pose.position_m.norm() < 500.0 {
             poses.push((pose.position_m, pose.cam_from_world.row(0).transpose()));
         }
     }
     if poses.is_empty() {
         let frames = frames.iter().filter(|frame| frame.equations() > 0).count();
-        return Err(BaseError::NoStart { frames, most_landmarks });
+        return Err(BaseError::NoStart {
+            frames,
+            most_landmarks,
+        });
     }
-    let rotations = [BaseAngles::default().base_from_world(), least_roll(poses.iter().map(|pose| pose.1))];
-    let enough: Vec<_> = frames.iter().filter(|frame| frame.equations() >= 6).collect();
+    let rotations = [
+        BaseAngles::default().base_from_world(),
+        least_roll(poses.iter().map(|pose| pose.1)),
+    ];
+    let enough: Vec<_> = frames
+        .iter()
+        .filter(|frame| frame.equations() >= 6)
+        .collect();
     let sample: Vec<_> = subsample(enough, SAMPLE).collect();
-    let mut positions: Vec<Vec3> = subsample(&poses, MAX_POSITIONS).map(|pose| pose.0).collect();
+    let mut positions: Vec<Vec3> = subsample(&poses, MAX_POSITIONS)
+        .map(|pose| pose.0)
+        .collect();
     positions.push(Vec3::from_fn(|axis, _| {
         median_high(&mut poses.iter().map(|pose| pose.0[axis]).collect::<Vec<_>>()).unwrap_or(0.0)
     }));
     let mut best: Option<(f64, CameraBase)> = None;
     for position_m in positions {
         for rotation in rotations {
-            let base = CameraBase::new(position_m, rotation, principal_point).in_pan_gauge().0;
-            let cost: f64 = sample.iter().map(|frame| frame_cost(&base, frame, image_size)).sum();
+            let base = CameraBase::new(position_m, rotation, principal_point)
+                .in_pan_gauge()
+                .0;
+            let cost: f64 = sample
+                .iter()
+                .map(|frame| frame_cost(&base, frame, image_size))
+                .sum();
             if best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, base));
             }
         }
     }
-    let Some((_, base)) = best else { return Err(BaseError::NoStart { frames: frames.len(), most_landmarks }) };
+    let Some((_, base)) = best else {
+        return Err(BaseError::NoStart {
+            frames: frames.len(),
+            most_landmarks,
+        });
+    };
     let ptz = solve_all(&base, frames, image_size);
     Ok(BaseStart { base, ptz })
 }
 
-/// Each frame's pan, tilt, focal length under a base; what a frame brings along where its clicks give none.
-pub(super) fn solve_all(base: &CameraBase, frames: &[FrameClicks], image_size: ImageSize) -> Vec<Option<Ptz>> {
+/// Each frame's pan, tilt, focal length under a base; what a frame brings along where its clicks
+/// give none.
+pub(super) fn solve_all(
+    base: &CameraBase,
+    frames: &[FrameClicks],
+    image_size: ImageSize,
+) -> Vec<Option<Ptz>> {
     let context = SolveContext::new(image_size);
-    frames.iter().map(|frame| solve_frame(base, &frame.observations, &context).ok().map(|solved| solved.ptz)).collect()
+    frames
+        .iter()
+        .map(|frame| {
+            solve_frame(base, &frame.observations, &context)
+                .ok()
+                .map(|solved| solved.ptz)
+        })
+        .collect()
 }
 
 /// Robust cost of a frame under a base, each click counted alike.
@@ -96,12 +137,19 @@ fn ground_landmarks(frame: &FrameClicks) -> Vec<(Vec2, ImagePoint)> {
     const GROUND_M: f64 = 0.4;
     frame
         .used()
-        .filter_map(|click| click.shape.point().filter(|at| at.z.abs() < GROUND_M).map(|at| (at.xy(), click.image)))
+        .filter_map(|click| {
+            click
+                .shape
+                .point()
+                .filter(|at| at.z.abs() < GROUND_M)
+                .map(|at| (at.xy(), click.image))
+        })
         .collect()
 }
 
-/// The base rotation whose pan axis is most nearly perpendicular to every camera's x axis (given in `world`): about it, and
-/// then about x, all of them turn without roll. A weak pull to the vertical decides where the cameras do not.
+/// The base rotation whose pan axis is most nearly perpendicular to every camera's x axis (given in
+/// `world`): about it, and then about x, all of them turn without roll. A weak pull to the vertical
+/// decides where the cameras do not.
 fn least_roll(x_axes_in_world: impl Iterator<Item = Vec3>) -> Mat3 {
     let mut spread = Mat3::from_diagonal(&Vec3::new(0.3, 0.3, 0.0));
     for axis in x_axes_in_world {

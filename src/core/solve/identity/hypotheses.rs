@@ -4,8 +4,8 @@ use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::{Curve, FieldElement, FieldLine, FieldModel, Symmetry};
 use crate::solve::frame::{best_fit, fit_from};
 use crate::solve::{
-    ClickResidual, Evidence, FrameSolution, IdentityFinding, IdentityKind, Loss, Name, Observation, ObservedShape,
-    PtzStep, Rename, SolveContext,
+    ClickResidual, Evidence, FrameSolution, IdentityFinding, IdentityKind, Loss, Name, Observation,
+    ObservedShape, PtzStep, Rename, SolveContext,
 };
 use std::collections::BTreeSet;
 
@@ -38,15 +38,32 @@ impl Judged {
         self.chi_squared + self.surprise + 4.0 * self.hypothesis.renames.len() as f64
     }
 
-    /// What is told of it: how far the farthest of the renamed clicks is off as named, and under the new names.
-    pub fn finding(self, evidence: Evidence, base: &CameraBase, solution: &FrameSolution) -> IdentityFinding {
-        let Hypothesis { kind, renames, clicks } = self.hypothesis;
+    /// What is told of it: how far the farthest of the renamed clicks is off as named, and under
+    /// the new names.
+    pub fn finding(
+        self,
+        evidence: Evidence,
+        base: &CameraBase,
+        solution: &FrameSolution,
+    ) -> IdentityFinding {
+        let Hypothesis {
+            kind,
+            renames,
+            clicks,
+        } = self.hypothesis;
         let is_renamed = |click: usize| renames.iter().any(|rename| rename.click == click);
-        let named = solution.residuals.iter().filter(|residual| is_renamed(residual.click));
-        let as_named_px = named.filter_map(ClickResidual::distance_px).max_by(f64::total_cmp);
+        let named = solution
+            .residuals
+            .iter()
+            .filter(|residual| is_renamed(residual.click));
+        let as_named_px = named
+            .filter_map(ClickResidual::distance_px)
+            .max_by(f64::total_cmp);
         let camera = PtzCamera::new(*base, self.ptz);
         let renamed = clicks.iter().filter(|click| is_renamed(click.click));
-        let renamed_px = renamed.filter_map(|click| click.distance_px(&camera)).max_by(f64::total_cmp);
+        let renamed_px = renamed
+            .filter_map(|click| click.distance_px(&camera))
+            .max_by(f64::total_cmp);
         IdentityFinding {
             kind,
             evidence,
@@ -75,35 +92,55 @@ impl Search<'_> {
     }
 
     pub fn judged(&self, hypothesis: Hypothesis) -> Option<Judged> {
-        let best = best_fit(self.base, &hypothesis.clicks, &self.context).filter(|best| best.plausible)?;
+        let best =
+            best_fit(self.base, &hypothesis.clicks, &self.context).filter(|best| best.plausible)?;
         let surprise = self.context.motion.surprise(&best.ptz, &self.slack);
-        Some(Judged { ptz: best.ptz, rms_px: best.rms_px, chi_squared: best.chi_squared, surprise, hypothesis })
+        Some(Judged {
+            ptz: best.ptz,
+            rms_px: best.rms_px,
+            chi_squared: best.chi_squared,
+            surprise,
+            hypothesis,
+        })
     }
 
-    /// Other names for the clicks that most others contradict, and swaps among the oddest of them; with them the camera of most
-    /// clicks.
+    /// Other names for the clicks that most others contradict, and swaps among the oddest of them;
+    /// with them the camera of most clicks.
     pub fn odd_ones(&self) -> Option<(PtzCamera, Vec<Hypothesis>)> {
         let majority = self.camera_of(self.clicks, Loss::Cauchy { c: 2.0 })?;
-        let sigmas = |click: &Observation| click.distance_px(&majority).map_or(f64::INFINITY, |px| px / click.sigma_px);
+        let sigmas = |click: &Observation| {
+            click
+                .distance_px(&majority)
+                .map_or(f64::INFINITY, |px| px / click.sigma_px)
+        };
         let off: Vec<f64> = self.clicks.iter().map(sigmas).collect();
-        let found = self.by_majority(&majority, &off).into_iter().chain(self.swaps_of_the_oddest(&off)).collect();
+        let found = self
+            .by_majority(&majority, &off)
+            .into_iter()
+            .chain(self.swaps_of_the_oddest(&off))
+            .collect();
         Some((majority, found))
     }
 
-    /// χ² of a hypothesis in the camera that refinement leads to from a known one: a fraction of the time that looking from
-    /// everywhere takes.
+    /// χ² of a hypothesis in the camera that refinement leads to from a known one: a fraction of
+    /// the time that looking from everywhere takes.
     pub fn chi_squared_near(&self, known: &PtzCamera, hypothesis: &Hypothesis) -> Option<f64> {
         Some(fit_from(self.base, known.ptz(), &hypothesis.clicks, &self.context)?.chi_squared)
     }
 
     /// The mirrored sides, every swap, and every single click of another landmark or line.
     pub fn single_mistakes(&self) -> Vec<Hypothesis> {
-        self.sides().chain(self.swaps()).chain(self.left_out_one_by_one()).collect()
+        self.sides()
+            .chain(self.swaps())
+            .chain(self.left_out_one_by_one())
+            .collect()
     }
 
     /// All names of the mirrored field, for each of its symmetries.
     pub fn sides(&self) -> impl Iterator<Item = Hypothesis> {
-        Symmetry::ALL.into_iter().filter_map(|side| self.mirrored(side))
+        Symmetry::ALL
+            .into_iter()
+            .filter_map(|side| self.mirrored(side))
     }
 
     /// All clicks on one part of the field, or on one line, taken for another.
@@ -126,33 +163,66 @@ impl Search<'_> {
         }
         self.sides()
             .filter_map(|side| self.judged(side))
-            .filter(|judged| judged.chi_squared + judged.surprise < solution.chi_squared + surprise + AS_WELL)
+            .filter(|judged| {
+                judged.chi_squared + judged.surprise < solution.chi_squared + surprise + AS_WELL
+            })
             .min_by(|a, b| a.penalty().total_cmp(&b.penalty()))
             .map(|judged| judged.finding(Evidence::None, self.base, solution))
     }
 
-    /// All names of the mirrored side; none if the field lacks one of them, or nothing would change.
+    /// All names of the mirrored side; none if the field lacks one of them, or nothing would
+    /// change.
     fn mirrored(&self, symmetry: Symmetry) -> Option<Hypothesis> {
-        let twins: Option<Vec<FieldElement>> =
-            self.clicks.iter().map(|click| click.element?.twin(symmetry, self.field)).collect();
-        let Hypothesis { clicks, renames, .. } =
-            self.with_names(IdentityKind::Mirrored(symmetry), twins?.into_iter().map(Some))?;
+        let twins: Option<Vec<FieldElement>> = self
+            .clicks
+            .iter()
+            .map(|click| click.element?.twin(symmetry, self.field))
+            .collect();
+        let Hypothesis {
+            clicks, renames, ..
+        } = self.with_names(
+            IdentityKind::Mirrored(symmetry),
+            twins?.into_iter().map(Some),
+        )?;
         // Where all but two clicks lie on the mirror, it is a swap.
-        let kind = if self.exchanges_two(&clicks) { IdentityKind::Swapped } else { IdentityKind::Mirrored(symmetry) };
-        Some(Hypothesis { kind, clicks, renames })
+        let kind = if self.exchanges_two(&clicks) {
+            IdentityKind::Swapped
+        } else {
+            IdentityKind::Mirrored(symmetry)
+        };
+        Some(Hypothesis {
+            kind,
+            clicks,
+            renames,
+        })
     }
 
-    /// The clicks under new names, one for each click, none where it keeps its own; none if nothing changes.
-    fn with_names(&self, kind: IdentityKind, names: impl Iterator<Item = Option<FieldElement>>) -> Option<Hypothesis> {
+    /// The clicks under new names, one for each click, none where it keeps its own; none if nothing
+    /// changes.
+    fn with_names(
+        &self,
+        kind: IdentityKind,
+        names: impl Iterator<Item = Option<FieldElement>>,
+    ) -> Option<Hypothesis> {
         let mut clicks = self.clicks.to_vec();
         let mut renames = Vec::new();
         for (click, element) in clicks.iter_mut().zip(names) {
-            let Some(element) = element.filter(|element| click.element != Some(*element)) else { continue };
+            let Some(element) = element.filter(|element| click.element != Some(*element)) else {
+                continue;
+            };
             *click = click.renamed(self.field, element)?;
             let label = element.label(self.field)?.to_owned();
-            renames.push(Rename { click: click.click, name: Name::of(element, self.field)?, label });
+            renames.push(Rename {
+                click: click.click,
+                name: Name::of(element, self.field)?,
+                label,
+            });
         }
-        (!renames.is_empty()).then_some(Hypothesis { kind, clicks, renames })
+        (!renames.is_empty()).then_some(Hypothesis {
+            kind,
+            clicks,
+            renames,
+        })
     }
 
     /// Every pair of landmarks exchanged.
@@ -167,8 +237,11 @@ impl Search<'_> {
     }
 
     fn swap(&self, i: usize, j: usize) -> Option<Hypothesis> {
-        let landmark =
-            |index: usize| self.clicks[index].element.filter(|element| matches!(element, FieldElement::Landmark(_)));
+        let landmark = |index: usize| {
+            self.clicks[index]
+                .element
+                .filter(|element| matches!(element, FieldElement::Landmark(_)))
+        };
         let (one, two) = (landmark(i)?, landmark(j)?);
         let named = (0..self.clicks.len()).map(|index| match index {
             _ if index == i => Some(two),
@@ -191,7 +264,8 @@ impl Search<'_> {
         found
     }
 
-    /// New names for the clicks that the camera of most clicks contradicts; `off` is how far each is off there, sigmas.
+    /// New names for the clicks that the camera of most clicks contradicts; `off` is how far each
+    /// is off there, sigmas.
     fn by_majority(&self, camera: &PtzCamera, off: &[f64]) -> Option<Hypothesis> {
         let odd: Vec<usize> = (0..off.len()).filter(|&i| off[i] > FITS_SIGMAS).collect();
         // More odd ones than others are no majority.
@@ -201,20 +275,27 @@ impl Search<'_> {
         self.renamed(camera, &odd)
     }
 
-    /// The clicks farthest off in the camera of most clicks, each pair of them exchanged: where the base is imperfect, right
-    /// clicks are off as well and no new name fits, but the wrong ones are still the farthest off.
+    /// The clicks farthest off in the camera of most clicks, each pair of them exchanged: where the
+    /// base is imperfect, right clicks are off as well and no new name fits, but the wrong ones are
+    /// still the farthest off.
     fn swaps_of_the_oddest(&self, off: &[f64]) -> Vec<Hypothesis> {
         const ODDEST: usize = 4;
         let mut order: Vec<usize> = (0..off.len()).collect();
         order.sort_by(|&a, &b| off[b].total_cmp(&off[a]));
         order.truncate(ODDEST);
         order.sort_unstable();
-        let pairs = order.iter().enumerate().flat_map(|(k, &i)| order[k + 1..].iter().map(move |&j| (i, j)));
+        let pairs = order
+            .iter()
+            .enumerate()
+            .flat_map(|(k, &i)| order[k + 1..].iter().map(move |&j| (i, j)));
         pairs.filter_map(|(i, j)| self.swap(i, j)).collect()
     }
 
     fn camera_of(&self, clicks: &[Observation], loss: Loss) -> Option<PtzCamera> {
-        let context = SolveContext { loss, ..self.context.clone() };
+        let context = SolveContext {
+            loss,
+            ..self.context.clone()
+        };
         let best = best_fit(self.base, clicks, &context).filter(|best| best.plausible)?;
         Some(PtzCamera::new(*self.base, best.ptz))
     }
@@ -226,13 +307,19 @@ impl Search<'_> {
             named[index] = Some(self.name_for(camera, &self.clicks[index])?);
         }
         let found = self.with_names(IdentityKind::WrongName, named.into_iter())?;
-        let kind = if self.exchanges_two(&found.clicks) { IdentityKind::Swapped } else { IdentityKind::WrongName };
+        let kind = if self.exchanges_two(&found.clicks) {
+            IdentityKind::Swapped
+        } else {
+            IdentityKind::WrongName
+        };
         Some(Hypothesis { kind, ..found })
     }
 
     /// Whether clicks differ from the given ones in two names that changed places.
     fn exchanges_two(&self, clicks: &[Observation]) -> bool {
-        let changed: Vec<usize> = (0..clicks.len()).filter(|&i| clicks[i].element != self.clicks[i].element).collect();
+        let changed: Vec<usize> = (0..clicks.len())
+            .filter(|&i| clicks[i].element != self.clicks[i].element)
+            .collect();
         matches!(*changed, [i, j]
             if clicks[i].element == self.clicks[j].element && clicks[j].element == self.clicks[i].element)
     }
@@ -243,33 +330,54 @@ impl Search<'_> {
         let others = named.alike(self.field).filter(|element| *element != named);
         let fitting = others.filter_map(|element| {
             let renamed = click.renamed(self.field, element)?;
-            let distance = renamed.distance_px(camera).filter(|distance| *distance < FITS_SIGMAS * click.sigma_px)?;
+            let distance = renamed
+                .distance_px(camera)
+                .filter(|distance| *distance < FITS_SIGMAS * click.sigma_px)?;
             reaches(camera, &renamed).then_some((distance, element))
         });
-        fitting.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, element)| element)
+        fitting
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, element)| element)
     }
 
-    /// Two or more clicks on a part of the field, named as points of another part: names that differ in their beginning
-    /// only, such as those of goal area and penalty area.
+    /// Two or more clicks on a part of the field, named as points of another part: names that
+    /// differ in their beginning only, such as those of goal area and penalty area.
     fn other_parts(&self) -> Vec<Hypothesis> {
         let mut parts: BTreeSet<(String, String)> = BTreeSet::new();
         for element in self.clicks.iter().filter_map(|click| click.element) {
-            let Some(id) = element.name(self.field) else { continue };
+            let Some(id) = element.name(self.field) else {
+                continue;
+            };
             for (end, _) in id.match_indices('_') {
                 let (part, rest) = id.split_at(end);
-                let ids = element.alike(self.field).filter_map(|other| other.name(self.field));
+                let ids = element
+                    .alike(self.field)
+                    .filter_map(|other| other.name(self.field));
                 let others = ids.filter_map(|other| other.strip_suffix(rest));
-                parts.extend(others.filter(|other| *other != part).map(|other| (part.to_owned(), other.to_owned())));
+                parts.extend(
+                    others
+                        .filter(|other| *other != part)
+                        .map(|other| (part.to_owned(), other.to_owned())),
+                );
             }
         }
         let mut found: Vec<Hypothesis> = Vec::new();
         // The longest beginnings first: they name the part best.
         for (part, other) in parts.into_iter().rev() {
-            let renamed = self.clicks.iter().map(|click| self.in_part(click.element?, &part, &other));
+            let renamed = self
+                .clicks
+                .iter()
+                .map(|click| self.in_part(click.element?, &part, &other));
             let [named, fits] = [&part, &other].map(|part| part.replace('_', " "));
             let kind = IdentityKind::OtherPart { named, fits };
-            let Some(hypothesis) = self.with_names(kind, renamed) else { continue };
-            if hypothesis.renames.len() > 1 && found.iter().all(|known| known.renames != hypothesis.renames) {
+            let Some(hypothesis) = self.with_names(kind, renamed) else {
+                continue;
+            };
+            if hypothesis.renames.len() > 1
+                && found
+                    .iter()
+                    .all(|known| known.renames != hypothesis.renames)
+            {
                 found.push(hypothesis);
             }
         }
@@ -278,25 +386,43 @@ impl Search<'_> {
 
     /// What an element of one part is called in the other.
     fn in_part(&self, element: FieldElement, part: &str, other: &str) -> Option<FieldElement> {
-        let rest = element.name(self.field)?.strip_prefix(part).filter(|rest| rest.starts_with('_'))?;
+        let rest = element
+            .name(self.field)?
+            .strip_prefix(part)
+            .filter(|rest| rest.starts_with('_'))?;
         let id = format!("{other}{rest}");
-        element.alike(self.field).find(|element| element.name(self.field) == Some(&id))
+        element
+            .alike(self.field)
+            .find(|element| element.name(self.field) == Some(&id))
     }
 
     /// Two or more clicks on a straight line, taken for a parallel one.
     fn parallel_lines(&self) -> Vec<Hypothesis> {
         let mut found = Vec::new();
         for (index, click) in self.clicks.iter().enumerate() {
-            let Some(FieldElement::Line(line)) = click.element else { continue };
+            let Some(FieldElement::Line(line)) = click.element else {
+                continue;
+            };
             let on_it = |other: &Observation| other.element == click.element;
             let first = !self.clicks[..index].iter().any(on_it);
             if !first || !self.clicks[index + 1..].iter().any(on_it) {
                 continue;
             }
-            let Some(named) = self.field.lines.get(line) else { continue };
+            let Some(named) = self.field.lines.get(line) else {
+                continue;
+            };
             let parallel = |other: &FieldLine| are_parallel(&named.curve, &other.curve);
-            for (other, _) in self.field.lines.iter().enumerate().filter(|(_, other)| parallel(other)) {
-                let renamed = self.clicks.iter().map(|click| on_it(click).then_some(FieldElement::Line(other)));
+            for (other, _) in self
+                .field
+                .lines
+                .iter()
+                .enumerate()
+                .filter(|(_, other)| parallel(other))
+            {
+                let renamed = self
+                    .clicks
+                    .iter()
+                    .map(|click| on_it(click).then_some(FieldElement::Line(other)));
                 found.extend(self.with_names(IdentityKind::WrongName, renamed));
             }
         }
@@ -304,11 +430,14 @@ impl Search<'_> {
     }
 }
 
-/// Whether a line's paint reaches to a click on it: its straight continuation is another line's, or nothing.
+/// Whether a line's paint reaches to a click on it: its straight continuation is another line's, or
+/// nothing.
 fn reaches(camera: &PtzCamera, click: &Observation) -> bool {
     /// Beyond its ends, as a share of its length.
     const BEYOND: f64 = 0.1;
-    let ObservedShape::Curve(curve) = &click.shape else { return true };
+    let ObservedShape::Curve(curve) = &click.shape else {
+        return true;
+    };
     if !matches!(curve.nominal(), Curve::Segment { .. }) {
         return true;
     }
@@ -321,8 +450,18 @@ fn are_parallel(one: &Curve, two: &Curve) -> bool {
     /// Sine of the angle between them.
     const SAME_WAY: f64 = 1e-6;
     match (one, two) {
-        (Curve::Segment { from, to }, Curve::Segment { from: start, to: end }) => {
-            (to - from).normalize().cross(&(end - start).normalize()).norm() < SAME_WAY
+        (
+            Curve::Segment { from, to },
+            Curve::Segment {
+                from: start,
+                to: end,
+            },
+        ) => {
+            (to - from)
+                .normalize()
+                .cross(&(end - start).normalize())
+                .norm()
+                < SAME_WAY
         }
         _ => false,
     }

@@ -14,12 +14,15 @@ impl IdentityFinding {
         let contradicted = self.evidence == Evidence::Clicks;
         let (code, message) = match &self.kind {
             IdentityKind::Swapped if contradicted => {
-                let message = format!("{points} look swapped: {before:.0} px as named, {after:.1} px swapped.");
+                let message = format!(
+                    "{points} look swapped: {before:.0} px as named, {after:.1} px swapped."
+                );
                 (WarningCode::Swapped, message)
             }
-            IdentityKind::Swapped => {
-                (WarningCode::Swapped, format!("{points} fit swapped as well, {}.", self.why_then()))
-            }
+            IdentityKind::Swapped => (
+                WarningCode::Swapped,
+                format!("{points} fit swapped as well, {}.", self.why_then()),
+            ),
             IdentityKind::Mirrored(symmetry) => {
                 let (end, what) = match symmetry {
                     Symmetry::MirrorX => ("other end", "left/right"),
@@ -30,32 +33,54 @@ impl IdentityFinding {
                     Evidence::Clicks => format!(
                         "The names look mirrored: {before:.0} px as named, {after:.1} px on the {end}. Check {what}."
                     ),
-                    Evidence::MotionPrior => format!("The {end} fits as well, {}. Check {what}.", self.why_then()),
+                    Evidence::MotionPrior => {
+                        format!("The {end} fits as well, {}. Check {what}.", self.why_then())
+                    }
                     Evidence::None => format!("The {end} fits as well. Check {what}."),
                 };
                 (WarningCode::Mirrored, message)
             }
             IdentityKind::OtherPart { named, fits } => {
                 let message = if contradicted {
-                    format!("{points} look like the {fits}: {before:.0} px as {named}, {after:.1} px as {fits}.")
+                    format!(
+                        "{points} look like the {fits}: {before:.0} px as {named}, {after:.1} px as {fits}."
+                    )
                 } else {
-                    format!("{points} fit the {fits} as well as the {named}, {}.", self.why_then())
+                    format!(
+                        "{points} fit the {fits} as well as the {named}, {}.",
+                        self.why_then()
+                    )
                 };
                 (WarningCode::WrongLine, message)
             }
             IdentityKind::WrongName => {
-                let labels = self.renames.iter().map(|rename| rename.label.as_str()).collect::<Vec<_>>().join(", ");
+                let labels = self
+                    .renames
+                    .iter()
+                    .map(|rename| rename.label.as_str())
+                    .collect::<Vec<_>>()
+                    .join(", ");
                 let fit = if clicks.len() == 1 { "fits" } else { "fit" };
                 let message = if contradicted {
-                    format!("{points} {fit} elsewhere: {before:.0} px as named, {after:.1} px as {labels}.")
+                    format!(
+                        "{points} {fit} elsewhere: {before:.0} px as named, {after:.1} px as {labels}."
+                    )
                 } else {
                     format!("{points} {fit} as {labels} as well, {}.", self.why_then())
                 };
                 (WarningCode::WrongLine, message)
             }
         };
-        let clicks = if matches!(self.kind, IdentityKind::Mirrored(_)) { Vec::new() } else { clicks };
-        Warning { code, message, clicks }
+        let clicks = if matches!(self.kind, IdentityKind::Mirrored(_)) {
+            Vec::new()
+        } else {
+            clicks
+        };
+        Warning {
+            code,
+            message,
+            clicks,
+        }
     }
 
     /// What speaks for the other names where both fit.

@@ -68,10 +68,14 @@ impl Name {
     #[must_use]
     pub fn of(element: FieldElement, field: &FieldModel) -> Option<Self> {
         match element {
-            FieldElement::Landmark(index) => field.landmarks.get(index).map(|known| Self::Landmark(known.id.clone())),
-            FieldElement::Line(index) | FieldElement::Paint(index) => {
-                field.lines.get(index).map(|known| Self::Line(known.id.clone()))
-            }
+            FieldElement::Landmark(index) => field
+                .landmarks
+                .get(index)
+                .map(|known| Self::Landmark(known.id.clone())),
+            FieldElement::Line(index) | FieldElement::Paint(index) => field
+                .lines
+                .get(index)
+                .map(|known| Self::Line(known.id.clone())),
         }
     }
 
@@ -96,7 +100,8 @@ pub struct IdentityFinding {
     pub renames: Vec<Rename>,
     /// The camera under the new names.
     pub ptz: Ptz,
-    /// The distance of the farthest of the clicks to rename, as named, px: the residual that the list of points shows for it.
+    /// The distance of the farthest of the clicks to rename, as named, px: the residual that the
+    /// list of points shows for it.
     pub as_named_px: f64,
     /// The same under the new names.
     pub renamed_px: f64,

@@ -5,7 +5,9 @@ use super::mat_value::{MatValue, named};
 use super::sequence::{AuthorsSequence, MAX_MAT_BYTES, read_authors_sequence};
 use super::{AuthorsError, MatError};
 use crate::document::resolved;
-use crate::document::{Camera, CameraId, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, path_between};
+use crate::document::{
+    Camera, CameraId, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, path_between,
+};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use touchline_core::camera::CameraBase;
@@ -26,7 +28,8 @@ const MODEL_SIZE: &str = "model_size";
 /// The sequences of a folder.
 #[derive(Clone, Debug)]
 pub struct AuthorsFolder {
-    /// Their frames, solved, as references; a camera for each base, a clip for each sequence. Paths start from the folder.
+    /// Their frames, solved, as references; a camera for each base, a clip for each sequence. Paths
+    /// start from the folder.
     pub document: Document,
     /// Length and width of the field, yards.
     pub field_yd: [f64; 2],
@@ -36,36 +39,50 @@ pub struct AuthorsFolder {
     pub worst_turn: Angle,
 }
 
-/// Reads every sequence of a folder, by name. `field_yd` is the field's length and width where no model is found, yards.
+/// Reads every sequence of a folder, by name. `field_yd` is the field's length and width where no
+/// model is found, yards.
 ///
 /// # Errors
 /// There is none, or one cannot be read or is damaged.
-pub fn read_authors_folder(folder: &Path, field_yd: [f64; 2]) -> Result<AuthorsFolder, AuthorsError> {
+pub fn read_authors_folder(
+    folder: &Path,
+    field_yd: [f64; 2],
+) -> Result<AuthorsFolder, AuthorsError> {
     let folder = &resolved(folder);
     let mut sequences = Vec::new();
     for path in mat_files(folder)? {
         sequences.extend(read_authors_sequence(&path)?);
     }
     if sequences.is_empty() {
-        return Err(AuthorsError::NoSequences { folder: folder.clone() });
+        return Err(AuthorsError::NoSequences {
+            folder: folder.clone(),
+        });
     }
     let model = field_model(folder)?;
     let field_yd = model.as_ref().map_or(field_yd, |(_, size_yd)| *size_yd);
     let [length_m, width_m] = field_yd.map(|yards| yards * YARD_M);
     let mut field = FieldSpec::new("soccer");
-    field.params.extend([("length_m".to_owned(), length_m), ("width_m".to_owned(), width_m)]);
+    field.params.extend([
+        ("length_m".to_owned(), length_m),
+        ("width_m".to_owned(), width_m),
+    ]);
     let mut document = Document::new(field);
     for sequence in &sequences {
-        add(&mut document, sequence, folder, Vec3::new(0.5 * length_m, 0.5 * width_m, 0.0));
+        add(
+            &mut document,
+            sequence,
+            folder,
+            Vec3::new(0.5 * length_m, 0.5 * width_m, 0.0),
+        );
     }
     Ok(AuthorsFolder {
         document,
         field_yd,
         field_model: model.map(|(path, _)| path),
-        worst_turn: sequences
-            .iter()
-            .map(|sequence| sequence.worst_turn)
-            .fold(Angle::ZERO, |worst, turn| if turn > worst { turn } else { worst }),
+        worst_turn: sequences.iter().map(|sequence| sequence.worst_turn).fold(
+            Angle::ZERO,
+            |worst, turn| if turn > worst { turn } else { worst },
+        ),
     })
 }
 
@@ -73,13 +90,24 @@ pub fn read_authors_folder(folder: &Path, field_yd: [f64; 2]) -> Result<AuthorsF
 fn mat_files(folder: &Path) -> Result<Vec<PathBuf>, AuthorsError> {
     let read = |source: io::Error| {
         let is_file = source.kind() == io::ErrorKind::NotADirectory;
-        let source = if is_file { io::Error::other("it is a file; give the folder that it lies in") } else { source };
-        AuthorsError::Read { path: folder.to_path_buf(), source }
+        let source = if is_file {
+            io::Error::other("it is a file; give the folder that it lies in")
+        } else {
+            source
+        };
+        AuthorsError::Read {
+            path: folder.to_path_buf(),
+            source,
+        }
     };
     let mut files = Vec::new();
     for entry in fs::read_dir(folder).map_err(read)? {
         let path = entry.map_err(read)?.path();
-        if path.is_file() && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mat")) {
+        if path.is_file()
+            && path
+                .extension()
+                .is_some_and(|extension| extension.eq_ignore_ascii_case("mat"))
+        {
             files.push(path);
         }
     }
@@ -87,25 +115,48 @@ fn mat_files(folder: &Path) -> Result<Vec<PathBuf>, AuthorsError> {
     Ok(files)
 }
 
-/// The first file with a `model_size`, in the folder, its `util` or the one beside it; of several there the one whose name
-/// begins as the folder's does.
+/// The first file with a `model_size`, in the folder, its `util` or the one beside it; of several
+/// there the one whose name begins as the folder's does.
 fn field_model(folder: &Path) -> Result<Option<(PathBuf, [f64; 2])>, AuthorsError> {
-    let name = folder.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let name = folder
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_lowercase();
     let begins_alike = |path: &PathBuf| {
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
-        name.chars().zip(stem.chars()).take_while(|(a, b)| a == b).count()
+        let stem = path
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .to_lowercase();
+        name.chars()
+            .zip(stem.chars())
+            .take_while(|(a, b)| a == b)
+            .count()
     };
     let beside = folder.parent().map(|parent| parent.join(MODELS));
-    for place in [Some(folder.to_path_buf()), Some(folder.join(MODELS)), beside].into_iter().flatten() {
+    for place in [
+        Some(folder.to_path_buf()),
+        Some(folder.join(MODELS)),
+        beside,
+    ]
+    .into_iter()
+    .flatten()
+    {
         if !place.is_dir() {
             continue;
         }
         let mut files = mat_files(&place)?;
         files.sort_by_key(|path| std::cmp::Reverse(begins_alike(path)));
         for path in files {
-            let bytes =
-                read_named(&path, MAX_MAT_BYTES).map_err(|source| AuthorsError::Read { path: path.clone(), source })?;
-            let found = model_size(&bytes).map_err(|source| AuthorsError::Mat { path: path.clone(), source })?;
+            let bytes = read_named(&path, MAX_MAT_BYTES).map_err(|source| AuthorsError::Read {
+                path: path.clone(),
+                source,
+            })?;
+            let found = model_size(&bytes).map_err(|source| AuthorsError::Mat {
+                path: path.clone(),
+                source,
+            })?;
             if let Some(size_yd) = found {
                 return Ok(Some((path, size_yd)));
             }
@@ -117,18 +168,30 @@ fn field_model(folder: &Path) -> Result<Option<(PathBuf, [f64; 2])>, AuthorsErro
 /// Length and width of a field's model, yards: the larger number is the length.
 fn model_size(bytes: &[u8]) -> Result<Option<[f64; 2]>, MatError> {
     let variables = read_mat(bytes, &[MODEL_SIZE])?;
-    let Some(&[a, b]) = named(&variables, MODEL_SIZE).and_then(MatValue::numbers) else { return Ok(None) };
+    let Some(&[a, b]) = named(&variables, MODEL_SIZE).and_then(MatValue::numbers) else {
+        return Ok(None);
+    };
     Ok((a > 0.0 && b > 0.0 && a.is_finite() && b.is_finite()).then(|| [a.max(b), a.min(b)]))
 }
 
 /// Adds a sequence; `middle_m` is the field's middle from its corner.
 fn add(document: &mut Document, sequence: &AuthorsSequence, folder: &Path, middle_m: Vec3) {
-    let base = CameraBase { position_m: sequence.base_from_corner.position_m - middle_m, ..sequence.base_from_corner };
-    let images: Vec<PathBuf> = sequence.frames.iter().map(|frame| sequence.image_path(&frame.image)).collect();
+    let base = CameraBase {
+        position_m: sequence.base_from_corner.position_m - middle_m,
+        ..sequence.base_from_corner
+    };
+    let images: Vec<PathBuf> = sequence
+        .frames
+        .iter()
+        .map(|frame| sequence.image_path(&frame.image))
+        .collect();
     // Without images the principal point says how large they are: it is their middle.
     let middle = sequence.base_from_corner.principal_point;
     let told = ImageSize::new((2.0 * middle.x - 1.0) as u32, (2.0 * middle.y - 1.0) as u32);
-    let size = images.first().and_then(|path| media::image_size(path).ok()).unwrap_or(told);
+    let size = images
+        .first()
+        .and_then(|path| media::image_size(path).ok())
+        .unwrap_or(told);
     let camera = camera_of(document, &base, size, sequence);
     for (frame, image) in sequence.frames.iter().zip(&images) {
         let added = Frame {
@@ -143,7 +206,12 @@ fn add(document: &mut Document, sequence: &AuthorsSequence, folder: &Path, middl
 }
 
 /// The camera with this base; made if there is none yet.
-fn camera_of(document: &mut Document, base: &CameraBase, size: ImageSize, sequence: &AuthorsSequence) -> CameraId {
+fn camera_of(
+    document: &mut Document,
+    base: &CameraBase,
+    size: ImageSize,
+    sequence: &AuthorsSequence,
+) -> CameraId {
     let known = document.cameras.iter().find(|camera| {
         camera.image_size == size
             && camera.base().is_some_and(|known| {

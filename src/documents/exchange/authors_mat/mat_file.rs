@@ -1,8 +1,10 @@
-//! MATLAB's files of level 5 (saved with `-v6` or `-v7`), as far as they hold numbers, words, cells and structures.
+//! MATLAB's files of level 5 (saved with `-v6` or `-v7`), as far as they hold numbers, words, cells
+//! and structures.
 //!
-//! Format: `MathWorks`, "MAT-File Format", 2023, chapter 1. A file is a header and a row of elements; an element is a tag (type,
-//! number of bytes) and its bytes. Whatever a damaged file says, nothing is read beyond it and nothing is reserved that its
-//! bytes cannot fill. Only the variables that are asked for are unfolded and read.
+//! Format: `MathWorks`, "MAT-File Format", 2023, chapter 1. A file is a header and a row of
+//! elements; an element is a tag (type, number of bytes) and its bytes. Whatever a damaged file
+//! says, nothing is read beyond it and nothing is reserved that its bytes cannot fill. Only the
+//! variables that are asked for are unfolded and read.
 
 use super::mat_value::{MatValue, Named};
 use flate2::read::ZlibDecoder;
@@ -12,7 +14,8 @@ use thiserror::Error;
 
 /// The header: text, an offset, the version and the order of bytes.
 const HEADER: usize = 128;
-/// What the compressed variables that are asked for may unfold to together, bytes: twenty thousand annotated frames.
+/// What the compressed variables that are asked for may unfold to together, bytes: twenty thousand
+/// annotated frames.
 const MOST_UNFOLDED: usize = 8 << 20;
 /// How much of a compressed variable is unfolded to find its name, bytes.
 const NAME_WITHIN: usize = 1024;
@@ -32,7 +35,9 @@ pub enum MatError {
     #[error("it is a MATLAB 7.3 file (HDF5); save it with -v7 in MATLAB")]
     Hdf5,
     /// It ends within an element.
-    #[error("it is truncated or damaged: {wanted} bytes are expected at byte {at}, where {left} are left")]
+    #[error(
+        "it is truncated or damaged: {wanted} bytes are expected at byte {at}, where {left} are left"
+    )]
     Short {
         /// Where, counted within its element if that is compressed.
         at: usize,
@@ -68,7 +73,11 @@ pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<Named, MatError> {
         Some(b"MI") => true,
         _ => return Err(MatError::NotMat),
     };
-    let mut reader = Reader { bytes, at: HEADER, big_endian };
+    let mut reader = Reader {
+        bytes,
+        at: HEADER,
+        big_endian,
+    };
     let mut variables = Named::new();
     let mut left = MOST_UNFOLDED;
     while !reader.is_at_end() {
@@ -79,13 +88,27 @@ pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<Named, MatError> {
             ElementType::COMPRESSED => {
                 // The name stands near the beginning; what nobody asked for stays folded.
                 let begin = unfold(element.bytes, NAME_WITHIN)?;
-                let mut inside = Reader { bytes: &begin, at: 0, big_endian };
-                if inside.skip_tag()? == ElementType::MATRIX && wanted.contains(&&*inside.matrix_head()?.name) {
+                let mut inside = Reader {
+                    bytes: &begin,
+                    at: 0,
+                    big_endian,
+                };
+                if inside.skip_tag()? == ElementType::MATRIX
+                    && wanted.contains(&&*inside.matrix_head()?.name)
+                {
                     let unfolded = unfold(element.bytes, left + 1)?;
                     left = left.checked_sub(unfolded.len()).ok_or_else(|| {
-                        MatError::Compressed(format!("it decompresses to more than {} MiB", MOST_UNFOLDED >> 20))
+                        MatError::Compressed(format!(
+                            "it decompresses to more than {} MiB",
+                            MOST_UNFOLDED >> 20
+                        ))
                     })?;
-                    let element = Reader { bytes: &unfolded, at: 0, big_endian }.element()?;
+                    let element = Reader {
+                        bytes: &unfolded,
+                        at: 0,
+                        big_endian,
+                    }
+                    .element()?;
                     element.inside(big_endian).variable(wanted)?
                 } else {
                     None
@@ -96,7 +119,10 @@ pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<Named, MatError> {
         };
         if let Some((name, value)) = read {
             if variables.iter().any(|(known, _)| *known == name) {
-                return Err(MatError::Damaged { at, what: "a variable occurs twice" });
+                return Err(MatError::Damaged {
+                    at,
+                    what: "a variable occurs twice",
+                });
             }
             variables.push((name, value));
         }
@@ -107,7 +133,9 @@ pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<Named, MatError> {
 /// The first bytes of a compressed element, `most` at most.
 fn unfold(bytes: &[u8], most: usize) -> Result<Vec<u8>, MatError> {
     let mut unfolded = Vec::new();
-    let read = ZlibDecoder::new(bytes).take(most as u64).read_to_end(&mut unfolded);
+    let read = ZlibDecoder::new(bytes)
+        .take(most as u64)
+        .read_to_end(&mut unfolded);
     read.map_err(|error| MatError::Compressed(error.to_string()))?;
     Ok(unfolded)
 }
@@ -162,7 +190,11 @@ struct Element<'a> {
 
 impl<'a> Element<'a> {
     fn inside(&self, big_endian: bool) -> Reader<'a> {
-        Reader { bytes: self.bytes, at: 0, big_endian }
+        Reader {
+            bytes: self.bytes,
+            at: 0,
+            big_endian,
+        }
     }
 }
 
@@ -180,16 +212,26 @@ impl<'a> Reader<'a> {
 
     fn take(&mut self, wanted: usize) -> Result<&'a [u8], MatError> {
         let rest = self.bytes.get(self.at..).unwrap_or_default();
-        let taken = rest.get(..wanted).ok_or(MatError::Short { at: self.at, wanted, left: rest.len() })?;
+        let taken = rest.get(..wanted).ok_or(MatError::Short {
+            at: self.at,
+            wanted,
+            left: rest.len(),
+        })?;
         self.at += wanted;
         Ok(taken)
     }
 
     fn word(&mut self) -> Result<u32, MatError> {
         let at = self.at;
-        let bytes: [u8; 4] =
-            self.take(4)?.try_into().map_err(|_| MatError::Damaged { at, what: "a number is cut short" })?;
-        Ok(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+        let bytes: [u8; 4] = self.take(4)?.try_into().map_err(|_| MatError::Damaged {
+            at,
+            what: "a number is cut short",
+        })?;
+        Ok(if self.big_endian {
+            u32::from_be_bytes(bytes)
+        } else {
+            u32::from_le_bytes(bytes)
+        })
     }
 
     /// The next element with its padding.
@@ -200,7 +242,10 @@ impl<'a> Reader<'a> {
             let (kind, length) = (ElementType(first & 0xffff), (first >> 16) as usize);
             let at = self.at;
             let bytes = self.take(4)?;
-            let bytes = bytes.get(..length).ok_or(MatError::Damaged { at, what: "a small element is too long" })?;
+            let bytes = bytes.get(..length).ok_or(MatError::Damaged {
+                at,
+                what: "a small element is too long",
+            })?;
             return Ok(Element { kind, bytes, at });
         }
         let (kind, length) = (ElementType(first), self.word()? as usize);
@@ -216,11 +261,20 @@ impl<'a> Reader<'a> {
     /// The numbers of the next element.
     fn numbers(&mut self) -> Result<Vec<f64>, MatError> {
         let Element { kind, bytes, at } = self.element()?;
-        let width = kind.width().ok_or(MatError::Damaged { at, what: "numbers are expected" })?;
+        let width = kind.width().ok_or(MatError::Damaged {
+            at,
+            what: "numbers are expected",
+        })?;
         if bytes.len() % width != 0 {
-            return Err(MatError::Damaged { at, what: "a number is cut short" });
+            return Err(MatError::Damaged {
+                at,
+                what: "a number is cut short",
+            });
         }
-        Ok(bytes.chunks_exact(width).map(|number| self.number(kind, number)).collect())
+        Ok(bytes
+            .chunks_exact(width)
+            .map(|number| self.number(kind, number))
+            .collect())
     }
 
     fn number(&self, kind: ElementType, bytes: &[u8]) -> f64 {
@@ -266,7 +320,10 @@ impl<'a> Reader<'a> {
             return Ok(MatValue::Numbers(Vec::new()));
         }
         if depth > MOST_NESTED {
-            return Err(MatError::Damaged { at: self.at, what: "structures are nested too deeply" });
+            return Err(MatError::Damaged {
+                at: self.at,
+                what: "structures are nested too deeply",
+            });
         }
         let head = self.matrix_head()?;
         self.matrix_value(&head, depth)
@@ -274,17 +331,38 @@ impl<'a> Reader<'a> {
 
     /// The head of a `MATRIX` element.
     fn matrix_head(&mut self) -> Result<Head, MatError> {
-        let Element { bytes: flags, at, .. } = self.element()?;
-        let class = if self.big_endian { flags.get(3) } else { flags.first() };
-        let class = *class.ok_or(MatError::Damaged { at, what: "an array has no class" })?;
+        let Element {
+            bytes: flags, at, ..
+        } = self.element()?;
+        let class = if self.big_endian {
+            flags.get(3)
+        } else {
+            flags.first()
+        };
+        let class = *class.ok_or(MatError::Damaged {
+            at,
+            what: "an array has no class",
+        })?;
         let at = self.at;
         let sizes = self.numbers()?;
         let count = sizes.iter().try_fold(1usize, |count, size| {
-            let size = if *size >= 0.0 && *size <= f64::from(u32::MAX) { *size as usize } else { usize::MAX };
+            let size = if *size >= 0.0 && *size <= f64::from(u32::MAX) {
+                *size as usize
+            } else {
+                usize::MAX
+            };
             count.checked_mul(size)
         });
-        let count = count.ok_or(MatError::Damaged { at, what: "an array has no size" })?;
-        Ok(Head { class, count, rows: sizes.first().copied(), name: words(&self.numbers()?) })
+        let count = count.ok_or(MatError::Damaged {
+            at,
+            what: "an array has no size",
+        })?;
+        Ok(Head {
+            class,
+            count,
+            rows: sizes.first().copied(),
+            name: words(&self.numbers()?),
+        })
     }
 
     /// What follows a head.
@@ -303,13 +381,20 @@ impl<'a> Reader<'a> {
         // Each takes eight bytes at least.
         let left = (self.bytes.len().saturating_sub(self.at)) / 8;
         if count > left {
-            return Err(MatError::Short { at: self.at, wanted: count.saturating_mul(8), left: left * 8 });
+            return Err(MatError::Short {
+                at: self.at,
+                wanted: count.saturating_mul(8),
+                left: left * 8,
+            });
         }
         (0..count)
             .map(|_| {
                 let element = self.element()?;
                 if element.kind != ElementType::MATRIX {
-                    return Err(MatError::Damaged { at: element.at, what: "an array is expected" });
+                    return Err(MatError::Damaged {
+                        at: element.at,
+                        what: "an array is expected",
+                    });
                 }
                 element.inside(self.big_endian).matrix(depth + 1)
             })
@@ -321,27 +406,49 @@ impl<'a> Reader<'a> {
         let length = self.numbers()?.first().copied().unwrap_or(0.0);
         let names = self.numbers()?;
         if !(1.0..=MOST_LETTERS).contains(&length) {
-            return Err(MatError::Damaged { at, what: "a structure's field names have no length" });
+            return Err(MatError::Damaged {
+                at,
+                what: "a structure's field names have no length",
+            });
         }
-        let names: Vec<Arc<str>> = names.chunks(length as usize).map(|name| words(name).into()).collect();
-        let total = count.checked_mul(names.len()).ok_or(MatError::Damaged { at, what: "an array has no size" })?;
+        let names: Vec<Arc<str>> = names
+            .chunks(length as usize)
+            .map(|name| words(name).into())
+            .collect();
+        let total = count.checked_mul(names.len()).ok_or(MatError::Damaged {
+            at,
+            what: "an array has no size",
+        })?;
         let mut values = self.matrices(total, depth)?.into_iter();
-        let element = |_| names.iter().cloned().zip(values.by_ref().take(names.len())).collect();
+        let element = |_| {
+            names
+                .iter()
+                .cloned()
+                .zip(values.by_ref().take(names.len()))
+                .collect()
+        };
         // Without fields there is nothing to tell elements apart by.
         let count = if names.is_empty() { 0 } else { count };
         Ok(MatValue::Structures((0..count).map(element).collect()))
     }
 
-    /// The letters of an array of characters, whose columns stand one after the other: those of its first row.
+    /// The letters of an array of characters, whose columns stand one after the other: those of its
+    /// first row.
     fn letters(&mut self, rows: Option<f64>) -> Result<String, MatError> {
         let Element { kind, bytes, at } = self.element()?;
         if kind == ElementType::UTF8 {
             return Ok(String::from_utf8_lossy(bytes).into_owned());
         }
-        let width = kind.width().ok_or(MatError::Damaged { at, what: "text is expected" })?;
+        let width = kind.width().ok_or(MatError::Damaged {
+            at,
+            what: "text is expected",
+        })?;
         let rows = rows.unwrap_or(1.0).max(1.0) as usize;
-        let numbers: Vec<f64> =
-            bytes.chunks_exact(width).step_by(rows).map(|number| self.number(kind, number)).collect();
+        let numbers: Vec<f64> = bytes
+            .chunks_exact(width)
+            .step_by(rows)
+            .map(|number| self.number(kind, number))
+            .collect();
         Ok(words(&numbers))
     }
 }
@@ -349,5 +456,7 @@ impl<'a> Reader<'a> {
 /// Letters by their numbers, up to the first 0.
 fn words(numbers: &[f64]) -> String {
     let letters = numbers.iter().take_while(|number| **number != 0.0);
-    letters.map(|number| char::from_u32(*number as u32).unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
+    letters
+        .map(|number| char::from_u32(*number as u32).unwrap_or(char::REPLACEMENT_CHARACTER))
+        .collect()
 }

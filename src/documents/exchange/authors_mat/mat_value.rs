@@ -52,5 +52,8 @@ impl MatValue {
 
 /// A field or variable by its name.
 pub fn named<'a>(fields: &'a [(Arc<str>, MatValue)], name: &str) -> Option<&'a MatValue> {
-    fields.iter().find(|(known, _)| **known == *name).map(|(_, value)| value)
+    fields
+        .iter()
+        .find(|(known, _)| **known == *name)
+        .map(|(_, value)| value)
 }

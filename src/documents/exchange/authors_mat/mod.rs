@@ -1,12 +1,15 @@
-//! The annotation format of the two-point method's authors: MATLAB files of sequences beside folders of images.
+//! The annotation format of the two-point method's authors: MATLAB files of sequences beside
+//! folders of images.
 //!
-//! A file `seq1_anno.mat` holds `annotation`, an array of structures (`image_name`; `camera`: principal point, focal length,
-//! rotation vector, centre; `ptz`: pan, tilt in degrees, focal length in px), and `meta` (`cc`: the centre, m;
-//! `base_rotation`: a rotation vector; `seq`, `base_dir`, `logo_bbox`). Its images lie in a folder `seq1` beside it. A model of
-//! the field (`model_size`: width and length in yards) lies in a folder `util`.
+//! A file `seq1_anno.mat` holds `annotation`, an array of structures (`image_name`; `camera`:
+//! principal point, focal length, rotation vector, centre; `ptz`: pan, tilt in degrees, focal
+//! length in px), and `meta` (`cc`: the centre, m; `base_rotation`: a rotation vector; `seq`,
+//! `base_dir`, `logo_bbox`). Its images lie in a folder `seq1` beside it. A model of the field
+//! (`model_size`: width and length in yards) lies in a folder `util`.
 //!
-//! Their world begins at the field's corner that is near and left from the main side, x along the length, y across, z up; the
-//! rotation is the same `Q_tilt · Q_pan · base_from_world` as here, the principal point counts from the first pixel's centre.
+//! Their world begins at the field's corner that is near and left from the main side, x along the
+//! length, y across, z up; the rotation is the same `Q_tilt · Q_pan · base_from_world` as here, the
+//! principal point counts from the first pixel's centre.
 //!
 //! | what | where |
 //! |---|---|
@@ -20,7 +23,12 @@ mod sequence;
 #[cfg(test)]
 mod tests;
 #[cfg(any(test, feature = "testing"))]
-#[allow(clippy::unwrap_used, clippy::must_use_candidate, clippy::missing_panics_doc, reason = "for tests alone")]
+#[allow(
+    clippy::unwrap_used,
+    clippy::must_use_candidate,
+    clippy::missing_panics_doc,
+    reason = "for tests alone"
+)]
 pub mod writer;
 
 pub use folder::{AuthorsFolder, read_authors_folder};

@@ -1,4 +1,5 @@
-//! One annotated sequence: its cameras as the file has them, checked, in this program's conventions.
+//! One annotated sequence: its cameras as the file has them, checked, in this program's
+//! conventions.
 
 use super::AuthorsError;
 use super::mat_file::read_mat;
@@ -10,9 +11,11 @@ use touchline_core::files::read_named;
 use touchline_core::geometry::rotation::{angle_between, from_rotation_vector};
 use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Mat3, PixelBox, Vec3};
 
-/// From their principal point, which counts from the first pixel's centre, to corner coordinates, px.
+/// From their principal point, which counts from the first pixel's centre, to corner coordinates,
+/// px.
 const CORNER_FROM_CENTRE: f64 = 0.5;
-/// How far a frame's full camera may be from the base turned by its pan and tilt: beyond, one of them means something else.
+/// How far a frame's full camera may be from the base turned by its pan and tilt: beyond, one of
+/// them means something else.
 const MOST_APART_DEG: f64 = 0.5;
 const MOST_APART_M: f64 = 0.5;
 /// The largest MAT file that is read: features, which lie beside the annotations, are large.
@@ -25,7 +28,8 @@ const SUFFIX: &str = "_anno";
 pub struct AuthorsSequence {
     /// Its name: the file's, `seq3` of `seq3_anno.mat`.
     pub name: String,
-    /// The base; its origin is the field's corner, nearest to the camera and on the left, as the file has it, m.
+    /// The base; its origin is the field's corner, nearest to the camera and on the left, as the
+    /// file has it, m.
     pub base_from_corner: CameraBase,
     /// Where the score strip is, px.
     pub logo: Option<PixelBox>,
@@ -51,25 +55,47 @@ pub struct AuthorsFrame {
 /// # Errors
 /// The file cannot be read, or what it holds is not what the authors write.
 pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, AuthorsError> {
-    let bytes =
-        read_named(path, MAX_MAT_BYTES).map_err(|source| AuthorsError::Read { path: path.to_path_buf(), source })?;
-    let variables = read_mat(&bytes, &["annotation", "meta"])
-        .map_err(|source| AuthorsError::Mat { path: path.to_path_buf(), source })?;
-    let Some(annotation) = named(&variables, "annotation") else { return Ok(None) };
-    let missing = |what: String| AuthorsError::Missing { path: path.to_path_buf(), what };
-    let meta = named(&variables, "meta").and_then(MatValue::structures).and_then(<[_]>::first);
+    let bytes = read_named(path, MAX_MAT_BYTES).map_err(|source| AuthorsError::Read {
+        path: path.to_path_buf(),
+        source,
+    })?;
+    let variables =
+        read_mat(&bytes, &["annotation", "meta"]).map_err(|source| AuthorsError::Mat {
+            path: path.to_path_buf(),
+            source,
+        })?;
+    let Some(annotation) = named(&variables, "annotation") else {
+        return Ok(None);
+    };
+    let missing = |what: String| AuthorsError::Missing {
+        path: path.to_path_buf(),
+        what,
+    };
+    let meta = named(&variables, "meta")
+        .and_then(MatValue::structures)
+        .and_then(<[_]>::first);
     let meta = meta.ok_or_else(|| missing("meta".to_owned()))?;
     let three = |name: &str| {
         let numbers = named(meta, name).and_then(MatValue::numbers);
-        numbers.and_then(vector).ok_or_else(|| missing(format!("three numbers meta.{name}")))
+        numbers
+            .and_then(vector)
+            .ok_or_else(|| missing(format!("three numbers meta.{name}")))
     };
     let (position_m, base_rotation) = (three("cc")?, three("base_rotation")?);
-    let frames = annotation.structures().ok_or_else(|| missing("structures in annotation".to_owned()))?;
+    let frames = annotation
+        .structures()
+        .ok_or_else(|| missing("structures in annotation".to_owned()))?;
 
     let name = name_of(path);
     let mut sequence = AuthorsSequence {
-        base_from_corner: CameraBase::new(position_m, from_rotation_vector(base_rotation), ImagePoint::new(0.0, 0.0)),
-        logo: named(meta, "logo_bbox").and_then(MatValue::numbers).and_then(logo),
+        base_from_corner: CameraBase::new(
+            position_m,
+            from_rotation_vector(base_rotation),
+            ImagePoint::new(0.0, 0.0),
+        ),
+        logo: named(meta, "logo_bbox")
+            .and_then(MatValue::numbers)
+            .and_then(logo),
         image_folders: image_folders(path, &name, meta),
         frames: Vec::with_capacity(frames.len()),
         worst_turn: Angle::ZERO,
@@ -77,17 +103,29 @@ pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, Aut
     };
     for (index, fields) in frames.iter().enumerate() {
         let missing = |what: &str| missing(format!("{what} in annotation {}", index + 1));
-        let image = named(fields, "image_name").and_then(MatValue::words).ok_or_else(|| missing("image_name"))?;
-        let camera = named(fields, "camera").and_then(MatValue::numbers).filter(|numbers| is_row(numbers, 9));
+        let image = named(fields, "image_name")
+            .and_then(MatValue::words)
+            .ok_or_else(|| missing("image_name"))?;
+        let camera = named(fields, "camera")
+            .and_then(MatValue::numbers)
+            .filter(|numbers| is_row(numbers, 9));
         let camera = camera.ok_or_else(|| missing("nine numbers of a camera"))?;
-        let ptz = named(fields, "ptz").and_then(MatValue::numbers).filter(|numbers| is_row(numbers, 3));
+        let ptz = named(fields, "ptz")
+            .and_then(MatValue::numbers)
+            .filter(|numbers| is_row(numbers, 3));
         let ptz = ptz.ok_or_else(|| missing("pan, tilt and focal length (ptz)"))?;
         if !(ptz[2] > 0.0) {
             return Err(missing("a focal length above 0"));
         }
-        let principal = ImagePoint::new(camera[0] + CORNER_FROM_CENTRE, camera[1] + CORNER_FROM_CENTRE);
+        let principal = ImagePoint::new(
+            camera[0] + CORNER_FROM_CENTRE,
+            camera[1] + CORNER_FROM_CENTRE,
+        );
         // Where there is no image, the picture is as large as this says.
-        if ![principal.x, principal.y].iter().all(|middle| ImageSize::is_side_px(2.0 * middle - 1.0)) {
+        if ![principal.x, principal.y]
+            .iter()
+            .all(|middle| ImageSize::is_side_px(2.0 * middle - 1.0))
+        {
             return Err(missing("a principal point in the middle of a picture"));
         }
         if index == 0 {
@@ -95,8 +133,15 @@ pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, Aut
         }
         let ptz = Ptz::from_degrees(ptz[0], ptz[1], ptz[2]);
         let turn = sequence.check(path, image, camera, principal, ptz)?;
-        sequence.worst_turn = if turn > sequence.worst_turn { turn } else { sequence.worst_turn };
-        sequence.frames.push(AuthorsFrame { image: image.to_owned(), ptz });
+        sequence.worst_turn = if turn > sequence.worst_turn {
+            turn
+        } else {
+            sequence.worst_turn
+        };
+        sequence.frames.push(AuthorsFrame {
+            image: image.to_owned(),
+            ptz,
+        });
     }
     if sequence.frames.is_empty() {
         return Err(missing("a frame in annotation".to_owned()));
@@ -105,7 +150,8 @@ pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, Aut
 }
 
 impl AuthorsSequence {
-    /// Whether a frame's full camera is the base turned by its pan and tilt; how far it is turned from that.
+    /// Whether a frame's full camera is the base turned by its pan and tilt; how far it is turned
+    /// from that.
     fn check(
         &self,
         path: &Path,
@@ -117,8 +163,10 @@ impl AuthorsSequence {
         let pointed = PtzCamera::new(self.base_from_corner, ptz);
         let cam_from_world: Mat3 = from_rotation_vector(Vec3::new(camera[3], camera[4], camera[5]));
         let turn = angle_between(&pointed.cam_from_world(), &cam_from_world);
-        let apart_m = (Vec3::new(camera[6], camera[7], camera[8]) - self.base_from_corner.position_m).norm();
-        let same_principal = principal.distance_px(self.base_from_corner.principal_point) < CORNER_FROM_CENTRE;
+        let apart_m =
+            (Vec3::new(camera[6], camera[7], camera[8]) - self.base_from_corner.position_m).norm();
+        let same_principal =
+            principal.distance_px(self.base_from_corner.principal_point) < CORNER_FROM_CENTRE;
         if turn.degrees() <= MOST_APART_DEG && apart_m <= MOST_APART_M && same_principal {
             return Ok(turn);
         }
@@ -132,8 +180,14 @@ impl AuthorsSequence {
 
     /// Where a frame's image lies: in the first folder that has it, else in the likeliest.
     pub(super) fn image_path(&self, image: &str) -> PathBuf {
-        let there = self.image_folders.iter().map(|folder| folder.join(image)).find(|path| path.is_file());
-        there.or_else(|| Some(self.image_folders.first()?.join(image))).unwrap_or_else(|| PathBuf::from(image))
+        let there = self
+            .image_folders
+            .iter()
+            .map(|folder| folder.join(image))
+            .find(|path| path.is_file());
+        there
+            .or_else(|| Some(self.image_folders.first()?.join(image)))
+            .unwrap_or_else(|| PathBuf::from(image))
     }
 }
 
@@ -142,15 +196,20 @@ fn name_of(path: &Path) -> String {
     stem.strip_suffix(SUFFIX).unwrap_or(&stem).to_owned()
 }
 
-/// Beside the file: a folder of the sequence's name, that which `meta` names, one of `images`; then the file's own folder.
+/// Beside the file: a folder of the sequence's name, that which `meta` names, one of `images`; then
+/// the file's own folder.
 fn image_folders(path: &Path, name: &str, meta: &[(Arc<str>, MatValue)]) -> Vec<PathBuf> {
     let beside = path.parent().unwrap_or(Path::new(""));
-    let told = ["base_dir", "seq"].into_iter().filter_map(|key| named(meta, key)?.words());
+    let told = ["base_dir", "seq"]
+        .into_iter()
+        .filter_map(|key| named(meta, key)?.words());
     // `base_dir` is a path on the authors' machine: what counts is its end.
     let told = told.filter_map(|words| words.rsplit(['/', '\\']).find(|part| !part.is_empty()));
     let folders = [name].into_iter().chain(told).chain(["images", ""]);
-    let mut folders: Vec<PathBuf> =
-        folders.filter(|folder| *folder != "..").map(|folder| beside.join(folder)).collect();
+    let mut folders: Vec<PathBuf> = folders
+        .filter(|folder| *folder != "..")
+        .map(|folder| beside.join(folder))
+        .collect();
     folders.dedup();
     folders
 }
@@ -163,9 +222,17 @@ fn vector(numbers: &[f64]) -> Option<Vec3> {
     is_row(numbers, 3).then(|| Vec3::from_column_slice(numbers))
 }
 
-/// From x, y, width and height of MATLAB's pixels, which count from 1 and of which `x : x + width` are covered.
+/// From x, y, width and height of MATLAB's pixels, which count from 1 and of which `x : x + width`
+/// are covered.
 fn logo(numbers: &[f64]) -> Option<PixelBox> {
-    let &[x, y, width, height] = numbers else { return None };
+    let &[x, y, width, height] = numbers else {
+        return None;
+    };
     let covers = is_row(numbers, 4) && width > 0.0 && height > 0.0;
-    covers.then_some(PixelBox { x: x - 1.0, y: y - 1.0, width: width + 1.0, height: height + 1.0 })
+    covers.then_some(PixelBox {
+        x: x - 1.0,
+        y: y - 1.0,
+        width: width + 1.0,
+        height: height + 1.0,
+    })
 }

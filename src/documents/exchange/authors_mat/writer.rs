@@ -34,7 +34,13 @@ pub enum Out {
 }
 
 fn element(kind: u32, bytes: &[u8], big: bool) -> Vec<u8> {
-    let word = |number: u32| if big { number.to_be_bytes() } else { number.to_le_bytes() };
+    let word = |number: u32| {
+        if big {
+            number.to_be_bytes()
+        } else {
+            number.to_le_bytes()
+        }
+    };
     if (1..=4).contains(&bytes.len()) {
         let mut out = word(kind | (bytes.len() as u32) << 16).to_vec();
         out.extend_from_slice(bytes);
@@ -49,7 +55,16 @@ fn element(kind: u32, bytes: &[u8], big: bool) -> Vec<u8> {
 
 fn matrix(name: &str, value: &Out, big: bool) -> Vec<u8> {
     let ints = |numbers: &[i32]| -> Vec<u8> {
-        numbers.iter().flat_map(|n| if big { n.to_be_bytes() } else { n.to_le_bytes() }).collect()
+        numbers
+            .iter()
+            .flat_map(|n| {
+                if big {
+                    n.to_be_bytes()
+                } else {
+                    n.to_le_bytes()
+                }
+            })
+            .collect()
     };
     let (class, count) = match value {
         Out::Doubles(numbers) => (6, numbers.len()),
@@ -61,13 +76,29 @@ fn matrix(name: &str, value: &Out, big: bool) -> Vec<u8> {
     inner.extend(element(1, name.as_bytes(), big));
     match value {
         Out::Doubles(numbers) => {
-            let bytes: Vec<u8> =
-                numbers.iter().flat_map(|n| if big { n.to_be_bytes() } else { n.to_le_bytes() }).collect();
+            let bytes: Vec<u8> = numbers
+                .iter()
+                .flat_map(|n| {
+                    if big {
+                        n.to_be_bytes()
+                    } else {
+                        n.to_le_bytes()
+                    }
+                })
+                .collect();
             inner.extend(element(9, &bytes, big));
         }
         Out::Words(words) => {
-            let letters: Vec<u8> =
-                words.encode_utf16().flat_map(|n| if big { n.to_be_bytes() } else { n.to_le_bytes() }).collect();
+            let letters: Vec<u8> = words
+                .encode_utf16()
+                .flat_map(|n| {
+                    if big {
+                        n.to_be_bytes()
+                    } else {
+                        n.to_le_bytes()
+                    }
+                })
+                .collect();
             inner.extend(element(4, &letters, big));
         }
         Out::Structures(all) => {
@@ -86,7 +117,13 @@ fn matrix(name: &str, value: &Out, big: bool) -> Vec<u8> {
             }
         }
     }
-    let word = |number: u32| if big { number.to_be_bytes() } else { number.to_le_bytes() };
+    let word = |number: u32| {
+        if big {
+            number.to_be_bytes()
+        } else {
+            number.to_le_bytes()
+        }
+    };
     [word(14).to_vec(), word(inner.len() as u32).to_vec(), inner].concat()
 }
 
@@ -104,7 +141,13 @@ pub fn mat(variables: &[(&str, Out)], big: bool, compressed: bool) -> Vec<u8> {
         let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
         encoder.write_all(&plain).unwrap();
         let folded = encoder.finish().unwrap();
-        let word = |number: u32| if big { number.to_be_bytes() } else { number.to_le_bytes() };
+        let word = |number: u32| {
+            if big {
+                number.to_be_bytes()
+            } else {
+                number.to_le_bytes()
+            }
+        };
         file.extend([word(15), word(folded.len() as u32)].concat());
         file.extend(folded);
     }
@@ -129,5 +172,12 @@ pub fn sequence(frames: Vec<Vec<(&'static str, Out)>>, compressed: bool) -> Vec<
         ("base_dir", Out::Words("/Users/somebody/data/elsewhere")),
         ("logo_bbox", Out::Doubles(vec![101.0, 51.0, 99.0, 29.0])),
     ];
-    mat(&[("annotation", Out::Structures(frames)), ("meta", Out::Structures(vec![meta]))], false, compressed)
+    mat(
+        &[
+            ("annotation", Out::Structures(frames)),
+            ("meta", Out::Structures(vec![meta])),
+        ],
+        false,
+        compressed,
+    )
 }

@@ -80,23 +80,49 @@ fn counted<K: Ord>(keys: impl Iterator<Item = K>) -> BTreeMap<K, usize> {
 fn counts(card: &Card<'_>, text: &mut String) {
     let frames = &card.dataset.document.frames;
     let clicks = || frames.iter().flat_map(|frame| frame.clicks.iter());
-    let of = |is_one: &dyn Fn(&crate::document::Click) -> bool| clicks().filter(|click| is_one(click)).count();
+    let of = |is_one: &dyn Fn(&crate::document::Click) -> bool| {
+        clicks().filter(|click| is_one(click)).count()
+    };
     let mut rows = vec![("frames".to_owned(), card.frames.len().to_string())];
     rows.push(("pictures".to_owned(), card.done.pictures.to_string()));
-    rows.push(("with a camera".to_owned(), frames.iter().filter(|frame| frame.ptz.is_some()).count().to_string()));
+    rows.push((
+        "with a camera".to_owned(),
+        frames
+            .iter()
+            .filter(|frame| frame.ptz.is_some())
+            .count()
+            .to_string(),
+    ));
     rows.push(("clicks".to_owned(), clicks().count().to_string()));
     rows.push((
         "of them on lines".to_owned(),
-        of(&|click| click.target.as_ref().is_some_and(|target| target.line().is_some())).to_string(),
+        of(&|click| {
+            click
+                .target
+                .as_ref()
+                .is_some_and(|target| target.line().is_some())
+        })
+        .to_string(),
     ));
-    rows.push(("held out (check)".to_owned(), of(&|click| click.check).to_string()));
-    rows.push(("moved to the paint".to_owned(), of(&|click| click.snapped_sigma_px.is_some()).to_string()));
-    rows.push(("asked for and left out".to_owned(), card.done.left_out.len().to_string()));
+    rows.push((
+        "held out (check)".to_owned(),
+        of(&|click| click.check).to_string(),
+    ));
+    rows.push((
+        "moved to the paint".to_owned(),
+        of(&|click| click.snapped_sigma_px.is_some()).to_string(),
+    ));
+    rows.push((
+        "asked for and left out".to_owned(),
+        card.done.left_out.len().to_string(),
+    ));
     text.push_str("\n## Counts\n");
     table(["what", "how many"], rows, text);
     if let Some(splitting) = card.options.splitting {
-        let rows =
-            Split::ALL.into_iter().zip(card.done.counts).map(|(split, count)| (split.to_string(), count.to_string()));
+        let rows = Split::ALL
+            .into_iter()
+            .zip(card.done.counts)
+            .map(|(split, count)| (split.to_string(), count.to_string()));
         table(["split", "frames"], rows, text);
         let [train, validation, test] = splitting.shares;
         let _ = writeln!(
@@ -109,17 +135,27 @@ fn counts(card: &Card<'_>, text: &mut String) {
     let origins = counted(card.frames.iter().map(|frame| frame.origin));
     table(
         ["label", "frames"],
-        origins.into_iter().map(|(origin, count)| (origin.to_string(), count.to_string())),
+        origins
+            .into_iter()
+            .map(|(origin, count)| (origin.to_string(), count.to_string())),
         text,
     );
     let statuses = counted(frames.iter().map(|frame| frame.status));
     table(
         ["status", "frames"],
-        statuses.into_iter().map(|(status, count)| (status.as_str().to_owned(), count.to_string())),
+        statuses
+            .into_iter()
+            .map(|(status, count)| (status.as_str().to_owned(), count.to_string())),
         text,
     );
     let cameras = counted(frames.iter().map(|frame| frame.camera.to_string()));
-    table(["camera", "frames"], cameras.into_iter().map(|(camera, count)| (camera, count.to_string())), text);
+    table(
+        ["camera", "frames"],
+        cameras
+            .into_iter()
+            .map(|(camera, count)| (camera, count.to_string())),
+        text,
+    );
 }
 
 fn fields_of(card: &Card<'_>, fields: &Fields, text: &mut String) {
@@ -183,17 +219,27 @@ fn probabilities(mut values: Vec<f64>, of: usize) -> String {
     )
 }
 
-/// How far clicks on landmarks lie from where the camera shows them, px: those that were solved with, and those held out.
+/// How far clicks on landmarks lie from where the camera shows them, px: those that were solved
+/// with, and those held out.
 fn misses(card: &Card<'_>, fields: &Fields) -> [Vec<f64>; 2] {
     let document = card.original.document;
     let mut misses = [Vec::new(), Vec::new()];
     for frame in &document.frames {
-        let Some(camera) = document.pointed(frame) else { continue };
+        let Some(camera) = document.pointed(frame) else {
+            continue;
+        };
         let field: &FieldModel = fields.of_frame(document, frame);
         for click in &frame.clicks {
-            let target = click.target.as_ref().filter(|target| target.line().is_none());
-            let named = |landmark: &&Landmark| target.is_some_and(|target| landmark.id.as_str() == target.as_str());
-            let Some(landmark) = field.landmarks.iter().find(named) else { continue };
+            let target = click
+                .target
+                .as_ref()
+                .filter(|target| target.line().is_none());
+            let named = |landmark: &&Landmark| {
+                target.is_some_and(|target| landmark.id.as_str() == target.as_str())
+            };
+            let Some(landmark) = field.landmarks.iter().find(named) else {
+                continue;
+            };
             if let Ok(shown) = camera.image_from_world(field.landmark_in_world(landmark)) {
                 misses[usize::from(click.check)].push(shown.distance_px(click.image));
             }
@@ -205,14 +251,20 @@ fn misses(card: &Card<'_>, fields: &Fields) -> [Vec<f64>; 2] {
 fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
     let frames = &card.dataset.document.frames;
     let of = frames.len();
-    let values =
-        |of: &dyn Fn(&Frame) -> Option<f64>| -> Vec<f64> { frames.iter().filter_map(|frame| of(frame)).collect() };
-    let in_solution =
-        |of: fn(&crate::document::Solution) -> Option<f64>| values(&|frame| frame.solution.as_ref().and_then(of));
+    let values = |of: &dyn Fn(&Frame) -> Option<f64>| -> Vec<f64> {
+        frames.iter().filter_map(|frame| of(frame)).collect()
+    };
+    let in_solution = |of: fn(&crate::document::Solution) -> Option<f64>| {
+        values(&|frame| frame.solution.as_ref().and_then(of))
+    };
     let [solved, held_out] = misses(card, fields);
     let clicks: [usize; 2] = [false, true].map(|check| {
-        let on_landmark =
-            |click: &&crate::document::Click| click.target.as_ref().is_some_and(|target| target.line().is_none());
+        let on_landmark = |click: &&crate::document::Click| {
+            click
+                .target
+                .as_ref()
+                .is_some_and(|target| target.line().is_none())
+        };
         frames
             .iter()
             .flat_map(|frame| frame.clicks.iter())
@@ -222,29 +274,51 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
     });
     text.push_str("\n## Quality\n\nEach figure says in how many frames (or of how many clicks) it is known; what is not known is not counted as good.\n");
     let rows = [
-        ("clicks on landmarks from the camera's overlay", spread(solved, clicks[0])),
+        (
+            "clicks on landmarks from the camera's overlay",
+            spread(solved, clicks[0]),
+        ),
         ("the same of held-out clicks", spread(held_out, clicks[1])),
-        ("residual of a frame (rms)", spread(in_solution(|solution| solution.rms_px), of)),
-        ("1-σ of the overlay at the worst corner", spread(in_solution(|solution| solution.worst_corner_sigma_px), of)),
+        (
+            "residual of a frame (rms)",
+            spread(in_solution(|solution| solution.rms_px), of),
+        ),
+        (
+            "1-σ of the overlay at the worst corner",
+            spread(in_solution(|solution| solution.worst_corner_sigma_px), of),
+        ),
         (
             "confidence (overlay within 10 px at 1920 px width)",
             probabilities(in_solution(|solution| solution.confidence), of),
         ),
         (
             "the same by the painted lines alone",
-            probabilities(in_solution(|solution| solution.line_check.as_ref().map(|check| check.score)), of),
+            probabilities(
+                in_solution(|solution| solution.line_check.as_ref().map(|check| check.score)),
+                of,
+            ),
         ),
     ];
-    table(["figure", "value"], rows.map(|(name, value)| (name.to_owned(), value)), text);
+    table(
+        ["figure", "value"],
+        rows.map(|(name, value)| (name.to_owned(), value)),
+        text,
+    );
     let warned = frames.iter().filter_map(|frame| frame.solution.as_ref());
     let warned = counted(warned.flat_map(|solution| {
-        let codes: BTreeSet<&str> = solution.warnings.iter().map(|warning| warning.code.as_str()).collect();
+        let codes: BTreeSet<&str> = solution
+            .warnings
+            .iter()
+            .map(|warning| warning.code.as_str())
+            .collect();
         codes
     }));
     if !warned.is_empty() {
         table(
             ["warning", "frames"],
-            warned.into_iter().map(|(code, count)| (format!("`{code}`"), count.to_string())),
+            warned
+                .into_iter()
+                .map(|(code, count)| (format!("`{code}`"), count.to_string())),
             text,
         );
     }
@@ -252,7 +326,11 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
         let values = values(&|frame| frame.ptz.as_ref().map(of));
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
         let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if values.is_empty() { "not known".to_owned() } else { format!("{low:.1} to {high:.1}") }
+        if values.is_empty() {
+            "not known".to_owned()
+        } else {
+            format!("{low:.1} to {high:.1}")
+        }
     };
     let clicked: BTreeSet<&str> = frames
         .iter()
@@ -264,34 +342,64 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
         ("pan, degrees", range(|ptz| ptz.pan_deg)),
         ("tilt, degrees", range(|ptz| ptz.tilt_deg)),
         ("focal length, px", range(|ptz| ptz.focal_px)),
-        ("different landmarks and lines clicked", clicked.len().to_string()),
+        (
+            "different landmarks and lines clicked",
+            clicked.len().to_string(),
+        ),
     ];
-    table(["coverage", "value"], rows.map(|(name, value)| (name.to_owned(), value)), text);
+    table(
+        ["coverage", "value"],
+        rows.map(|(name, value)| (name.to_owned(), value)),
+        text,
+    );
 }
 
 fn provenance(card: &Card<'_>, text: &mut String) {
     text.push_str("\n## Provenance\n");
     let originals = || card.original.document.frames.iter().map(|frame| &**frame);
     let names = match_names(originals());
-    let matches = counted(originals().map(|frame| match names.get(&match_of(frame)).map(String::as_str) {
-        None | Some("") => "(the document's folder)".to_owned(),
-        Some(name) => name.to_owned(),
-    }));
-    table(["video or folder", "frames"], matches.into_iter().map(|(name, count)| (name, count.to_string())), text);
-    let annotators: BTreeSet<String> =
-        card.original.document.frames.iter().filter_map(|frame| frame.edited.as_ref()?.by.clone()).collect();
+    let matches =
+        counted(originals().map(
+            |frame| match names.get(&match_of(frame)).map(String::as_str) {
+                None | Some("") => "(the document's folder)".to_owned(),
+                Some(name) => name.to_owned(),
+            },
+        ));
+    table(
+        ["video or folder", "frames"],
+        matches
+            .into_iter()
+            .map(|(name, count)| (name, count.to_string())),
+        text,
+    );
+    let annotators: BTreeSet<String> = card
+        .original
+        .document
+        .frames
+        .iter()
+        .filter_map(|frame| frame.edited.as_ref()?.by.clone())
+        .collect();
     let annotators: Vec<String> = annotators.into_iter().collect();
-    let annotators = if annotators.is_empty() { "not stated".to_owned() } else { annotators.join(", ") };
+    let annotators = if annotators.is_empty() {
+        "not stated".to_owned()
+    } else {
+        annotators.join(", ")
+    };
     let pictures = match card.options.pictures {
         Pictures::Copied => "copies of the files that were labelled; frames of videos are decoded",
-        Pictures::Linked => "hard links to the files that were labelled; frames of videos are decoded",
+        Pictures::Linked => {
+            "hard links to the files that were labelled; frames of videos are decoded"
+        }
         Pictures::Extracted => {
             "decoded from the videos (from the image files where there is no video) and written anew"
         }
         Pictures::Left => "not part of this dataset; `dataset.json` says where they lie",
     };
-    let licence =
-        card.options.licence.as_deref().unwrap_or("not stated; ask whoever gave you this dataset before you use it");
+    let licence = card
+        .options
+        .licence
+        .as_deref()
+        .unwrap_or("not stated; ask whoever gave you this dataset before you use it");
     let _ = write!(
         text,
         "\n- Written by {}.\n- Pictures: {pictures}.\n- Annotators: {annotators}.\n- Click noise: {}.\n\n## Licence\n\n{licence}\n",

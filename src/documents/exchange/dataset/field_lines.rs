@@ -1,4 +1,5 @@
-//! `fields.json`: where landmarks and lines lie, so that a reader can draw them without knowing any rules.
+//! `fields.json`: where landmarks and lines lie, so that a reader can draw them without knowing any
+//! rules.
 
 use crate::document::{DocumentAt, Fields};
 use crate::exchange::error::ExchangeError;
@@ -6,7 +7,8 @@ use serde_json::{Map, Value, json};
 use std::sync::Arc;
 use touchline_core::field::{FieldLine, FieldModel};
 
-/// Lines are given by points at most this far apart, m: between two of them no lens bends a line by more than about 0.01 px.
+/// Lines are given by points at most this far apart, m: between two of them no lens bends a line by
+/// more than about 0.01 px.
 const STEP_M: f64 = 0.25;
 
 /// The fields of a document's cameras as JSON.
@@ -16,13 +18,21 @@ const STEP_M: f64 = 0.25;
 pub fn fields_json(at: DocumentAt<'_>) -> Result<String, ExchangeError> {
     let fields = Fields::of(at)?;
     let mut known: Vec<(Arc<FieldModel>, Vec<String>)> = Vec::new();
-    for (camera, field) in at.document.cameras.iter().zip(fields.of_cameras(at.document)) {
+    for (camera, field) in at
+        .document
+        .cameras
+        .iter()
+        .zip(fields.of_cameras(at.document))
+    {
         match known.iter_mut().find(|(model, _)| **model == *field) {
             Some((_, cameras)) => cameras.push(camera.id.to_string()),
             None => known.push((field, vec![camera.id.to_string()])),
         }
     }
-    let fields: Vec<Value> = known.iter().map(|(field, cameras)| field_json(field, cameras)).collect();
+    let fields: Vec<Value> = known
+        .iter()
+        .map(|(field, cameras)| field_json(field, cameras))
+        .collect();
     Ok(format!("{}\n", json!({ "unit": "m", "fields": fields })))
 }
 
@@ -35,8 +45,11 @@ fn field_json(field: &FieldModel, cameras: &[String]) -> Value {
             (landmark.id.to_string(), json!([at.x, at.y, at.z]))
         })
         .collect();
-    let lines: Map<String, Value> =
-        field.lines.iter().map(|line| (line.id.to_string(), Value::Array(points(field, line)))).collect();
+    let lines: Map<String, Value> = field
+        .lines
+        .iter()
+        .map(|line| (line.id.to_string(), Value::Array(points(field, line))))
+        .collect();
     json!({
         "template": field.template,
         "cameras": cameras,

@@ -29,36 +29,61 @@ const COLUMNS: [&str; 20] = [
     "id",
 ];
 
-/// The table of the frames of a dataset; `dataset` and `original` are a frame as the dataset and as the document has it.
+/// The table of the frames of a dataset; `dataset` and `original` are a frame as the dataset and as
+/// the document has it.
 pub fn frames_table(frames: &[(&PlannedFrame, &Frame, &Frame)]) -> String {
     let matches = match_names(frames.iter().map(|(_, _, original)| *original));
     let mut text = String::new();
     push_row(&COLUMNS.map(ToOwned::to_owned), &mut text);
     for (planned, dataset, original) in frames {
-        let name = matches.get(&match_of(original)).cloned().unwrap_or_default();
+        let name = matches
+            .get(&match_of(original))
+            .cloned()
+            .unwrap_or_default();
         push_row(&row(planned, dataset, name), &mut text);
     }
     text
 }
 
 fn row(planned: &PlannedFrame, frame: &Frame, name_of_match: String) -> [String; 20] {
-    let count = |is_one: &dyn Fn(&Click) -> bool| frame.clicks.iter().filter(|click| is_one(click)).count().to_string();
+    let count = |is_one: &dyn Fn(&Click) -> bool| {
+        frame
+            .clicks
+            .iter()
+            .filter(|click| is_one(click))
+            .count()
+            .to_string()
+    };
     let number = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
     let solution = frame.solution.as_ref();
     let video = frame.video.as_ref();
     [
         frame.image.clone().unwrap_or_default(),
-        planned.split.map(|split| split.to_string()).unwrap_or_default(),
+        planned
+            .split
+            .map(|split| split.to_string())
+            .unwrap_or_default(),
         planned.origin.to_string(),
         frame.status.as_str().to_owned(),
         name_of_match,
         frame.camera.to_string(),
-        frame.clip.as_ref().map(ToString::to_string).unwrap_or_default(),
+        frame
+            .clip
+            .as_ref()
+            .map(ToString::to_string)
+            .unwrap_or_default(),
         video.map(|video| video.path.clone()).unwrap_or_default(),
-        video.map(|video| video.frame_index.to_string()).unwrap_or_default(),
+        video
+            .map(|video| video.frame_index.to_string())
+            .unwrap_or_default(),
         number(video.and_then(|video| video.pts_s)),
         frame.clicks.len().to_string(),
-        count(&|click| click.target.as_ref().is_some_and(|target| target.line().is_some())),
+        count(&|click| {
+            click
+                .target
+                .as_ref()
+                .is_some_and(|target| target.line().is_some())
+        }),
         count(&|click| click.check),
         count(&|click| click.snapped_sigma_px.is_some()),
         number(solution.and_then(|solution| solution.confidence)),

@@ -86,11 +86,26 @@ mod tests {
         let mut frame: Frame = (*clicked().frames[0]).clone();
         assert_eq!(LabelOrigin::of(&frame), Some(LabelOrigin::Clicked));
         for (source, accepted, open) in [
-            (SolutionSource::Forest, LabelOrigin::SuggestedAccepted, LabelOrigin::Suggested),
-            (SolutionSource::Tracking, LabelOrigin::TrackedAccepted, LabelOrigin::Tracked),
-            (SolutionSource::Markings, LabelOrigin::Snapped, LabelOrigin::Snapped),
+            (
+                SolutionSource::Forest,
+                LabelOrigin::SuggestedAccepted,
+                LabelOrigin::Suggested,
+            ),
+            (
+                SolutionSource::Tracking,
+                LabelOrigin::TrackedAccepted,
+                LabelOrigin::Tracked,
+            ),
+            (
+                SolutionSource::Markings,
+                LabelOrigin::Snapped,
+                LabelOrigin::Snapped,
+            ),
         ] {
-            frame.solution = Some(Solution { source: Some(source), ..Solution::default() });
+            frame.solution = Some(Solution {
+                source: Some(source),
+                ..Solution::default()
+            });
             frame.status = FrameStatus::Reference;
             assert_eq!(LabelOrigin::of(&frame), Some(accepted));
             frame.status = FrameStatus::Suggested;
@@ -100,6 +115,10 @@ mod tests {
         assert_eq!(LabelOrigin::of(&frame), Some(LabelOrigin::ClicksOnly));
         frame.clicks.clear();
         assert_eq!(LabelOrigin::of(&frame), None);
-        assert_eq!(LabelOrigin::of(&reference().frames[0]), Some(LabelOrigin::Imported), "nobody says who did it");
+        assert_eq!(
+            LabelOrigin::of(&reference().frames[0]),
+            Some(LabelOrigin::Imported),
+            "nobody says who did it"
+        );
     }
 }

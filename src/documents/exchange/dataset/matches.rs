@@ -4,27 +4,37 @@ use super::split::match_of;
 use crate::document::Frame;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The names of matches by what the document tells of them: the last parts of a path, as many as tell it from the others.
+/// The names of matches by what the document tells of them: the last parts of a path, as many as
+/// tell it from the others.
 pub fn match_names<'a>(frames: impl Iterator<Item = &'a Frame>) -> BTreeMap<String, String> {
     let paths: BTreeSet<String> = frames.map(match_of).collect();
     let parts: Vec<Vec<&str>> = paths.iter().map(|path| parts(path)).collect();
     let mut taken = BTreeSet::new();
     let mut names = BTreeMap::new();
     for (path, own) in paths.iter().zip(&parts) {
-        let is_alone =
-            |count: &usize| parts.iter().filter(|other| last(other, *count) == last(own, *count)).count() < 2;
+        let is_alone = |count: &usize| {
+            parts
+                .iter()
+                .filter(|other| last(other, *count) == last(own, *count))
+                .count()
+                < 2
+        };
         let count = (1..own.len()).find(is_alone).unwrap_or(own.len());
         let name = last(own, count).join("/");
         // What differs only above the document's folder.
         let numbered = (2_usize..).map(|number| format!("{name} ({number})"));
-        let free = std::iter::once(name.clone()).chain(numbered).find(|name| taken.insert(name.clone()));
+        let free = std::iter::once(name.clone())
+            .chain(numbered)
+            .find(|name| taken.insert(name.clone()));
         names.insert(path.clone(), free.unwrap_or_default());
     }
     names
 }
 
 fn parts(path: &str) -> Vec<&str> {
-    path.split(['/', '\\']).filter(|part| !matches!(*part, "" | "." | "..")).collect()
+    path.split(['/', '\\'])
+        .filter(|part| !matches!(*part, "" | "." | ".."))
+        .collect()
 }
 
 fn last<'a>(parts: &'a [&'a str], count: usize) -> &'a [&'a str] {
@@ -37,17 +47,31 @@ mod tests {
     use touchline_core::geometry::ImageSize;
 
     fn named(images: &[&str]) -> Vec<String> {
-        let frames: Vec<Frame> =
-            images.iter().map(|image| Frame::from_image(image, "main".into(), ImageSize::new(64, 36))).collect();
+        let frames: Vec<Frame> = images
+            .iter()
+            .map(|image| Frame::from_image(image, "main".into(), ImageSize::new(64, 36)))
+            .collect();
         let names = match_names(frames.iter());
-        frames.iter().map(|frame| names[&match_of(frame)].clone()).collect()
+        frames
+            .iter()
+            .map(|frame| names[&match_of(frame)].clone())
+            .collect()
     }
 
     #[test]
     fn a_match_has_as_short_a_name_as_tells_it_from_the_others() {
-        assert_eq!(named(&["../../home/me/final/1.jpg", "../../home/me/final/2.jpg"]), ["final", "final"]);
-        assert_eq!(named(&["/a/final/images/1.jpg", "/a/semi/images/1.jpg"]), ["final/images", "semi/images"]);
-        assert_eq!(named(&["1.jpg", "images/1.jpg", "b/images/1.jpg"]), ["", "images", "b/images"]);
+        assert_eq!(
+            named(&["../../home/me/final/1.jpg", "../../home/me/final/2.jpg"]),
+            ["final", "final"]
+        );
+        assert_eq!(
+            named(&["/a/final/images/1.jpg", "/a/semi/images/1.jpg"]),
+            ["final/images", "semi/images"]
+        );
+        assert_eq!(
+            named(&["1.jpg", "images/1.jpg", "b/images/1.jpg"]),
+            ["", "images", "b/images"]
+        );
         assert_eq!(named(&["../a/1.jpg", "a/1.jpg"]), ["a", "a (2)"]);
     }
 }

@@ -1,4 +1,5 @@
-//! A dataset: a folder with the labelled frames of a document, their pictures and what others need to use them.
+//! A dataset: a folder with the labelled frames of a document, their pictures and what others need
+//! to use them.
 //!
 //! | file | what it holds |
 //! |---|---|

@@ -8,23 +8,34 @@ use std::path::Path;
 /// The folder that pictures usually lie in already; it is not repeated.
 const IMAGES: &str = "images/";
 
-/// The path of a frame's picture below the folder of its split: that of its image within the document's folder, or the image's
-/// name where it lies elsewhere; for a frame of a video the video's name and its number.
+/// The path of a frame's picture below the folder of its split: that of its image within the
+/// document's folder, or the image's name where it lies elsewhere; for a frame of a video the
+/// video's name and its number.
 ///
 /// # Errors
 /// The name cannot be a file's; the reason in words.
-pub fn picture_name(frame: &Frame, pictures: Pictures, format: PictureFormat) -> Result<String, String> {
+pub fn picture_name(
+    frame: &Frame,
+    pictures: Pictures,
+    format: PictureFormat,
+) -> Result<String, String> {
     let name = match (&frame.image, &frame.video) {
         (Some(image), _) => of_image(image),
         (None, Some(video)) => {
             let path = video.path.replace('\\', "/");
-            let stem = Path::new(&path).file_stem().unwrap_or_default().to_string_lossy();
+            let stem = Path::new(&path)
+                .file_stem()
+                .unwrap_or_default()
+                .to_string_lossy();
             format!("{stem}_{:06}.{}", video.frame_index, format.ending())
         }
         (None, None) => return Err("it has no picture".to_owned()),
     };
     let name = if pictures == Pictures::Extracted && frame.image.is_some() {
-        Path::new(&name).with_extension(format.ending()).to_string_lossy().into_owned()
+        Path::new(&name)
+            .with_extension(format.ending())
+            .to_string_lossy()
+            .into_owned()
     } else {
         name
     };
@@ -34,21 +45,35 @@ pub fn picture_name(frame: &Frame, pictures: Pictures, format: PictureFormat) ->
 
 fn of_image(image: &str) -> String {
     if let Ok(path) = safe_path(image) {
-        let plain: Vec<&str> = path.split('/').filter(|part| !part.is_empty() && *part != ".").collect();
+        let plain: Vec<&str> = path
+            .split('/')
+            .filter(|part| !part.is_empty() && *part != ".")
+            .collect();
         let plain = plain.join("/");
-        return plain.strip_prefix(IMAGES).map_or_else(|| plain.clone(), ToOwned::to_owned);
+        return plain
+            .strip_prefix(IMAGES)
+            .map_or_else(|| plain.clone(), ToOwned::to_owned);
     }
-    image.replace('\\', "/").rsplit('/').next().unwrap_or_default().to_owned()
+    image
+        .replace('\\', "/")
+        .rsplit('/')
+        .next()
+        .unwrap_or_default()
+        .to_owned()
 }
 
 /// Refuses what would lie outside of the folder, or break the lines of a list.
 fn refuse_unusable(name: &str) -> Result<(), String> {
     let leaves = safe_path(name).is_err() || name.ends_with('/');
     if leaves || name.is_empty() || name == "." {
-        return Err(format!("its picture's name {name:?} would leave the dataset's folder"));
+        return Err(format!(
+            "its picture's name {name:?} would leave the dataset's folder"
+        ));
     }
     if name.contains(|letter: char| letter.is_control()) {
-        return Err(format!("its picture's name {name:?} holds control characters"));
+        return Err(format!(
+            "its picture's name {name:?} holds control characters"
+        ));
     }
     Ok(())
 }
@@ -77,10 +102,22 @@ mod tests {
             assert_eq!(named(image).unwrap(), name);
         }
         for (image, wanted) in [
-            ("images/..", "its picture's name \"..\" would leave the dataset's folder"),
-            ("/data/", "its picture's name \"\" would leave the dataset's folder"),
-            ("/data/..\\..", "its picture's name \"..\" would leave the dataset's folder"),
-            ("a\nb.jpg", "its picture's name \"a\\nb.jpg\" holds control characters"),
+            (
+                "images/..",
+                "its picture's name \"..\" would leave the dataset's folder",
+            ),
+            (
+                "/data/",
+                "its picture's name \"\" would leave the dataset's folder",
+            ),
+            (
+                "/data/..\\..",
+                "its picture's name \"..\" would leave the dataset's folder",
+            ),
+            (
+                "a\nb.jpg",
+                "its picture's name \"a\\nb.jpg\" holds control characters",
+            ),
         ] {
             assert_eq!(named(image).unwrap_err(), wanted);
         }
@@ -90,8 +127,14 @@ mod tests {
     fn frames_of_a_video_are_named_by_it_and_their_number() {
         let video = VideoFrame::new("../matches/final.mp4", 412, None);
         let frame = Frame::from_video(video, "main".into(), ImageSize::new(64, 36));
-        assert_eq!(picture_name(&frame, Pictures::Copied, PictureFormat::Jpeg).unwrap(), "final_000412.jpg");
+        assert_eq!(
+            picture_name(&frame, Pictures::Copied, PictureFormat::Jpeg).unwrap(),
+            "final_000412.jpg"
+        );
         let image = Frame::from_image("images/0001.tif", "main".into(), ImageSize::new(64, 36));
-        assert_eq!(picture_name(&image, Pictures::Extracted, PictureFormat::Png).unwrap(), "0001.png");
+        assert_eq!(
+            picture_name(&image, Pictures::Extracted, PictureFormat::Png).unwrap(),
+            "0001.png"
+        );
     }
 }

@@ -11,12 +11,17 @@ pub const MANIFEST: &str = "manifest.sha256";
 /// The document of a dataset.
 pub const DOCUMENT: &str = "dataset.json";
 
-/// Where a new folder of this name is written: in place of the chosen one if that is empty or absent or holds a dataset, else in it.
+/// Where a new folder of this name is written: in place of the chosen one if that is empty or
+/// absent or holds a dataset, else in it.
 #[must_use]
 pub fn folder_for_new(chosen: &Path, name: &str) -> PathBuf {
     let is_full = fs::read_dir(chosen).is_ok_and(|mut entries| entries.next().is_some());
     let is_dataset = chosen.join(MANIFEST).is_file();
-    if is_full && !is_dataset { chosen.join(name) } else { chosen.to_path_buf() }
+    if is_full && !is_dataset {
+        chosen.join(name)
+    } else {
+        chosen.to_path_buf()
+    }
 }
 
 /// The files of an earlier dataset with their SHA-256, as its manifest lists them.
@@ -34,19 +39,32 @@ impl OldDataset {
             return Ok(Self::default());
         }
         if !folder.join(MANIFEST).is_file() || !folder.join(DOCUMENT).is_file() {
-            return Err(ExchangeError::NoDatasetThere { path: folder.to_path_buf() });
+            return Err(ExchangeError::NoDatasetThere {
+                path: folder.to_path_buf(),
+            });
         }
         if !force {
-            return Err(ExchangeError::Exists { path: folder.to_path_buf() });
+            return Err(ExchangeError::Exists {
+                path: folder.to_path_buf(),
+            });
         }
-        let failed = |source| ExchangeError::Read { path: folder.join(MANIFEST), source };
+        let failed = |source| ExchangeError::Read {
+            path: folder.join(MANIFEST),
+            source,
+        };
         let manifest = fs::read_to_string(folder.join(MANIFEST)).map_err(failed)?;
         let files = manifest.lines().filter_map(|line| line.split_once("  "));
-        Ok(Self(files.map(|(hash, name)| (name.to_owned(), hash.to_owned())).collect()))
+        Ok(Self(
+            files
+                .map(|(hash, name)| (name.to_owned(), hash.to_owned()))
+                .collect(),
+        ))
     }
 
     /// Whether the program wrote a file, and nobody changed it since.
     pub fn wrote(&self, name: &str, path: &Path) -> bool {
-        self.0.get(name).is_some_and(|hash| sha256_of_file(path).is_ok_and(|found| found == *hash))
+        self.0
+            .get(name)
+            .is_some_and(|hash| sha256_of_file(path).is_ok_and(|found| found == *hash))
     }
 }

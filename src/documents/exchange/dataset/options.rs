@@ -25,7 +25,10 @@ pub struct DatasetOptions {
 impl Default for DatasetOptions {
     fn default() -> Self {
         Self {
-            frames: FrameChoice { statuses: vec![FrameStatus::Reference], ..FrameChoice::default() },
+            frames: FrameChoice {
+                statuses: vec![FrameStatus::Reference],
+                ..FrameChoice::default()
+            },
             pictures: Pictures::default(),
             picture_format: PictureFormat::default(),
             undistorted: false,
@@ -42,7 +45,8 @@ pub enum Pictures {
     /// Image files are copied byte for byte; frames that only a video has are decoded.
     #[default]
     Copied,
-    /// The same with hard links in place of copies: nothing is stored twice, and both names are one file.
+    /// The same with hard links in place of copies: nothing is stored twice, and both names are one
+    /// file.
     Linked,
     /// Every frame is decoded, from its video where it has one, and written anew.
     Extracted,
@@ -111,7 +115,11 @@ pub struct Splitting {
 
 impl Default for Splitting {
     fn default() -> Self {
-        Self { shares: [80, 10, 10], by: SplitBy::default(), seed: 0 }
+        Self {
+            shares: [80, 10, 10],
+            by: SplitBy::default(),
+            seed: 0,
+        }
     }
 }
 

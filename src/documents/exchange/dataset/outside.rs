@@ -1,7 +1,8 @@
 //! Pictures that lie outside of the project: they are copied on request only.
 //!
-//! A project that somebody sent may name any file of this machine, and a dataset is made to be passed on. A project for a video or a
-//! folder of frames lies beside it (`match.mp4.touchline/`), and these frames are its own.
+//! A project that somebody sent may name any file of this machine, and a dataset is made to be
+//! passed on. A project for a video or a folder of frames lies beside it (`match.mp4.touchline/`),
+//! and these frames are its own.
 
 use crate::document::resolved;
 use std::path::{Component, Path, PathBuf};
@@ -14,13 +15,20 @@ impl OwnPlaces {
     /// The places of a project in `folder`.
     pub fn from_project(folder: &Path) -> Self {
         let folder = resolved(folder);
-        let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let frames = name.strip_suffix(PROJECT_SUFFIX).filter(|name| !name.is_empty());
+        let name = folder
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let frames = name
+            .strip_suffix(PROJECT_SUFFIX)
+            .filter(|name| !name.is_empty());
         let frames = frames.map(|name| folder.with_file_name(name));
         Self(std::iter::once(folder).chain(frames).collect())
     }
 
-    /// Whether a file lies in one of them, links followed. Of one that is not there nobody knows where `..` leads.
+    /// Whether a file lies in one of them, links followed. Of one that is not there nobody knows
+    /// where `..` leads.
     pub fn hold(&self, file: &Path) -> bool {
         let file = resolved(file);
         let leads_up = file.components().any(|part| part == Component::ParentDir);
@@ -39,7 +47,10 @@ mod tests {
         let holds = |file: &str| places.hold(Path::new(file));
         assert!(holds("/data/match.mp4") && holds("/data/match.mp4.touchline/images/1.jpg"));
         assert!(!holds("/data/match.mp4.jpg") && !holds("/data/other.mp4"));
-        assert!(!OwnPlaces::from_project(Path::new("/data/match")).hold(Path::new("/data/match/../private/1.jpg")));
+        assert!(
+            !OwnPlaces::from_project(Path::new("/data/match"))
+                .hold(Path::new("/data/match/../private/1.jpg"))
+        );
     }
 
     #[cfg(unix)]
@@ -49,7 +60,8 @@ mod tests {
         let project = place.path().join("project");
         std::fs::create_dir(&project).unwrap();
         std::fs::write(place.path().join("private.jpg"), "").unwrap();
-        std::os::unix::fs::symlink(place.path().join("private.jpg"), project.join("1.jpg")).unwrap();
+        std::os::unix::fs::symlink(place.path().join("private.jpg"), project.join("1.jpg"))
+            .unwrap();
         assert!(!OwnPlaces::from_project(&project).hold(&project.join("1.jpg")));
     }
 }

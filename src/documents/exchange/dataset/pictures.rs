@@ -29,16 +29,22 @@ pub struct Folder<'a> {
 impl<'a> Folder<'a> {
     /// An empty folder, which will be renamed to `place`.
     pub const fn new(root: &'a Path, place: &'a Path) -> Self {
-        Self { root, place, hashes: BTreeMap::new() }
+        Self {
+            root,
+            place,
+            hashes: BTreeMap::new(),
+        }
     }
 
     /// Every file and its SHA-256, as `sha256sum` writes and checks them.
     pub fn manifest(&self) -> String {
-        self.hashes.iter().fold(String::new(), |mut text, (name, hash)| {
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "{hash}  {name}");
-            text
-        })
+        self.hashes
+            .iter()
+            .fold(String::new(), |mut text, (name, hash)| {
+                // Writing to a string cannot fail.
+                let _ = writeln!(text, "{hash}  {name}");
+                text
+            })
     }
 
     /// The names of the files that were written.
@@ -54,13 +60,21 @@ impl<'a> Folder<'a> {
     }
 
     /// Copies a file, or makes a hard link to it; its SHA-256.
-    pub fn take_over(&mut self, name: &str, from: &Path, as_link: bool) -> Result<String, ExchangeError> {
+    pub fn take_over(
+        &mut self,
+        name: &str,
+        from: &Path,
+        as_link: bool,
+    ) -> Result<String, ExchangeError> {
         let path = self.file(name)?;
         let failed = |source| self.failed(name, source);
         if as_link {
             let from = fs::canonicalize(from).map_err(failed)?;
             fs::hard_link(&from, &path).map_err(|source| match source.kind() {
-                io::ErrorKind::CrossesDevices => ExchangeError::OtherDisk { from, to: self.place.join(name) },
+                io::ErrorKind::CrossesDevices => ExchangeError::OtherDisk {
+                    from,
+                    to: self.place.join(name),
+                },
                 _ => failed(source),
             })?;
         } else {
@@ -77,7 +91,10 @@ impl<'a> Folder<'a> {
     }
 
     fn failed(&self, name: &str, source: io::Error) -> ExchangeError {
-        ExchangeError::Write { path: self.place.join(name), source }
+        ExchangeError::Write {
+            path: self.place.join(name),
+            source,
+        }
     }
 
     fn note(&mut self, name: &str, hash: String) -> String {
@@ -96,12 +113,19 @@ impl<'a> Folder<'a> {
 /// A picture as a file of a format.
 pub fn encoded(picture: &Picture, format: PictureFormat) -> Result<Vec<u8>, ImageError> {
     let size = picture.size();
-    let rgb: Vec<u8> =
-        picture.rgba().as_chunks::<4>().0.iter().flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect();
+    let rgb: Vec<u8> = picture
+        .rgba()
+        .as_chunks::<4>()
+        .0
+        .iter()
+        .flat_map(|[red, green, blue, _]| [*red, *green, *blue])
+        .collect();
     let mut bytes = Vec::new();
     let colour = ExtendedColorType::Rgb8;
     match format {
-        PictureFormat::Png => PngEncoder::new(&mut bytes).write_image(&rgb, size.width, size.height, colour)?,
+        PictureFormat::Png => {
+            PngEncoder::new(&mut bytes).write_image(&rgb, size.width, size.height, colour)?
+        }
         PictureFormat::Jpeg => {
             JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).write_image(
                 &rgb,
@@ -125,8 +149,18 @@ mod tests {
         fs::create_dir(temporary.path().join("a.txt")).unwrap();
         let said = |error: ExchangeError| error.to_string();
         let in_the_way = said(folder.write("a.txt", b"").unwrap_err());
-        assert!(in_the_way.starts_with("cannot write /data/set/a.txt: "), "{in_the_way}");
-        let missing = said(folder.take_over("b.png", Path::new("/no/such.png"), false).unwrap_err());
-        assert!(missing.starts_with("cannot write /data/set/b.png: "), "{missing}");
+        assert!(
+            in_the_way.starts_with("cannot write /data/set/a.txt: "),
+            "{in_the_way}"
+        );
+        let missing = said(
+            folder
+                .take_over("b.png", Path::new("/no/such.png"), false)
+                .unwrap_err(),
+        );
+        assert!(
+            missing.starts_with("cannot write /data/set/b.png: "),
+            "{missing}"
+        );
     }
 }

@@ -35,7 +35,8 @@ pub struct PlannedFrame {
     pub split: Option<Split>,
     /// Where its label comes from.
     pub origin: LabelOrigin,
-    /// Its picture within the dataset, with `/` between the parts; none where pictures are left where they lie.
+    /// Its picture within the dataset, with `/` between the parts; none where pictures are left
+    /// where they lie.
     pub picture: Option<String>,
     /// The same without lens distortion, where that is asked for and its camera is known.
     pub undistorted: Option<String>,
@@ -83,8 +84,12 @@ impl DatasetPlan {
     /// How many frames each split holds, in order; without splits the first holds all.
     #[must_use]
     pub fn counts(&self) -> [usize; 3] {
-        let of =
-            |wanted: Split| self.frames.iter().filter(|frame| frame.split.unwrap_or(Split::Train) == wanted).count();
+        let of = |wanted: Split| {
+            self.frames
+                .iter()
+                .filter(|frame| frame.split.unwrap_or(Split::Train) == wanted)
+                .count()
+        };
         Split::ALL.map(of)
     }
 
@@ -100,31 +105,47 @@ impl DatasetPlan {
 
     /// The names of all pictures.
     pub(super) fn picture_names(&self) -> BTreeSet<&str> {
-        let names = self.frames.iter().flat_map(|frame| [&frame.picture, &frame.undistorted]);
+        let names = self
+            .frames
+            .iter()
+            .flat_map(|frame| [&frame.picture, &frame.undistorted]);
         names.flatten().map(String::as_str).collect()
     }
 
     /// How many pictures are written.
     #[must_use]
     pub fn pictures(&self) -> usize {
-        let of = |frame: &PlannedFrame| usize::from(frame.picture.is_some()) + usize::from(frame.undistorted.is_some());
+        let of = |frame: &PlannedFrame| {
+            usize::from(frame.picture.is_some()) + usize::from(frame.undistorted.is_some())
+        };
         self.frames.iter().map(of).sum()
     }
 }
 
-/// Plans a dataset: which frames it holds, what their pictures are called, and how large it becomes.
+/// Plans a dataset: which frames it holds, what their pictures are called, and how large it
+/// becomes.
 ///
 /// # Errors
 /// No frame is left, or two pictures would have one name.
-pub fn plan_dataset(at: DocumentAt<'_>, options: &DatasetOptions) -> Result<DatasetPlan, ExchangeError> {
+pub fn plan_dataset(
+    at: DocumentAt<'_>,
+    options: &DatasetOptions,
+) -> Result<DatasetPlan, ExchangeError> {
     let mut left_out = Vec::new();
     let mut frames: Vec<(&Frame, PlannedFrame)> = Vec::new();
     let mut bytes = 0.0;
     let own_places = OwnPlaces::from_project(at.folder);
-    for frame in at.document.frames.iter().filter(|frame| is_chosen(frame, &options.frames)) {
+    for frame in at
+        .document
+        .frames
+        .iter()
+        .filter(|frame| is_chosen(frame, &options.frames))
+    {
         match planned(at, frame, options) {
             Ok((planned, _))
-                if !options.outside && planned.takes_picture() && !own_places.hold(planned.source.file()) =>
+                if !options.outside
+                    && planned.takes_picture()
+                    && !own_places.hold(planned.source.file()) =>
             {
                 let file = planned.source.file().display();
                 left_out.push((
@@ -141,8 +162,12 @@ pub fn plan_dataset(at: DocumentAt<'_>, options: &DatasetOptions) -> Result<Data
     }
     if frames.is_empty() {
         let asked = || "none has the status, camera and confidence that were asked for".to_owned();
-        let why = left_out.first().map(|(frame, why)| format!("{frame}: {why} ({} frames in all)", left_out.len()));
-        return Err(ExchangeError::EmptyDataset { why: why.unwrap_or_else(asked) });
+        let why = left_out
+            .first()
+            .map(|(frame, why)| format!("{frame}: {why} ({} frames in all)", left_out.len()));
+        return Err(ExchangeError::EmptyDataset {
+            why: why.unwrap_or_else(asked),
+        });
     }
     if let Some(splitting) = options.splitting {
         let of: Vec<&Frame> = frames.iter().map(|(frame, _)| *frame).collect();
@@ -154,18 +179,33 @@ pub fn plan_dataset(at: DocumentAt<'_>, options: &DatasetOptions) -> Result<Data
         }
     }
     for (_, planned) in &mut frames {
-        planned.picture = planned.picture.as_ref().map(|name| format!("images/{name}"));
-        planned.undistorted = planned.undistorted.as_ref().map(|name| format!("undistorted/images/{name}"));
+        planned.picture = planned
+            .picture
+            .as_ref()
+            .map(|name| format!("images/{name}"));
+        planned.undistorted = planned
+            .undistorted
+            .as_ref()
+            .map(|name| format!("undistorted/images/{name}"));
     }
     refuse_same_names(&frames)?;
     let frames: Vec<PlannedFrame> = frames.into_iter().map(|(_, planned)| planned).collect();
-    let mut plan = DatasetPlan { frames, left_out, picture_bytes: bytes as u64, notes: Vec::new() };
+    let mut plan = DatasetPlan {
+        frames,
+        left_out,
+        picture_bytes: bytes as u64,
+        notes: Vec::new(),
+    };
     plan.notes = notes(at, &plan, options);
     Ok(plan)
 }
 
 /// A frame with what its pictures take, bytes.
-fn planned(at: DocumentAt<'_>, frame: &Frame, options: &DatasetOptions) -> Result<(PlannedFrame, f64), String> {
+fn planned(
+    at: DocumentAt<'_>,
+    frame: &Frame,
+    options: &DatasetOptions,
+) -> Result<(PlannedFrame, f64), String> {
     let origin = LabelOrigin::of(frame).ok_or("it has neither clicks nor a camera")?;
     let source = source_of(at, frame, options)?;
     let has_camera = at.document.pointed(frame).is_some();
@@ -177,7 +217,9 @@ fn planned(at: DocumentAt<'_>, frame: &Frame, options: &DatasetOptions) -> Resul
     let picture = if is_left { None } else { Some(named.clone()?) };
     if !is_left {
         bytes += match &source {
-            Source::File(path) => std::fs::metadata(path).map_or(0.0, |metadata| metadata.len() as f64),
+            Source::File(path) => {
+                std::fs::metadata(path).map_or(0.0, |metadata| metadata.len() as f64)
+            }
             Source::Decoded(_) => decoded,
         };
     }
@@ -193,15 +235,31 @@ fn planned(at: DocumentAt<'_>, frame: &Frame, options: &DatasetOptions) -> Resul
         None
     };
     let name = frame.name();
-    Ok((PlannedFrame { id: frame.id.clone(), split: None, origin, picture, undistorted, name, source }, bytes))
+    Ok((
+        PlannedFrame {
+            id: frame.id.clone(),
+            split: None,
+            origin,
+            picture,
+            undistorted,
+            name,
+            source,
+        },
+        bytes,
+    ))
 }
 
 /// Where the pixels of a frame come from, if they are there and of the stated size.
-fn source_of(at: DocumentAt<'_>, frame: &Frame, options: &DatasetOptions) -> Result<Source, String> {
+fn source_of(
+    at: DocumentAt<'_>,
+    frame: &Frame,
+    options: &DatasetOptions,
+) -> Result<Source, String> {
     let picture = || frame.picture_source(at.folder).ok_or("it has no picture");
     let source = match (&frame.video, options.pictures) {
         (Some(video), Pictures::Extracted) => {
-            let index = usize::try_from(video.frame_index).map_err(|_| "its number is too large")?;
+            let index =
+                usize::try_from(video.frame_index).map_err(|_| "its number is too large")?;
             Source::Decoded(FrameRef::video(video.file_path(at.folder), index))
         }
         (_, Pictures::Extracted) => Source::Decoded(picture()?),
@@ -239,10 +297,17 @@ pub(super) fn other_size(frame: &Frame, found: ImageSize) -> String {
 fn refuse_same_names(frames: &[(&Frame, PlannedFrame)]) -> Result<(), ExchangeError> {
     let mut seen: BTreeMap<String, String> = BTreeMap::new();
     for (frame, planned) in frames {
-        for name in [&planned.picture, &planned.undistorted].into_iter().flatten() {
+        for name in [&planned.picture, &planned.undistorted]
+            .into_iter()
+            .flatten()
+        {
             // Two names that differ in case are one file on many systems.
             if let Some(first) = seen.insert(name.to_lowercase(), frame.name()) {
-                return Err(ExchangeError::SameName { name: name.clone(), first, second: frame.name() });
+                return Err(ExchangeError::SameName {
+                    name: name.clone(),
+                    first,
+                    second: frame.name(),
+                });
             }
         }
     }
@@ -252,7 +317,9 @@ fn refuse_same_names(frames: &[(&Frame, PlannedFrame)]) -> Result<(), ExchangeEr
 fn notes(at: DocumentAt<'_>, plan: &DatasetPlan, options: &DatasetOptions) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(size) = at.document.field.assumed_size() {
-        notes.push(format!("the field's size of {size} is assumed, not confirmed"));
+        notes.push(format!(
+            "the field's size of {size} is assumed, not confirmed"
+        ));
     }
     if let Some(splitting) = options.splitting {
         let empty: Vec<&str> = Split::ALL
@@ -263,26 +330,56 @@ fn notes(at: DocumentAt<'_>, plan: &DatasetPlan, options: &DatasetOptions) -> Ve
             .collect();
         if !empty.is_empty() {
             let by = splitting.by.name();
-            notes.push(format!("too few groups to split (--split-by {by}): none is left for {}", empty.join(", ")));
+            notes.push(format!(
+                "too few groups to split (--split-by {by}): none is left for {}",
+                empty.join(", ")
+            ));
         }
     }
-    let planned = plan.frames.iter().filter_map(|frame| Some(&**at.document.frames.by_id(&frame.id)?));
+    let planned = plan
+        .frames
+        .iter()
+        .filter_map(|frame| Some(&**at.document.frames.by_id(&frame.id)?));
     notes.extend(off_paint_note(planned));
     let own_places = OwnPlaces::from_project(at.folder);
-    let outside = plan.frames.iter().filter(|frame| frame.takes_picture() && !own_places.hold(frame.source.file()));
-    let outside: Vec<String> = outside.map(|frame| frame.source.file().display().to_string()).collect();
+    let outside = plan
+        .frames
+        .iter()
+        .filter(|frame| frame.takes_picture() && !own_places.hold(frame.source.file()));
+    let outside: Vec<String> = outside
+        .map(|frame| frame.source.file().display().to_string())
+        .collect();
     if let Some(first) = outside.first() {
-        notes.push(format!("{} pictures come from outside of the project, the first from {first}", outside.len()));
+        notes.push(format!(
+            "{} pictures come from outside of the project, the first from {first}",
+            outside.len()
+        ));
     }
-    let unlooked: BTreeSet<LabelOrigin> =
-        [LabelOrigin::Tracked, LabelOrigin::Suggested, LabelOrigin::Interpolated].into();
-    let count = plan.frames.iter().filter(|frame| unlooked.contains(&frame.origin)).count();
+    let unlooked: BTreeSet<LabelOrigin> = [
+        LabelOrigin::Tracked,
+        LabelOrigin::Suggested,
+        LabelOrigin::Interpolated,
+    ]
+    .into();
+    let count = plan
+        .frames
+        .iter()
+        .filter(|frame| unlooked.contains(&frame.origin))
+        .count();
     if count > 0 {
-        notes.push(format!("{count} frames have a camera that nobody has looked at"));
+        notes.push(format!(
+            "{count} frames have a camera that nobody has looked at"
+        ));
     }
-    let bent = plan.frames.iter().filter(|frame| frame.undistorted.is_none()).count();
+    let bent = plan
+        .frames
+        .iter()
+        .filter(|frame| frame.undistorted.is_none())
+        .count();
     if options.undistorted && bent > 0 {
-        notes.push(format!("{bent} frames without a camera have no undistorted picture"));
+        notes.push(format!(
+            "{bent} frames without a camera have no undistorted picture"
+        ));
     }
     notes
 }

@@ -41,10 +41,19 @@ impl fmt::Display for Split {
 /// What a document tells of the match of a frame: its video, else the folder of its image.
 pub fn match_of(frame: &Frame) -> String {
     let folder = || {
-        let image = frame.image.as_deref().unwrap_or_default().replace('\\', "/");
-        image.rsplit_once('/').map_or_else(String::new, |(folder, _)| folder.to_owned())
+        let image = frame
+            .image
+            .as_deref()
+            .unwrap_or_default()
+            .replace('\\', "/");
+        image
+            .rsplit_once('/')
+            .map_or_else(String::new, |(folder, _)| folder.to_owned())
     };
-    frame.video.as_ref().map_or_else(folder, |video| video.path.clone())
+    frame
+        .video
+        .as_ref()
+        .map_or_else(folder, |video| video.path.clone())
 }
 
 /// What is never divided, by name.
@@ -54,30 +63,49 @@ fn group_of(frame: &Frame, by: SplitBy) -> Vec<String> {
         SplitBy::Match => vec![match_of(frame)],
         SplitBy::Camera => vec![camera],
         SplitBy::Clip => {
-            vec![match_of(frame), camera, frame.clip.as_ref().map(ToString::to_string).unwrap_or_default()]
+            vec![
+                match_of(frame),
+                camera,
+                frame
+                    .clip
+                    .as_ref()
+                    .map(ToString::to_string)
+                    .unwrap_or_default(),
+            ]
         }
     }
 }
 
-/// The split of each frame. Groups come in an order that the seed shuffles: first each split gets one, as far as there are any,
-/// then each group goes where most is missing.
+/// The split of each frame. Groups come in an order that the seed shuffles: first each split gets
+/// one, as far as there are any, then each group goes where most is missing.
 pub fn split(frames: &[&Frame], splitting: Splitting) -> Vec<Split> {
     let mut groups: BTreeMap<Vec<String>, Vec<usize>> = BTreeMap::new();
     for (index, frame) in frames.iter().enumerate() {
-        groups.entry(group_of(frame, splitting.by)).or_default().push(index);
+        groups
+            .entry(group_of(frame, splitting.by))
+            .or_default()
+            .push(index);
     }
-    let mut shuffled: Vec<([u8; 32], Vec<usize>)> =
-        groups.into_iter().map(|(group, frames)| (key(splitting.seed, &group), frames)).collect();
+    let mut shuffled: Vec<([u8; 32], Vec<usize>)> = groups
+        .into_iter()
+        .map(|(group, frames)| (key(splitting.seed, &group), frames))
+        .collect();
     shuffled.sort();
     let all: f64 = splitting.shares.iter().map(|share| f64::from(*share)).sum();
-    let wanted = splitting.shares.map(|share| f64::from(share) / all.max(1.0) * frames.len() as f64);
+    let wanted = splitting
+        .shares
+        .map(|share| f64::from(share) / all.max(1.0) * frames.len() as f64);
     let mut held = [0.0; 3];
     let mut of_frame = vec![Split::Train; frames.len()];
     for (_, members) in shuffled {
         let is_wanted = |split: &usize| splitting.shares[*split] > 0;
         let empty = (0..3).find(|split| is_wanted(split) && held[*split] == 0.0);
         let missing = |split: usize| wanted[split] - held[split];
-        let neediest = || (0..3).filter(is_wanted).max_by(|a, b| missing(*a).total_cmp(&missing(*b)));
+        let neediest = || {
+            (0..3)
+                .filter(is_wanted)
+                .max_by(|a, b| missing(*a).total_cmp(&missing(*b)))
+        };
         let to = empty.or_else(neediest).unwrap_or(0);
         held[to] += members.len() as f64;
         for member in members {
@@ -107,9 +135,14 @@ mod tests {
     fn frames(clips: i64, of_each: i64) -> Vec<Frame> {
         let frame = |clip: i64, index: i64| {
             let image = format!("images/{clip}_{index}.jpg");
-            Frame { clip: Some(Clip::Number(clip)), ..Frame::from_image(&image, "main".into(), ImageSize::new(64, 36)) }
+            Frame {
+                clip: Some(Clip::Number(clip)),
+                ..Frame::from_image(&image, "main".into(), ImageSize::new(64, 36))
+            }
         };
-        (0..clips).flat_map(|clip| (0..of_each).map(move |index| frame(clip, index))).collect()
+        (0..clips)
+            .flat_map(|clip| (0..of_each).map(move |index| frame(clip, index)))
+            .collect()
     }
 
     fn counts(frames: &[Frame], splitting: Splitting) -> [usize; 3] {
@@ -125,9 +158,25 @@ mod tests {
             assert!(clip.iter().all(|split| *split == clip[0]));
         }
         assert_eq!(counts(&frames, Splitting::default()), [320, 40, 40]);
-        assert_eq!(counts(&frames, Splitting { shares: [1, 0, 1], ..Splitting::default() }), [200, 0, 200]);
-        let by_match = Splitting { by: SplitBy::Match, ..Splitting::default() };
-        assert_eq!(counts(&frames, by_match), [400, 0, 0], "all images are of one folder");
+        assert_eq!(
+            counts(
+                &frames,
+                Splitting {
+                    shares: [1, 0, 1],
+                    ..Splitting::default()
+                }
+            ),
+            [200, 0, 200]
+        );
+        let by_match = Splitting {
+            by: SplitBy::Match,
+            ..Splitting::default()
+        };
+        assert_eq!(
+            counts(&frames, by_match),
+            [400, 0, 0],
+            "all images are of one folder"
+        );
     }
 
     #[test]
@@ -139,7 +188,15 @@ mod tests {
     #[test]
     fn another_seed_divides_otherwise_and_the_same_seed_the_same() {
         let frames = frames(20, 2);
-        let of = |seed| split(&frames.iter().collect::<Vec<_>>(), Splitting { seed, ..Splitting::default() });
+        let of = |seed| {
+            split(
+                &frames.iter().collect::<Vec<_>>(),
+                Splitting {
+                    seed,
+                    ..Splitting::default()
+                },
+            )
+        };
         assert_eq!(of(7), of(7));
         assert_ne!(of(7), of(8));
     }

@@ -18,20 +18,32 @@ pub type Templates = Vec<(String, Vec<u8>)>;
 pub fn with_templates(at: DocumentAt<'_>) -> Result<(Document, Templates), ExchangeError> {
     let mut document = at.document.clone();
     let mut files = Templates::new();
-    let cameras = document.cameras.iter_mut().filter(|camera| camera.field.is_some());
+    let cameras = document
+        .cameras
+        .iter_mut()
+        .filter(|camera| camera.field.is_some());
     let own = cameras.filter_map(|camera| {
         let camera: &mut Camera = camera;
         camera.field.as_mut()
     });
-    for field in own.chain([&mut document.field]).filter(|field| field.is_file()) {
+    for field in own
+        .chain([&mut document.field])
+        .filter(|field| field.is_file())
+    {
         take_along(field, at.folder, &mut files)?;
     }
     Ok((document, files))
 }
 
-fn take_along(field: &mut FieldSpec, folder: &Path, files: &mut Templates) -> Result<(), ExchangeError> {
+fn take_along(
+    field: &mut FieldSpec,
+    folder: &Path,
+    files: &mut Templates,
+) -> Result<(), ExchangeError> {
     let read = Files::read(&folder.join(&field.template), &|_| false)?;
-    let Some((name, bytes)) = read.sorted().into_iter().next() else { return Ok(()) };
+    let Some((name, bytes)) = read.sorted().into_iter().next() else {
+        return Ok(());
+    };
     let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
     let numbered = (1..).map(|number| match number {
         1 => format!("{FOLDER}/{stem}.json"),

@@ -6,14 +6,18 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 use touchline_vision::media::{MediaError, Picture};
 
-/// The picture that the same camera would take without distortion: same size, focal length and principal point. What the lens
-/// left out is black.
+/// The picture that the same camera would take without distortion: same size, focal length and
+/// principal point. What the lens left out is black.
 ///
 /// # Errors
 /// The size of the picture cannot be addressed.
 pub fn undistorted_picture(picture: &Picture, camera: &PtzCamera) -> Result<Picture, MediaError> {
     let size = picture.size();
-    let (focal_px, principal_point, lens) = (camera.ptz().focal_px, camera.base().principal_point, camera.lens());
+    let (focal_px, principal_point, lens) = (
+        camera.ptz().focal_px,
+        camera.base().principal_point,
+        camera.lens(),
+    );
     let fold = lens.fold_radius_squared();
     let row = |y: u32| {
         (0..size.width).flat_map(move |x| {
@@ -24,10 +28,17 @@ pub fn undistorted_picture(picture: &Picture, camera: &PtzCamera) -> Result<Pict
                 return [0, 0, 0, 255];
             }
             let bent = ideal * lens.stretch(radius_squared) * focal_px;
-            sample(picture, size, ImagePoint::new(principal_point.x + bent.x, principal_point.y + bent.y))
+            sample(
+                picture,
+                size,
+                ImagePoint::new(principal_point.x + bent.x, principal_point.y + bent.y),
+            )
         })
     };
-    let rgba: Vec<u8> = (0..size.height).into_par_iter().flat_map_iter(row).collect();
+    let rgba: Vec<u8> = (0..size.height)
+        .into_par_iter()
+        .flat_map_iter(row)
+        .collect();
     Picture::new(size, rgba)
 }
 
@@ -44,7 +55,12 @@ fn sample(picture: &Picture, size: ImageSize, at: ImagePoint) -> [u8; 4] {
         let row = row.clamp(0.0, f64::from(size.height - 1)) as u32;
         picture.pixel(column, row).unwrap_or([0, 0, 0, 255])
     };
-    let corners = [colour(left, top), colour(left + 1.0, top), colour(left, top + 1.0), colour(left + 1.0, top + 1.0)];
+    let corners = [
+        colour(left, top),
+        colour(left + 1.0, top),
+        colour(left, top + 1.0),
+        colour(left + 1.0, top + 1.0),
+    ];
     std::array::from_fn(|channel| {
         let [a, b, c, d] = corners.map(|corner| f64::from(corner[channel]));
         let above = a + (b - a) * to_right;
@@ -53,14 +69,20 @@ fn sample(picture: &Picture, size: ImageSize, at: ImagePoint) -> [u8; 4] {
     })
 }
 
-/// A document whose pixels are those of undistorted pictures: no lens, clicks moved. Frames whose camera is not known go; masks, being
-/// boxes, go as well, and so does a click that the lens shows nowhere.
+/// A document whose pixels are those of undistorted pictures: no lens, clicks moved. Frames whose
+/// camera is not known go; masks, being boxes, go as well, and so does a click that the lens shows
+/// nowhere.
 pub fn undistorted_document(document: &Document) -> Document {
     let mut plain = document.clone();
-    plain.frames.retain(|frame| document.pointed(frame).is_some());
-    for (frame, bent) in
-        plain.frames.iter_mut().zip(document.frames.iter().filter(|frame| document.pointed(frame).is_some()))
-    {
+    plain
+        .frames
+        .retain(|frame| document.pointed(frame).is_some());
+    for (frame, bent) in plain.frames.iter_mut().zip(
+        document
+            .frames
+            .iter()
+            .filter(|frame| document.pointed(frame).is_some()),
+    ) {
         if let Some(camera) = document.pointed(bent) {
             straighten(frame, &camera);
         }
@@ -80,7 +102,10 @@ fn straighten(frame: &mut Frame, camera: &PtzCamera) {
         let centre = camera.base().principal_point;
         Some(ImagePoint::new(centre.x + ideal.x, centre.y + ideal.y))
     };
-    let is_shown = frame.clicks.iter().all(|click| straight(click.image).is_some());
+    let is_shown = frame
+        .clicks
+        .iter()
+        .all(|click| straight(click.image).is_some());
     if !is_shown && let Some(solution) = &mut frame.solution {
         // Indices of clicks no longer hold.
         solution.disputed.clear();
@@ -89,7 +114,11 @@ fn straighten(frame: &mut Frame, camera: &PtzCamera) {
             warning.renames.clear();
         }
     }
-    frame.clicks.retain_mut(|click| straight(click.image).map(|point| click.image = point).is_some());
+    frame.clicks.retain_mut(|click| {
+        straight(click.image)
+            .map(|point| click.image = point)
+            .is_some()
+    });
     frame.repeats.clear();
     frame.masks.clear();
     if let Some(ptz) = &mut frame.ptz {
@@ -103,7 +132,8 @@ mod tests {
     use crate::document::Click;
     use crate::exchange::tests::{SIZE, awkward};
 
-    /// A picture with a bright spot where the camera shows a point: after undistortion it is where a camera without a lens shows it.
+    /// A picture with a bright spot where the camera shows a point: after undistortion it is where
+    /// a camera without a lens shows it.
     #[test]
     fn a_spot_lands_where_a_camera_without_a_lens_shows_it() {
         let mut document = awkward();
@@ -112,7 +142,10 @@ mod tests {
         document.frames[3].clicks = vec![Click::landmark("centre_mark".into(), spot)];
         let plain = undistorted_document(&document);
         let wanted = plain.frames[3].clicks[0].image;
-        assert!(wanted.distance_px(spot) > 8.0, "the lens bends there: {wanted:?}");
+        assert!(
+            wanted.distance_px(spot) > 8.0,
+            "the lens bends there: {wanted:?}"
+        );
         let mut rgba = Picture::filled(SIZE, [0, 0, 0, 255]).rgba().to_vec();
         for (y, x) in (150_usize..170).flat_map(|y| (1690_usize..1710).map(move |x| (y, x))) {
             let at = 4 * (y * SIZE.width as usize + x);
@@ -123,8 +156,11 @@ mod tests {
         for y in 0..SIZE.height {
             for x in 0..SIZE.width {
                 let bright = f64::from(straight.pixel(x, y).unwrap()[0]);
-                (sum, x_sum, y_sum) =
-                    (sum + bright, x_sum + bright * (f64::from(x) + 0.5), y_sum + bright * (f64::from(y) + 0.5));
+                (sum, x_sum, y_sum) = (
+                    sum + bright,
+                    x_sum + bright * (f64::from(x) + 0.5),
+                    y_sum + bright * (f64::from(y) + 0.5),
+                );
             }
         }
         let found = ImagePoint::new(x_sum / sum, y_sum / sum);
@@ -139,8 +175,18 @@ mod tests {
         document.cameras[0].distortion = None;
         let camera = document.pointed(&document.frames[0]).unwrap();
         let small = ImageSize::new(16, 9);
-        let picture =
-            Picture::new(small, (0..576).map(|value| if value % 4 == 3 { 255 } else { (value % 251) as u8 }).collect());
+        let picture = Picture::new(
+            small,
+            (0..576)
+                .map(|value| {
+                    if value % 4 == 3 {
+                        255
+                    } else {
+                        (value % 251) as u8
+                    }
+                })
+                .collect(),
+        );
         let picture = picture.unwrap();
         assert_eq!(undistorted_picture(&picture, &camera).unwrap(), picture);
     }

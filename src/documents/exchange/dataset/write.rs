@@ -12,25 +12,36 @@ use super::split::Split;
 use super::templates::with_templates;
 use super::undistorted::{undistorted_document, undistorted_picture};
 use crate::document::{
-    Document, DocumentAt, Frame, FrameId, Shot, ShotEnd, document_from_bytes, document_to_string, resolved,
+    Document, DocumentAt, Frame, FrameId, Shot, ShotEnd, document_from_bytes, document_to_string,
+    resolved,
 };
 use crate::exchange::error::ExchangeError;
 use std::collections::BTreeMap;
 use std::path::Path;
 use touchline_assets::DATASET_LOADER;
-use touchline_core::files::{folder_of, follow_link, refuse_other_files, replace_folder, temporary_folder_in};
+use touchline_core::files::{
+    folder_of, follow_link, refuse_other_files, replace_folder, temporary_folder_in,
+};
 use touchline_core::progress::{Progress, Share};
 use touchline_vision::media::{Picture, ReadFrames, sha256_of_file};
 
 /// The files that every dataset has.
-const ALWAYS_WRITTEN: [&str; 7] =
-    [DOCUMENT, MANIFEST, "README.md", "frames.csv", "fields.json", "schema.json", "touchline_dataset.py"];
+const ALWAYS_WRITTEN: [&str; 7] = [
+    DOCUMENT,
+    MANIFEST,
+    "README.md",
+    "frames.csv",
+    "fields.json",
+    "schema.json",
+    "touchline_dataset.py",
+];
 
 /// Writes a dataset as it was planned. A step of `progress` counts pictures.
 ///
 /// # Errors
-/// Something other than a dataset is at `folder`, or a dataset and `force` was not given, or it holds files that the program did
-/// not write; it was cancelled; a file cannot be written. Nothing is left then, and what was there still is.
+/// Something other than a dataset is at `folder`, or a dataset and `force` was not given, or it
+/// holds files that the program did not write; it was cancelled; a file cannot be written. Nothing
+/// is left then, and what was there still is.
 pub fn write_dataset(
     at: DocumentAt<'_>,
     plan: &DatasetPlan,
@@ -47,20 +58,40 @@ pub fn write_dataset(
     refuse_other_files(folder, &|name, path| {
         ALWAYS_WRITTEN.contains(&name) || pictures.contains(name) || old.wrote(name, path)
     })?;
-    let failed = |source| ExchangeError::Write { path: folder.clone(), source };
+    let failed = |source| ExchangeError::Write {
+        path: folder.clone(),
+        source,
+    };
     let temporary = temporary_folder_in(folder_of(folder)).map_err(failed)?;
     let mut files = Folder::new(temporary.path(), folder);
-    let mut written = Written { of_frame: BTreeMap::new(), left_out: plan.left_out.clone(), pictures: 0 };
+    let mut written = Written {
+        of_frame: BTreeMap::new(),
+        left_out: plan.left_out.clone(),
+        pictures: 0,
+    };
     for frame in &plan.frames {
         written.add(at, frame, options, reader, &mut files)?;
-        if progress.report(Share { done: written.pictures, of: plan.pictures() }).is_break() {
+        if progress
+            .report(Share {
+                done: written.pictures,
+                of: plan.pictures(),
+            })
+            .is_break()
+        {
             return Err(ExchangeError::Stopped);
         }
     }
-    let kept: Vec<&PlannedFrame> =
-        plan.frames.iter().filter(|frame| written.of_frame.contains_key(&frame.id)).collect();
+    let kept: Vec<&PlannedFrame> = plan
+        .frames
+        .iter()
+        .filter(|frame| written.of_frame.contains_key(&frame.id))
+        .collect();
     if kept.is_empty() {
-        let why = written.left_out.first().map(|(frame, why)| format!("{frame}: {why}")).unwrap_or_default();
+        let why = written
+            .left_out
+            .first()
+            .map(|(frame, why)| format!("{frame}: {why}"))
+            .unwrap_or_default();
         return Err(ExchangeError::EmptyDataset { why });
     }
     let (document, templates) = with_templates(at)?;
@@ -79,27 +110,55 @@ pub fn write_dataset(
     write_document(&mut files, DOCUMENT, &dataset)?;
     if options.undistorted {
         // Beside the pictures without distortion; templates lie one folder up.
-        let plain = with_pictures(&undistorted_document(&chosen), &kept, &written, |frame, hashes| {
-            Some((frame.undistorted.as_deref()?.strip_prefix("undistorted/")?, hashes.undistorted.as_deref()?))
-        });
-        write_document(&mut files, "undistorted/dataset.json", &templates_above(plain))?;
+        let plain = with_pictures(
+            &undistorted_document(&chosen),
+            &kept,
+            &written,
+            |frame, hashes| {
+                Some((
+                    frame.undistorted.as_deref()?.strip_prefix("undistorted/")?,
+                    hashes.undistorted.as_deref()?,
+                ))
+            },
+        );
+        write_document(
+            &mut files,
+            "undistorted/dataset.json",
+            &templates_above(plain),
+        )?;
     }
     let rows = kept.iter().filter_map(|planned| {
         let of_dataset: &Frame = dataset.frames.by_id(&planned.id)?;
         Some((*planned, of_dataset, &**chosen.frames.by_id(&planned.id)?))
     });
-    files.write("frames.csv", frames_table(&rows.collect::<Vec<_>>()).as_bytes())?;
-    for split in Split::ALL.into_iter().filter(|_| options.splitting.is_some()) {
+    files.write(
+        "frames.csv",
+        frames_table(&rows.collect::<Vec<_>>()).as_bytes(),
+    )?;
+    for split in Split::ALL
+        .into_iter()
+        .filter(|_| options.splitting.is_some())
+    {
         let of_split = kept.iter().filter(|frame| frame.split == Some(split));
-        let names =
-            of_split.filter_map(|frame| Some(format!("{}\n", dataset.frames.by_id(&frame.id)?.image.as_deref()?)));
-        files.write(&format!("splits/{split}.txt"), names.collect::<String>().as_bytes())?;
+        let names = of_split.filter_map(|frame| {
+            Some(format!(
+                "{}\n",
+                dataset.frames.by_id(&frame.id)?.image.as_deref()?
+            ))
+        });
+        files.write(
+            &format!("splits/{split}.txt"),
+            names.collect::<String>().as_bytes(),
+        )?;
     }
     let done = DatasetDone {
         frames: kept.len(),
         pictures: written.pictures,
-        counts: Split::ALL
-            .map(|split| kept.iter().filter(|frame| frame.split.unwrap_or(Split::Train) == split).count()),
+        counts: Split::ALL.map(|split| {
+            kept.iter()
+                .filter(|frame| frame.split.unwrap_or(Split::Train) == split)
+                .count()
+        }),
         left_out: written.left_out,
     };
     let card = card(&Card {
@@ -116,7 +175,9 @@ pub fn write_dataset(
     let manifest = files.manifest();
     files.write(MANIFEST, manifest.as_bytes())?;
     let names = files.into_names();
-    replace_folder(temporary, folder, &|name, path| names.contains(name) || old.wrote(name, path))?;
+    replace_folder(temporary, folder, &|name, path| {
+        names.contains(name) || old.wrote(name, path)
+    })?;
     Ok(done)
 }
 
@@ -144,10 +205,13 @@ impl Written {
         reader: &mut dyn ReadFrames,
         files: &mut Folder<'_>,
     ) -> Result<(), ExchangeError> {
-        let Some(frame) = at.document.frames.by_id(&planned.id) else { return Ok(()) };
+        let Some(frame) = at.document.frames.by_id(&planned.id) else {
+            return Ok(());
+        };
         match write_pictures(at, planned, frame, options, reader, files)? {
             Ok(hashes) => {
-                self.pictures += usize::from(planned.picture.is_some()) + usize::from(planned.undistorted.is_some());
+                self.pictures += usize::from(planned.picture.is_some())
+                    + usize::from(planned.undistorted.is_some());
                 self.of_frame.insert(planned.id.clone(), hashes);
             }
             Err(why) => self.left_out.push((planned.name.clone(), why)),
@@ -167,12 +231,18 @@ fn write_pictures(
 ) -> Result<Result<Hashes, String>, ExchangeError> {
     const CHANGED: &str = "its picture changed since it was labelled";
     let mut hashes = Hashes::default();
-    let is_copied = matches!((&planned.picture, &planned.source), (Some(_), Source::File(_)));
+    let is_copied = matches!(
+        (&planned.picture, &planned.source),
+        (Some(_), Source::File(_))
+    );
     // A copy is hashed where it lies.
     if !is_copied && has_changed(at, frame) {
         return Ok(Err(CHANGED.to_owned()));
     }
-    let is_decoded = matches!((&planned.picture, &planned.source), (Some(_), Source::Decoded(_)));
+    let is_decoded = matches!(
+        (&planned.picture, &planned.source),
+        (Some(_), Source::Decoded(_))
+    );
     let mut pixels = None;
     if is_decoded || planned.undistorted.is_some() {
         match read(planned, frame, reader) {
@@ -194,7 +264,9 @@ fn write_pictures(
         }
         _ => {}
     }
-    if let (Some(name), Some(pixels), Some(camera)) = (&planned.undistorted, &pixels, at.document.pointed(frame)) {
+    if let (Some(name), Some(pixels), Some(camera)) =
+        (&planned.undistorted, &pixels, at.document.pointed(frame))
+    {
         let straight = undistorted_picture(pixels, &camera)?;
         hashes.undistorted = Some(files.write(name, &encoded(&straight, options.picture_format)?)?);
     }
@@ -203,7 +275,10 @@ fn write_pictures(
 
 /// Whether the image file of a frame is there and is not the one that was labelled.
 fn has_changed(at: DocumentAt<'_>, frame: &Frame) -> bool {
-    let Some(path) = frame.image_path(at.folder).filter(|path| frame.sha256.is_some() && path.is_file()) else {
+    let Some(path) = frame
+        .image_path(at.folder)
+        .filter(|path| frame.sha256.is_some() && path.is_file())
+    else {
         return false;
     };
     sha256_of_file(&path).is_ok_and(|hash| states_other(frame, &hash))
@@ -211,20 +286,34 @@ fn has_changed(at: DocumentAt<'_>, frame: &Frame) -> bool {
 
 /// Whether a frame states another SHA-256.
 fn states_other(frame: &Frame, hash: &str) -> bool {
-    frame.sha256.as_deref().is_some_and(|stated| !stated.eq_ignore_ascii_case(hash))
+    frame
+        .sha256
+        .as_deref()
+        .is_some_and(|stated| !stated.eq_ignore_ascii_case(hash))
 }
 
 /// The pixels of a frame, if they can be had and are of the stated size.
-fn read(planned: &PlannedFrame, frame: &Frame, reader: &mut dyn ReadFrames) -> Result<Picture, String> {
-    let picture = reader.read(&planned.source.frame_ref()).map_err(|error| error.to_string())?;
-    if picture.size() == frame.image_size { Ok(picture) } else { Err(other_size(frame, picture.size())) }
+fn read(
+    planned: &PlannedFrame,
+    frame: &Frame,
+    reader: &mut dyn ReadFrames,
+) -> Result<Picture, String> {
+    let picture = reader
+        .read(&planned.source.frame_ref())
+        .map_err(|error| error.to_string())?;
+    if picture.size() == frame.image_size {
+        Ok(picture)
+    } else {
+        Err(other_size(frame, picture.size()))
+    }
 }
 
 /// The document of some frames, with the cameras and shots that they need.
 fn chosen(document: &Document, frames: &BTreeMap<FrameId, Hashes>) -> Document {
     let mut chosen = document.clone();
     chosen.frames.retain(|frame| frames.contains_key(&frame.id));
-    let is_used = |id: &crate::document::CameraId| chosen.frames.iter().any(|frame| frame.camera == *id);
+    let is_used =
+        |id: &crate::document::CameraId| chosen.frames.iter().any(|frame| frame.camera == *id);
     chosen.cameras.retain(|camera| is_used(&camera.id));
     // A bare number counts in the first video of the document.
     let keeps_first_video = first_video(&chosen) == first_video(document);
@@ -232,12 +321,18 @@ fn chosen(document: &Document, frames: &BTreeMap<FrameId, Hashes>) -> Document {
         ShotEnd::Frame(id) => frames.contains_key(id),
         ShotEnd::VideoFrame(_) => keeps_first_video,
     };
-    chosen.shots.retain(|shot: &Shot| is_there(&shot.from) && is_there(&shot.to));
+    chosen
+        .shots
+        .retain(|shot: &Shot| is_there(&shot.from) && is_there(&shot.to));
     chosen
 }
 
 fn first_video(document: &Document) -> Option<&str> {
-    document.frames.iter().find_map(|frame| frame.video.as_ref()).map(|video| video.path.as_str())
+    document
+        .frames
+        .iter()
+        .find_map(|frame| frame.video.as_ref())
+        .map(|video| video.path.as_str())
 }
 
 /// The document with the pictures of a dataset and their hashes; frames without one go.
@@ -250,16 +345,28 @@ fn with_pictures<'a>(
     let mut document = document.clone();
     let pictures: BTreeMap<&FrameId, (&str, &str)> = frames
         .iter()
-        .filter_map(|frame| Some((&frame.id, picture_of(frame, written.of_frame.get(&frame.id)?)?)))
+        .filter_map(|frame| {
+            Some((
+                &frame.id,
+                picture_of(frame, written.of_frame.get(&frame.id)?)?,
+            ))
+        })
         .collect();
-    document.frames.retain(|frame| pictures.contains_key(&frame.id));
+    document
+        .frames
+        .retain(|frame| pictures.contains_key(&frame.id));
     for frame in &mut document.frames {
         if let Some((picture, hash)) = pictures.get(&frame.id) {
             (frame.image, frame.sha256) = (Some((*picture).to_owned()), Some((*hash).to_owned()));
         }
         if let Some(video) = &mut frame.video {
             // Where the video lies on this machine is of no use to others.
-            video.path = video.path.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
+            video.path = video
+                .path
+                .rsplit(['/', '\\'])
+                .next()
+                .unwrap_or_default()
+                .to_owned();
         }
     }
     document
@@ -271,20 +378,33 @@ fn templates_above(mut document: Document) -> Document {
         let camera: &mut crate::document::Camera = camera;
         camera.field.as_mut()
     });
-    for field in cameras.chain([&mut document.field]).filter(|field| field.is_file()) {
+    for field in cameras
+        .chain([&mut document.field])
+        .filter(|field| field.is_file())
+    {
         field.template = format!("../{}", field.template);
     }
     document
 }
 
 /// Writes a document, read again and compared.
-fn write_document(files: &mut Folder<'_>, name: &str, document: &Document) -> Result<(), ExchangeError> {
+fn write_document(
+    files: &mut Folder<'_>,
+    name: &str,
+    document: &Document,
+) -> Result<(), ExchangeError> {
     let text = document_to_string(document)?;
-    let again = document_from_bytes(text.as_bytes())
-        .map_err(|source| ExchangeError::NoDocument { file: name.to_owned(), source })?;
+    let again =
+        document_from_bytes(text.as_bytes()).map_err(|source| ExchangeError::NoDocument {
+            file: name.to_owned(),
+            source,
+        })?;
     if again.frames.len() != document.frames.len() || document_to_string(&again)? != text {
         let frame = name.to_owned();
-        return Err(ExchangeError::ReadsBackOtherwise { frame, format: crate::exchange::Format::Json });
+        return Err(ExchangeError::ReadsBackOtherwise {
+            frame,
+            format: crate::exchange::Format::Json,
+        });
     }
     files.write(name, text.as_bytes()).map(drop)
 }

@@ -5,7 +5,8 @@ use super::ticks::Ruler;
 use super::typeface::Typeface;
 use super::{Figure, FigureError, Line, Mark, Series};
 
-/// The size of a figure without title and legend, px. Printed 84 mm wide, a column, the text is 7.5 points high.
+/// The size of a figure without title and legend, px. Printed 84 mm wide, a column, the text is 7.5
+/// points high.
 const WIDTH: f64 = 420.0;
 const HEIGHT: f64 = 288.0;
 const TEXT: f64 = 13.0;
@@ -33,12 +34,18 @@ impl Plot {
     /// Where a point lies; none for one that an axis has no place for.
     fn at(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         let (right, up) = (self.x.share(x)?, self.y.share(y)?);
-        Some([self.left + right * (self.right - self.left), self.bottom - up * (self.bottom - self.top)])
+        Some([
+            self.left + right * (self.right - self.left),
+            self.bottom - up * (self.bottom - self.top),
+        ])
     }
 
     fn contains(&self, [x, y]: [f64; 2]) -> bool {
         let slack = 0.5;
-        x >= self.left - slack && x <= self.right + slack && y >= self.top - slack && y <= self.bottom + slack
+        x >= self.left - slack
+            && x <= self.right + slack
+            && y >= self.top - slack
+            && y <= self.bottom + slack
     }
 }
 
@@ -46,56 +53,151 @@ impl Figure {
     pub(super) fn laid_out(&self) -> Result<Drawing, FigureError> {
         let typeface = Typeface::load()?;
         let points = || self.series.iter().flat_map(|series| &series.points);
-        let bars = self.series.iter().flat_map(|series| &series.bars).flatten().copied();
+        let bars = self
+            .series
+            .iter()
+            .flat_map(|series| &series.bars)
+            .flatten()
+            .copied();
         let x = Ruler::new(&self.x, points().map(|point| point[0]));
         let y = Ruler::new(&self.y, points().map(|point| point[1]).chain(bars));
-        let widest = y.ticks.iter().map(|(_, label)| typeface.width(label, SMALL_TEXT)).fold(0.0, f64::max);
+        let widest = y
+            .ticks
+            .iter()
+            .map(|(_, label)| typeface.width(label, SMALL_TEXT))
+            .fold(0.0, f64::max);
         let (left, right) = (34.0 + widest, WIDTH - 16.0);
-        let heading = if self.title.is_empty() { 0.0 } else { TITLE_ROW };
+        let heading = if self.title.is_empty() {
+            0.0
+        } else {
+            TITLE_ROW
+        };
         let mut shapes = Vec::new();
         let rows = self.add_legend(&mut shapes, [left, right], heading, &typeface);
         let top = heading + LEGEND_ROW * rows as f64 + 9.0;
-        let plot = Plot { left, right, top, bottom: top + HEIGHT - 53.0, x, y };
+        let plot = Plot {
+            left,
+            right,
+            top,
+            bottom: top + HEIGHT - 53.0,
+            x,
+            y,
+        };
         self.add_axes(&mut shapes, &plot);
         for series in &self.series {
             add_series(&mut shapes, series, &plot);
         }
-        Ok(Drawing { width: WIDTH, height: plot.bottom + 44.0, shapes })
+        Ok(Drawing {
+            width: WIDTH,
+            height: plot.bottom + 44.0,
+            shapes,
+        })
     }
 
     fn add_axes(&self, shapes: &mut Vec<Shape>, plot: &Plot) {
-        let Plot { left, right, top, bottom, .. } = *plot;
-        let line = |from, to, colour| Shape::Path { points: vec![from, to], width: 1.0, colour, dashes: &[] };
-        let text =
-            |text: &str, at, size, anchor, upright| Shape::Text { text: text.to_owned(), at, size, anchor, upright };
+        let Plot {
+            left,
+            right,
+            top,
+            bottom,
+            ..
+        } = *plot;
+        let line = |from, to, colour| Shape::Path {
+            points: vec![from, to],
+            width: 1.0,
+            colour,
+            dashes: &[],
+        };
+        let text = |text: &str, at, size, anchor, upright| Shape::Text {
+            text: text.to_owned(),
+            at,
+            size,
+            anchor,
+            upright,
+        };
         for (value, label) in &plot.x.ticks {
-            let Some(share) = plot.x.share(*value) else { continue };
+            let Some(share) = plot.x.share(*value) else {
+                continue;
+            };
             let x = left + share * (right - left);
             shapes.push(line([x, top], [x, bottom], GRID));
             shapes.push(line([x, bottom], [x, bottom + 4.0], INK));
-            shapes.push(text(label, [x, bottom + 17.0], SMALL_TEXT, Anchor::Middle, false));
+            shapes.push(text(
+                label,
+                [x, bottom + 17.0],
+                SMALL_TEXT,
+                Anchor::Middle,
+                false,
+            ));
         }
         for (value, label) in &plot.y.ticks {
-            let Some(share) = plot.y.share(*value) else { continue };
+            let Some(share) = plot.y.share(*value) else {
+                continue;
+            };
             let y = bottom - share * (bottom - top);
             shapes.push(line([left, y], [right, y], GRID));
             shapes.push(line([left - 4.0, y], [left, y], INK));
-            shapes.push(text(label, [left - 7.0, y + 4.2], SMALL_TEXT, Anchor::End, false));
+            shapes.push(text(
+                label,
+                [left - 7.0, y + 4.2],
+                SMALL_TEXT,
+                Anchor::End,
+                false,
+            ));
         }
-        let frame = vec![[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
-        shapes.push(Shape::Path { points: frame, width: 1.0, colour: INK, dashes: &[] });
+        let frame = vec![
+            [left, top],
+            [right, top],
+            [right, bottom],
+            [left, bottom],
+            [left, top],
+        ];
+        shapes.push(Shape::Path {
+            points: frame,
+            width: 1.0,
+            colour: INK,
+            dashes: &[],
+        });
         let middle = f64::midpoint(left, right);
-        shapes.push(text(&self.x.label, [middle, bottom + 35.0], TEXT, Anchor::Middle, false));
-        shapes.push(text(&self.y.label, [15.0, f64::midpoint(top, bottom)], TEXT, Anchor::Middle, true));
+        shapes.push(text(
+            &self.x.label,
+            [middle, bottom + 35.0],
+            TEXT,
+            Anchor::Middle,
+            false,
+        ));
+        shapes.push(text(
+            &self.y.label,
+            [15.0, f64::midpoint(top, bottom)],
+            TEXT,
+            Anchor::Middle,
+            true,
+        ));
         if !self.title.is_empty() {
-            shapes.push(text(&self.title, [middle, 19.0], TEXT, Anchor::Middle, false));
+            shapes.push(text(
+                &self.title,
+                [middle, 19.0],
+                TEXT,
+                Anchor::Middle,
+                false,
+            ));
         }
     }
 
     /// Writes the legend in rows above the plot; how many rows it has.
-    fn add_legend(&self, shapes: &mut Vec<Shape>, [left, right]: [f64; 2], top: f64, typeface: &Typeface) -> usize {
+    fn add_legend(
+        &self,
+        shapes: &mut Vec<Shape>,
+        [left, right]: [f64; 2],
+        top: f64,
+        typeface: &Typeface,
+    ) -> usize {
         let (mut x, mut row) = (left, 0);
-        let mut named = self.series.iter().filter(|series| !series.name.is_empty()).peekable();
+        let mut named = self
+            .series
+            .iter()
+            .filter(|series| !series.name.is_empty())
+            .peekable();
         if named.peek().is_none() {
             return 0;
         }
@@ -126,7 +228,12 @@ fn colour(series: &Series) -> Rgb {
 }
 
 fn add_series(shapes: &mut Vec<Shape>, series: &Series, plot: &Plot) {
-    let stroke = |points| Shape::Path { points, width: 1.2, colour: colour(series), dashes: &[] };
+    let stroke = |points| Shape::Path {
+        points,
+        width: 1.2,
+        colour: colour(series),
+        dashes: &[],
+    };
     for (point, [low, high]) in series.points.iter().zip(&series.bars) {
         let ends = [*low, *high].map(|end| plot.at([point[0], end]));
         if let [Some([x, from]), Some([_, to])] = ends {
@@ -139,7 +246,12 @@ fn add_series(shapes: &mut Vec<Shape>, series: &Series, plot: &Plot) {
     }
     // A line breaks where a point has no place, and ends at the frame.
     let mut run: Vec<[f64; 2]> = Vec::new();
-    for point in series.points.iter().map(|point| plot.at(*point)).chain([None]) {
+    for point in series
+        .points
+        .iter()
+        .map(|point| plot.at(*point))
+        .chain([None])
+    {
         if let Some(at) = point {
             run.push(at);
         } else {
@@ -149,7 +261,12 @@ fn add_series(shapes: &mut Vec<Shape>, series: &Series, plot: &Plot) {
             run.clear();
         }
     }
-    for at in series.points.iter().filter_map(|point| plot.at(*point)).filter(|at| plot.contains(*at)) {
+    for at in series
+        .points
+        .iter()
+        .filter_map(|point| plot.at(*point))
+        .filter(|at| plot.contains(*at))
+    {
         add_mark(shapes, series, at);
     }
 }
@@ -158,7 +275,9 @@ fn add_series(shapes: &mut Vec<Shape>, series: &Series, plot: &Plot) {
 fn within_frame(plot: &Plot, line: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     let mut parts: Vec<Vec<[f64; 2]>> = Vec::new();
     for pair in line.windows(2) {
-        let Some([from, to]) = cut(plot, pair[0], pair[1]) else { continue };
+        let Some([from, to]) = cut(plot, pair[0], pair[1]) else {
+            continue;
+        };
         match parts.last_mut() {
             Some(part) if part.last() == Some(&from) => part.push(to),
             _ => parts.push(vec![from, to]),
@@ -172,7 +291,10 @@ fn cut(plot: &Plot, from: [f64; 2], to: [f64; 2]) -> Option<[[f64; 2]; 2]> {
     let along = [to[0] - from[0], to[1] - from[1]];
     let (mut start, mut end) = (0.0f64, 1.0f64);
     for (axis, low, high) in [(0, plot.left, plot.right), (1, plot.top, plot.bottom)] {
-        for (slope, room) in [(-along[axis], from[axis] - low), (along[axis], high - from[axis])] {
+        for (slope, room) in [
+            (-along[axis], from[axis] - low),
+            (along[axis], high - from[axis]),
+        ] {
             if slope == 0.0 {
                 if room < 0.0 {
                     return None;
@@ -186,7 +308,12 @@ fn cut(plot: &Plot, from: [f64; 2], to: [f64; 2]) -> Option<[[f64; 2]; 2]> {
     }
     let at = |share: f64| [from[0] + along[0] * share, from[1] + along[1] * share];
     // Whole ends keep their digits, so that the next piece goes on from them.
-    (start <= end).then(|| [if start == 0.0 { from } else { at(start) }, if end == 1.0 { to } else { at(end) }])
+    (start <= end).then(|| {
+        [
+            if start == 0.0 { from } else { at(start) },
+            if end == 1.0 { to } else { at(end) },
+        ]
+    })
 }
 
 fn add_line(shapes: &mut Vec<Shape>, series: &Series, points: Vec<[f64; 2]>) {
@@ -196,28 +323,55 @@ fn add_line(shapes: &mut Vec<Shape>, series: &Series, points: Vec<[f64; 2]>) {
         Line::Dashed => &[6.0, 4.0],
         Line::Dotted => &[1.6, 2.6],
     };
-    shapes.push(Shape::Path { points, width: 1.7, colour: colour(series), dashes });
+    shapes.push(Shape::Path {
+        points,
+        width: 1.7,
+        colour: colour(series),
+        dashes,
+    });
 }
 
 fn add_mark(shapes: &mut Vec<Shape>, series: &Series, [x, y]: [f64; 2]) {
     let (colour, r) = (colour(series), MARK_RADIUS);
     match series.mark {
         Mark::None => {}
-        Mark::Dot => shapes.push(Shape::Disc { centre: [x, y], radius: DOT_RADIUS, colour }),
-        Mark::Disc => shapes.push(Shape::Disc { centre: [x, y], radius: r, colour }),
+        Mark::Dot => shapes.push(Shape::Disc {
+            centre: [x, y],
+            radius: DOT_RADIUS,
+            colour,
+        }),
+        Mark::Disc => shapes.push(Shape::Disc {
+            centre: [x, y],
+            radius: r,
+            colour,
+        }),
         Mark::Square => {
             let s = 0.9 * r;
-            let points = vec![[x - s, y - s], [x + s, y - s], [x + s, y + s], [x - s, y + s]];
+            let points = vec![
+                [x - s, y - s],
+                [x + s, y - s],
+                [x + s, y + s],
+                [x - s, y + s],
+            ];
             shapes.push(Shape::Area { points, colour });
         }
         Mark::Triangle => {
-            let points = vec![[x, y - 1.25 * r], [x + 1.1 * r, y + 0.75 * r], [x - 1.1 * r, y + 0.75 * r]];
+            let points = vec![
+                [x, y - 1.25 * r],
+                [x + 1.1 * r, y + 0.75 * r],
+                [x - 1.1 * r, y + 0.75 * r],
+            ];
             shapes.push(Shape::Area { points, colour });
         }
         Mark::Cross => {
             for [from, to] in [[[-r, -r], [r, r]], [[-r, r], [r, -r]]] {
                 let points = vec![[x + from[0], y + from[1]], [x + to[0], y + to[1]]];
-                shapes.push(Shape::Path { points, width: 1.5, colour, dashes: &[] });
+                shapes.push(Shape::Path {
+                    points,
+                    width: 1.5,
+                    colour,
+                    dashes: &[],
+                });
             }
         }
     }
@@ -229,14 +383,22 @@ mod tests {
     use super::*;
 
     fn figure() -> Figure {
-        let measured = Series::new("measured", 1, vec![[0.0, 1.0], [1.0, 2.0], [2.0, f64::NAN], [3.0, 9.0]]);
+        let measured = Series::new(
+            "measured",
+            1,
+            vec![[0.0, 1.0], [1.0, 2.0], [2.0, f64::NAN], [3.0, 9.0]],
+        );
         Figure::new(
             "Errors <of> two",
             Axis::linear("noise (px)").within(0.0, 3.0),
             Axis::linear("error (°)").within(0.0, 4.0),
         )
         .with(measured.with_bars(vec![[0.5, 1.5], [1.0, 30.0], [0.0, 0.0], [8.0, 9.5]]))
-        .with(Series::new("bound", 0, vec![[0.0, 0.0], [3.0, 3.0]]).lined(Line::Dashed).marked(Mark::None))
+        .with(
+            Series::new("bound", 0, vec![[0.0, 0.0], [3.0, 3.0]])
+                .lined(Line::Dashed)
+                .marked(Mark::None),
+        )
     }
 
     #[test]
@@ -249,10 +411,17 @@ mod tests {
                 Shape::Text { at, .. } => vec![*at],
             };
             for [x, y] in points {
-                assert!((0.0..=drawing.width).contains(&x) && (0.0..=drawing.height).contains(&y), "{shape:?}");
+                assert!(
+                    (0.0..=drawing.width).contains(&x) && (0.0..=drawing.height).contains(&y),
+                    "{shape:?}"
+                );
             }
         }
-        let discs = drawing.shapes.iter().filter(|shape| matches!(shape, Shape::Disc { .. })).count();
+        let discs = drawing
+            .shapes
+            .iter()
+            .filter(|shape| matches!(shape, Shape::Disc { .. }))
+            .count();
         // Two of four points have a place (one is NaN, one is above), and the legend shows one.
         assert_eq!(discs, 3);
     }
@@ -272,14 +441,23 @@ mod tests {
         let picture = image::load_from_memory(&png).unwrap().to_rgb8();
         // 288 px, a title and one row of the legend.
         assert_eq!(picture.dimensions(), (992, 770));
-        let blue = picture.pixels().filter(|pixel| pixel.0 == [0, 114, 178]).count();
-        let ink = picture.pixels().filter(|pixel| pixel.0 == [0, 0, 0]).count();
+        let blue = picture
+            .pixels()
+            .filter(|pixel| pixel.0 == [0, 114, 178])
+            .count();
+        let ink = picture
+            .pixels()
+            .filter(|pixel| pixel.0 == [0, 0, 0])
+            .count();
         assert!(blue > 200 && ink > 2000, "{blue} {ink}");
     }
 
     #[test]
     fn a_cumulative_series_counts_what_was_never_reached() {
         let series = Series::cumulative("x", 1, &[3.0, 1.0, f64::INFINITY], 4);
-        assert_eq!(series.points, [[1.0, 0.0], [1.0, 0.25], [3.0, 0.25], [3.0, 0.5]]);
+        assert_eq!(
+            series.points,
+            [[1.0, 0.0], [1.0, 0.25], [3.0, 0.25], [3.0, 0.5]]
+        );
     }
 }

@@ -1,12 +1,15 @@
-//! Figures that can stand in a paper: labelled axes with units, legends, error bars, as SVG and PNG.
+//! Figures that can stand in a paper: labelled axes with units, legends, error bars, as SVG and
+//! PNG.
 //!
-//! A [`Figure`] is laid out once into a few kinds of shapes, which [`Figure::to_svg`] writes and [`Figure::to_png`] paints: both
-//! show the same, and neither needs a font library or a GPU. Colours are those of Okabe and Ito, apart
-//! for the colour-blind too; marks and dashes differ as well, for print in grey.
+//! A [`Figure`] is laid out once into a few kinds of shapes, which [`Figure::to_svg`] writes and
+//! [`Figure::to_png`] paints: both show the same, and neither needs a font library or a GPU.
+//! Colours are those of Okabe and Ito, apart for the colour-blind too; marks and dashes differ as
+//! well, for print in grey.
 //!
-//! Two of the figures were drawn through `plotters` 0.3 as well, and looked worse: its bitmaps do not smooth wide lines and round
-//! every coordinate to a pixel, its SVG has whole pixels only, and its legend covers data and shows no dashes or marks. Layout
-//! would have stayed here anyway; only the writing of SVG and the filling of polygons, some 300 lines, would have gone.
+//! Two of the figures were drawn through `plotters` 0.3 as well, and looked worse: its bitmaps do
+//! not smooth wide lines and round every coordinate to a pixel, its SVG has whole pixels only, and
+//! its legend covers data and shows no dashes or marks. Layout would have stayed here anyway; only
+//! the writing of SVG and the filling of polygons, some 300 lines, would have gone.
 
 mod layout;
 mod raster;
@@ -119,19 +122,29 @@ impl Axis {
     /// A linear axis from what the series need.
     #[must_use]
     pub fn linear(label: &str) -> Self {
-        Self { label: label.to_owned(), scale: Scale::Linear, range: None }
+        Self {
+            label: label.to_owned(),
+            scale: Scale::Linear,
+            range: None,
+        }
     }
 
     /// A logarithmic axis.
     #[must_use]
     pub fn log(label: &str) -> Self {
-        Self { scale: Scale::Log, ..Self::linear(label) }
+        Self {
+            scale: Scale::Log,
+            ..Self::linear(label)
+        }
     }
 
     /// The same axis from here to there.
     #[must_use]
     pub fn within(self, from: f64, to: f64) -> Self {
-        Self { range: Some([from, to]), ..self }
+        Self {
+            range: Some([from, to]),
+            ..self
+        }
     }
 }
 
@@ -139,7 +152,14 @@ impl Series {
     /// A line with discs, coloured by its number.
     #[must_use]
     pub fn new(name: &str, colour: usize, points: Vec<[f64; 2]>) -> Self {
-        Self { name: name.to_owned(), points, bars: Vec::new(), mark: Mark::Disc, line: Line::Solid, colour }
+        Self {
+            name: name.to_owned(),
+            points,
+            bars: Vec::new(),
+            mark: Mark::Disc,
+            line: Line::Solid,
+            colour,
+        }
     }
 
     /// With error bars: from and to, for each point.
@@ -160,15 +180,21 @@ impl Series {
         Self { line, ..self }
     }
 
-    /// The share of values up to each, as a staircase: a cumulative distribution. `of` is how many there are with those that
-    /// have no value, which count as never reached.
+    /// The share of values up to each, as a staircase: a cumulative distribution. `of` is how many
+    /// there are with those that have no value, which count as never reached.
     #[must_use]
     pub fn cumulative(name: &str, colour: usize, values: &[f64], of: usize) -> Self {
-        let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+        let mut sorted: Vec<f64> = values
+            .iter()
+            .copied()
+            .filter(|value| value.is_finite())
+            .collect();
         sorted.sort_by(f64::total_cmp);
         let share = |count: usize| count as f64 / of.max(1) as f64;
         let steps = sorted.iter().enumerate();
-        let points = steps.flat_map(|(index, value)| [[*value, share(index)], [*value, share(index + 1)]]).collect();
+        let points = steps
+            .flat_map(|(index, value)| [[*value, share(index)], [*value, share(index + 1)]])
+            .collect();
         Self::new(name, colour, points).marked(Mark::None)
     }
 }
@@ -177,7 +203,12 @@ impl Figure {
     /// A figure with these axes and nothing in it.
     #[must_use]
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
-        Self { title: title.to_owned(), x, y, series: Vec::new() }
+        Self {
+            title: title.to_owned(),
+            x,
+            y,
+            series: Vec::new(),
+        }
     }
 
     /// With one more series.

@@ -1,4 +1,5 @@
-//! A drawing as pixels: every shape is a few closed outlines, whose coverage of each pixel `ab_glyph_rasterizer` gives.
+//! A drawing as pixels: every shape is a few closed outlines, whose coverage of each pixel
+//! `ab_glyph_rasterizer` gives.
 
 use super::FigureError;
 use super::shape::{Drawing, Rgb, Shape};
@@ -18,10 +19,17 @@ pub fn png(drawing: &Drawing) -> Result<Vec<u8>, FigureError> {
 }
 
 /// The drawing as PNG, over what `before` puts on the white sheet.
-pub fn painted(drawing: &Drawing, before: impl FnOnce(&mut RgbImage)) -> Result<Vec<u8>, FigureError> {
+pub fn painted(
+    drawing: &Drawing,
+    before: impl FnOnce(&mut RgbImage),
+) -> Result<Vec<u8>, FigureError> {
     let typeface = Typeface::load()?;
     let side = |length: f64| (length * SCALE).round().max(1.0) as u32;
-    let mut picture = RgbImage::from_pixel(side(drawing.width), side(drawing.height), Pixel([255, 255, 255]));
+    let mut picture = RgbImage::from_pixel(
+        side(drawing.width),
+        side(drawing.height),
+        Pixel([255, 255, 255]),
+    );
     before(&mut picture);
     for shape in &drawing.shapes {
         draw(&mut picture, shape, &typeface);
@@ -33,20 +41,39 @@ pub fn painted(drawing: &Drawing, before: impl FnOnce(&mut RgbImage)) -> Result<
 
 fn draw(picture: &mut RgbImage, shape: &Shape, typeface: &Typeface) {
     match shape {
-        Shape::Path { points, width, colour, dashes } => {
+        Shape::Path {
+            points,
+            width,
+            colour,
+            dashes,
+        } => {
             for part in dashed(points, dashes) {
                 stroke(picture, &part, *width, *colour);
             }
         }
         Shape::Area { points, colour } => fill(picture, &polygon(points), *colour),
-        Shape::Disc { centre, radius, colour } => fill(picture, &polygon(&circle(*centre, *radius)), *colour),
-        Shape::Text { text, at, size, anchor, upright } => {
+        Shape::Disc {
+            centre,
+            radius,
+            colour,
+        } => fill(picture, &polygon(&circle(*centre, *radius)), *colour),
+        Shape::Text {
+            text,
+            at,
+            size,
+            anchor,
+            upright,
+        } => {
             let place = |[x, y]: [f32; 2]| {
                 // Upright text runs upwards.
                 let [x, y] = if *upright { [y, -x] } else { [x, y] }.map(f64::from);
                 scaled([at[0] + x, at[1] + y])
             };
-            fill(picture, &curves(&typeface.outlines(text, *size, *anchor), place), [0, 0, 0]);
+            fill(
+                picture,
+                &curves(&typeface.outlines(text, *size, *anchor), place),
+                [0, 0, 0],
+            );
         }
     }
 }
@@ -75,12 +102,17 @@ impl Piece {
 
 fn polygon(points: &[[f64; 2]]) -> Vec<Piece> {
     let next = points.iter().cycle().skip(1);
-    points.iter().zip(next).map(|(from, to)| Piece::Line(scaled(*from), scaled(*to))).collect()
+    points
+        .iter()
+        .zip(next)
+        .map(|(from, to)| Piece::Line(scaled(*from), scaled(*to)))
+        .collect()
 }
 
 fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     let corner = |number: u32| {
-        let (sin, cos) = (std::f64::consts::TAU * f64::from(number) / f64::from(CIRCLE_CORNERS)).sin_cos();
+        let (sin, cos) =
+            (std::f64::consts::TAU * f64::from(number) / f64::from(CIRCLE_CORNERS)).sin_cos();
         [x + radius * cos, y + radius * sin]
     };
     (0..CIRCLE_CORNERS).map(corner).collect()
@@ -119,7 +151,12 @@ fn stroke(picture: &mut RgbImage, points: &[[f64; 2]], width: f64, colour: Rgb) 
         if length > 0.0 {
             let [nx, ny] = [-along[1] / length * half, along[0] / length * half];
             let [[ax, ay], [bx, by]] = [pair[0], pair[1]];
-            let sides = [[ax + nx, ay + ny], [bx + nx, by + ny], [bx - nx, by - ny], [ax - nx, ay - ny]];
+            let sides = [
+                [ax + nx, ay + ny],
+                [bx + nx, by + ny],
+                [bx - nx, by - ny],
+                [ax - nx, ay - ny],
+            ];
             fill(picture, &polygon(&sides), colour);
         }
     }
@@ -128,7 +165,8 @@ fn stroke(picture: &mut RgbImage, points: &[[f64; 2]], width: f64, colour: Rgb) 
     }
 }
 
-/// The parts of a line that are drawn, by lengths of pen down and pen up in turn; all of it without any.
+/// The parts of a line that are drawn, by lengths of pen down and pen up in turn; all of it without
+/// any.
 fn dashed(points: &[[f64; 2]], dashes: &[f64]) -> Vec<Vec<[f64; 2]>> {
     if dashes.is_empty() || dashes.iter().any(|length| *length <= 0.0) {
         return vec![points.to_vec()];
@@ -141,7 +179,10 @@ fn dashed(points: &[[f64; 2]], dashes: &[f64]) -> Vec<Vec<[f64; 2]>> {
         let mut length = (to[0] - from[0]).hypot(to[1] - from[1]);
         while length > left {
             let share = left / length;
-            from = [from[0] + (to[0] - from[0]) * share, from[1] + (to[1] - from[1]) * share];
+            from = [
+                from[0] + (to[0] - from[0]) * share,
+                from[1] + (to[1] - from[1]) * share,
+            ];
             length -= left;
             part.push(from);
             if dash % 2 == 0 {
@@ -163,11 +204,17 @@ fn dashed(points: &[[f64; 2]], dashes: &[f64]) -> Vec<Vec<[f64; 2]>> {
 /// Lays a colour over what closed outlines cover.
 fn fill(picture: &mut RgbImage, outlines: &[Piece], colour: Rgb) {
     let corners = || outlines.iter().flat_map(Piece::points);
-    let low = corners().fold(point(f32::INFINITY, f32::INFINITY), |low, p| point(low.x.min(p.x), low.y.min(p.y)));
-    let high =
-        corners().fold(point(f32::NEG_INFINITY, f32::NEG_INFINITY), |high, p| point(high.x.max(p.x), high.y.max(p.y)));
+    let low = corners().fold(point(f32::INFINITY, f32::INFINITY), |low, p| {
+        point(low.x.min(p.x), low.y.min(p.y))
+    });
+    let high = corners().fold(point(f32::NEG_INFINITY, f32::NEG_INFINITY), |high, p| {
+        point(high.x.max(p.x), high.y.max(p.y))
+    });
     let origin = point(low.x.floor() - 1.0, low.y.floor() - 1.0);
-    let (width, height) = ((high.x - origin.x).ceil() + 2.0, (high.y - origin.y).ceil() + 2.0);
+    let (width, height) = (
+        (high.x - origin.x).ceil() + 2.0,
+        (high.y - origin.y).ceil() + 2.0,
+    );
     if !(width.is_finite() && height.is_finite() && width < 1e4 && height < 1e4) {
         return;
     }
@@ -182,12 +229,16 @@ fn fill(picture: &mut RgbImage, outlines: &[Piece], colour: Rgb) {
     }
     let (left, top) = (origin.x as i64, origin.y as i64);
     coverage.for_each_pixel_2d(|x, y, share| {
-        let at = (u32::try_from(left + i64::from(x)), u32::try_from(top + i64::from(y)));
+        let at = (
+            u32::try_from(left + i64::from(x)),
+            u32::try_from(top + i64::from(y)),
+        );
         let (Ok(x), Ok(y)) = at else { return };
         if let Some(pixel) = picture.get_pixel_mut_checked(x, y) {
             let share = share.clamp(0.0, 1.0);
             for (below, over) in pixel.0.iter_mut().zip(colour) {
-                *below = (f32::from(*below) * (1.0 - share) + f32::from(over) * share).round() as u8;
+                *below =
+                    (f32::from(*below) * (1.0 - share) + f32::from(over) * share).round() as u8;
             }
         }
     });
@@ -201,20 +252,34 @@ mod tests {
     fn areas_cover_what_they_enclose() {
         let mut picture = RgbImage::from_pixel(100, 60, Pixel([255, 255, 255]));
         let side = |pixels: f64| pixels / SCALE;
-        let square = [[10.0, 10.0], [30.5, 10.0], [30.5, 20.0], [10.0, 20.0]].map(|p: [f64; 2]| p.map(side));
+        let square =
+            [[10.0, 10.0], [30.5, 10.0], [30.5, 20.0], [10.0, 20.0]].map(|p: [f64; 2]| p.map(side));
         fill(&mut picture, &polygon(&square), [0, 0, 0]);
-        let darkness: f64 = picture.pixels().map(|pixel| 1.0 - f64::from(pixel.0[0]) / 255.0).sum();
+        let darkness: f64 = picture
+            .pixels()
+            .map(|pixel| 1.0 - f64::from(pixel.0[0]) / 255.0)
+            .sum();
         assert!((darkness - 205.0).abs() < 0.5, "{darkness}");
-        assert_eq!((picture.get_pixel(15, 15).0, picture.get_pixel(40, 15).0), ([0; 3], [255; 3]));
+        assert_eq!(
+            (picture.get_pixel(15, 15).0, picture.get_pixel(40, 15).0),
+            ([0; 3], [255; 3])
+        );
         // Beyond the border nothing is drawn, and nothing is harmed.
-        fill(&mut picture, &polygon(&[[-50.0, -50.0], [200.0, -50.0], [200.0, 200.0]]), [9, 9, 9]);
+        fill(
+            &mut picture,
+            &polygon(&[[-50.0, -50.0], [200.0, -50.0], [200.0, 200.0]]),
+            [9, 9, 9],
+        );
     }
 
     #[test]
     fn dashes_add_up() {
         let line = [[0.0, 0.0], [25.0, 0.0]];
         let parts = dashed(&line, &[6.0, 4.0]);
-        let ends: Vec<[f64; 2]> = parts.iter().map(|part| [part[0][0], part[part.len() - 1][0]]).collect();
+        let ends: Vec<[f64; 2]> = parts
+            .iter()
+            .map(|part| [part[0][0], part[part.len() - 1][0]])
+            .collect();
         assert_eq!(ends, [[0.0, 6.0], [10.0, 16.0], [20.0, 25.0]]);
         assert_eq!(dashed(&line, &[]), [line.to_vec()]);
     }

@@ -27,13 +27,28 @@ pub struct Drawing {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// A line through points.
-    Path { points: Vec<[f64; 2]>, width: f64, colour: Rgb, dashes: &'static [f64] },
+    Path {
+        points: Vec<[f64; 2]>,
+        width: f64,
+        colour: Rgb,
+        dashes: &'static [f64],
+    },
     /// A filled polygon.
     Area { points: Vec<[f64; 2]>, colour: Rgb },
     /// A filled circle.
-    Disc { centre: [f64; 2], radius: f64, colour: Rgb },
+    Disc {
+        centre: [f64; 2],
+        radius: f64,
+        colour: Rgb,
+    },
     /// Text; `at` is on its baseline.
-    Text { text: String, at: [f64; 2], size: f64, anchor: Anchor, upright: bool },
+    Text {
+        text: String,
+        at: [f64; 2],
+        size: f64,
+        anchor: Anchor,
+        upright: bool,
+    },
 }
 
 /// Which part of a text lies at its place.

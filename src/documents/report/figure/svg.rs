@@ -16,31 +16,67 @@ pub fn write(drawing: &Drawing, title: &str) -> String {
     for shape in &drawing.shapes {
         // Writing to a string cannot fail.
         let _ = match shape {
-            Shape::Path { points, width, colour, dashes } => {
+            Shape::Path {
+                points,
+                width,
+                colour,
+                dashes,
+            } => {
                 let dashes = if dashes.is_empty() {
                     String::new()
                 } else {
-                    let lengths = dashes.iter().map(|length| number(*length)).collect::<Vec<_>>().join(" ");
+                    let lengths = dashes
+                        .iter()
+                        .map(|length| number(*length))
+                        .collect::<Vec<_>>()
+                        .join(" ");
                     format!(" stroke-dasharray=\"{lengths}\"")
                 };
                 let (points, width, colour) = (list(points), number(*width), hex(*colour));
-                writeln!(out, "<polyline points=\"{points}\" stroke=\"{colour}\" stroke-width=\"{width}\"{dashes}/>")
+                writeln!(
+                    out,
+                    "<polyline points=\"{points}\" stroke=\"{colour}\" stroke-width=\"{width}\"{dashes}/>"
+                )
             }
             Shape::Area { points, colour } => {
-                writeln!(out, "<polygon points=\"{}\" fill=\"{}\"/>", list(points), hex(*colour))
+                writeln!(
+                    out,
+                    "<polygon points=\"{}\" fill=\"{}\"/>",
+                    list(points),
+                    hex(*colour)
+                )
             }
-            Shape::Disc { centre, radius, colour } => {
+            Shape::Disc {
+                centre,
+                radius,
+                colour,
+            } => {
                 let [x, y] = centre.map(number);
-                writeln!(out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\" fill=\"{}\"/>", number(*radius), hex(*colour))
+                writeln!(
+                    out,
+                    "<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\" fill=\"{}\"/>",
+                    number(*radius),
+                    hex(*colour)
+                )
             }
-            Shape::Text { text, at, size, anchor, upright } => {
+            Shape::Text {
+                text,
+                at,
+                size,
+                anchor,
+                upright,
+            } => {
                 let [x, y] = at.map(number);
                 let anchor = match anchor {
                     Anchor::Start => "start",
                     Anchor::Middle => "middle",
                     Anchor::End => "end",
                 };
-                let turn = if *upright { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
+                let turn = if *upright {
+                    format!(" transform=\"rotate(-90 {x} {y})\"")
+                } else {
+                    String::new()
+                };
                 let (text, size) = (escaped(text), number(*size));
                 writeln!(
                     out,
@@ -54,7 +90,11 @@ pub fn write(drawing: &Drawing, title: &str) -> String {
 }
 
 fn list(points: &[[f64; 2]]) -> String {
-    points.iter().map(|[x, y]| format!("{},{}", number(*x), number(*y))).collect::<Vec<_>>().join(" ")
+    points
+        .iter()
+        .map(|[x, y]| format!("{},{}", number(*x), number(*y)))
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 fn hex([r, g, b]: Rgb) -> String {
@@ -65,9 +105,15 @@ fn hex([r, g, b]: Rgb) -> String {
 fn number(value: f64) -> String {
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+    if text == "-0" {
+        "0".to_owned()
+    } else {
+        text.to_owned()
+    }
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
 }

@@ -16,13 +16,20 @@ pub struct Ruler {
 const WANTED: f64 = 5.0;
 
 impl Ruler {
-    /// The ruler of an axis for some values. Without a range of its own the axis is as long as the values need, and ends at
-    /// numbers.
+    /// The ruler of an axis for some values. Without a range of its own the axis is as long as the
+    /// values need, and ends at numbers.
     #[must_use]
     pub fn new(axis: &Axis, values: impl Iterator<Item = f64>) -> Self {
-        let usable = values.filter(|value| value.is_finite() && (axis.scale == Scale::Linear || *value > 0.0));
-        let (low, high) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-        let [from, to] = axis.range.unwrap_or(if low <= high { [low, high] } else { [1.0, 10.0] });
+        let usable = values
+            .filter(|value| value.is_finite() && (axis.scale == Scale::Linear || *value > 0.0));
+        let (low, high) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(v), high.max(v))
+        });
+        let [from, to] = axis.range.unwrap_or(if low <= high {
+            [low, high]
+        } else {
+            [1.0, 10.0]
+        });
         match axis.scale {
             Scale::Linear => Self::linear([from, to], axis.range.is_some(), WANTED),
             Scale::Log => Self::log(from, to, axis.range.is_some()),
@@ -48,36 +55,73 @@ impl Ruler {
     }
 
     fn linear([from, to]: [f64; 2], fixed: bool, wanted: f64) -> Self {
-        let (from, to) = if from < to { (from, to) } else { (from - 0.5, from + 0.5) };
+        let (from, to) = if from < to {
+            (from, to)
+        } else {
+            (from - 0.5, from + 0.5)
+        };
         let step = nice_step((to - from) / wanted);
-        let (from, to) = if fixed { (from, to) } else { ((from / step).floor() * step, (to / step).ceil() * step) };
+        let (from, to) = if fixed {
+            (from, to)
+        } else {
+            ((from / step).floor() * step, (to / step).ceil() * step)
+        };
         let decimals = (-step.log10().floor()).clamp(0.0, 12.0) as usize;
         let first = (from / step - 1e-9).ceil() as i64;
         let last = (to / step + 1e-9).floor() as i64;
         let ticks = (first..=last).map(|number| {
             let value = number as f64 * step;
-            (value, format!("{:.decimals$}", if number == 0 { 0.0 } else { value }))
+            (
+                value,
+                format!("{:.decimals$}", if number == 0 { 0.0 } else { value }),
+            )
         });
-        Self { scale: Scale::Linear, from, to, ticks: ticks.collect() }
+        Self {
+            scale: Scale::Linear,
+            from,
+            to,
+            ticks: ticks.collect(),
+        }
     }
 
     fn log(from: f64, to: f64, fixed: bool) -> Self {
-        let (from, to) = if from < to { (from, to) } else { (from / 2.0, from * 2.0) };
-        let (from, to) = if fixed { (from, to) } else { (round_down(from), round_up(to)) };
+        let (from, to) = if from < to {
+            (from, to)
+        } else {
+            (from / 2.0, from * 2.0)
+        };
+        let (from, to) = if fixed {
+            (from, to)
+        } else {
+            (round_down(from), round_up(to))
+        };
         let decades = (to / from).log10();
-        // Within one or two decades the numbers between help; over many, every other power is enough.
-        let between: &[f64] = if decades <= 1.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+        // Within one or two decades the numbers between help; over many, every other power is
+        // enough.
+        let between: &[f64] = if decades <= 1.5 {
+            &[1.0, 2.0, 5.0]
+        } else {
+            &[1.0]
+        };
         let stride = (decades / 6.0).ceil().max(1.0) as i32;
         let powers = from.log10().floor() as i32..=to.log10().ceil() as i32;
         let ticks = powers
             .filter(|power| power.rem_euclid(stride) == 0)
             .flat_map(|power| between.iter().map(move |factor| factor * 10f64.powi(power)));
-        let inside: Vec<f64> =
-            ticks.filter(|value| *value >= from * (1.0 - 1e-9) && *value <= to * (1.0 + 1e-9)).collect();
+        let inside: Vec<f64> = ticks
+            .filter(|value| *value >= from * (1.0 - 1e-9) && *value <= to * (1.0 + 1e-9))
+            .collect();
         // All numbers of an axis are written alike.
         let plain = inside.iter().all(|value| (1e-4..1e6).contains(value));
-        let ticks = inside.into_iter().map(|value| (value, log_label(value, plain)));
-        Self { scale: Scale::Log, from, to, ticks: ticks.collect() }
+        let ticks = inside
+            .into_iter()
+            .map(|value| (value, log_label(value, plain)));
+        Self {
+            scale: Scale::Log,
+            from,
+            to,
+            ticks: ticks.collect(),
+        }
     }
 
     /// Where a number lies, from 0 to 1 along the axis; none where it has no place.
@@ -96,17 +140,29 @@ impl Ruler {
 fn nice_step(rough: f64) -> f64 {
     let power = 10f64.powf(rough.log10().floor());
     let off = |factor: &f64| (factor * power / rough).ln().abs();
-    [1.0, 2.0, 5.0, 10.0].into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(1.0) * power
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .min_by(|a, b| off(a).total_cmp(&off(b)))
+        .unwrap_or(1.0)
+        * power
 }
 
 fn round_down(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
-    [5.0, 2.0, 1.0].into_iter().map(|factor| factor * power).find(|v| *v <= value * (1.0 + 1e-9)).unwrap_or(power)
+    [5.0, 2.0, 1.0]
+        .into_iter()
+        .map(|factor| factor * power)
+        .find(|v| *v <= value * (1.0 + 1e-9))
+        .unwrap_or(power)
 }
 
 fn round_up(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
-    [1.0, 2.0, 5.0, 10.0].into_iter().map(|factor| factor * power).find(|v| *v >= value * (1.0 - 1e-9)).unwrap_or(power)
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|factor| factor * power)
+        .find(|v| *v >= value * (1.0 - 1e-9))
+        .unwrap_or(power)
 }
 
 fn log_label(value: f64, plain: bool) -> String {
@@ -123,23 +179,45 @@ mod tests {
     use super::*;
 
     fn labels(axis: &Axis, values: &[f64]) -> Vec<String> {
-        Ruler::new(axis, values.iter().copied()).ticks.into_iter().map(|tick| tick.1).collect()
+        Ruler::new(axis, values.iter().copied())
+            .ticks
+            .into_iter()
+            .map(|tick| tick.1)
+            .collect()
     }
 
     #[test]
     fn linear_axes_end_at_numbers() {
         let axis = Axis::linear("x");
         assert_eq!(labels(&axis, &[0.03, 4.7]), ["0", "1", "2", "3", "4", "5"]);
-        assert_eq!(labels(&axis, &[0.0, 0.0098]), ["0.000", "0.002", "0.004", "0.006", "0.008", "0.010"]);
-        assert_eq!(labels(&axis.clone().within(0.0, 1.0), &[7.0]), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        assert_eq!(labels(&axis, &[-2.0, 3.0]), ["-2", "-1", "0", "1", "2", "3"]);
+        assert_eq!(
+            labels(&axis, &[0.0, 0.0098]),
+            ["0.000", "0.002", "0.004", "0.006", "0.008", "0.010"]
+        );
+        assert_eq!(
+            labels(&axis.clone().within(0.0, 1.0), &[7.0]),
+            ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]
+        );
+        assert_eq!(
+            labels(&axis, &[-2.0, 3.0]),
+            ["-2", "-1", "0", "1", "2", "3"]
+        );
         assert!(!labels(&axis, &[]).is_empty() && !labels(&axis, &[2.0, 2.0]).is_empty());
     }
 
     #[test]
     fn a_small_plot_has_few_numbers() {
-        let labels = |ruler: Ruler| ruler.ticks.into_iter().map(|tick| tick.1).collect::<Vec<_>>();
-        assert_eq!(labels(Ruler::around([-37.0, 41.0], 2.0)), ["-50", "0", "50"]);
+        let labels = |ruler: Ruler| {
+            ruler
+                .ticks
+                .into_iter()
+                .map(|tick| tick.1)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            labels(Ruler::around([-37.0, 41.0], 2.0)),
+            ["-50", "0", "50"]
+        );
         assert_eq!(labels(Ruler::within([3.0, 97.0], 2.0)), ["50"]);
         assert_eq!(Ruler::around([-37.0, 41.0], 2.0).range(), [-50.0, 50.0]);
     }
@@ -147,11 +225,20 @@ mod tests {
     #[test]
     fn log_axes_have_powers_and_leave_out_what_is_not_positive() {
         let axis = Axis::log("x");
-        assert_eq!(labels(&axis, &[0.0, 0.012, 90.0]), ["0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(
+            labels(&axis, &[0.0, 0.012, 90.0]),
+            ["0.01", "0.1", "1", "10", "100"]
+        );
         assert_eq!(labels(&axis, &[2.0, 15.0]), ["2", "5", "10", "20"]);
-        assert_eq!(labels(&axis, &[2e-6, 0.3]), ["1e-5", "1e-4", "1e-3", "1e-2", "1e-1"]);
+        assert_eq!(
+            labels(&axis, &[2e-6, 0.3]),
+            ["1e-5", "1e-4", "1e-3", "1e-2", "1e-1"]
+        );
         let ruler = Ruler::new(&axis, [1.0, 100.0].into_iter());
-        assert_eq!(ruler.share(10.0).map(|share| (share * 1e9).round()), Some(0.5e9));
+        assert_eq!(
+            ruler.share(10.0).map(|share| (share * 1e9).round()),
+            Some(0.5e9)
+        );
         assert_eq!(ruler.share(0.0), None);
     }
 }

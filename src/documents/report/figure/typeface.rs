@@ -20,7 +20,9 @@ pub enum Stroke {
 
 impl Typeface {
     pub fn load() -> Result<Self, InvalidFont> {
-        Ok(Self { font: FontRef::try_from_slice(TYPEFACE)? })
+        Ok(Self {
+            font: FontRef::try_from_slice(TYPEFACE)?,
+        })
     }
 
     /// `ab_glyph` scales by ascent less descent, the web by the em.
@@ -32,7 +34,9 @@ impl Typeface {
     /// The width of text, px.
     pub fn width(&self, text: &str, size: f64) -> f64 {
         let font = self.font.as_scaled(self.scale(size));
-        text.chars().map(|letter| f64::from(font.h_advance(font.glyph_id(letter)))).sum()
+        text.chars()
+            .map(|letter| f64::from(font.h_advance(font.glyph_id(letter))))
+            .sum()
     }
 
     /// The outlines of text at the origin of its baseline.
@@ -56,7 +60,9 @@ impl Typeface {
                     let (from, stroke, to) = match curve {
                         OutlineCurve::Line(a, b) => (a, Stroke::Line(at(b)), b),
                         OutlineCurve::Quad(a, b, c) => (a, Stroke::Quad(at(b), at(c)), c),
-                        OutlineCurve::Cubic(a, b, c, d) => (a, Stroke::Cubic(at(b), at(c), at(d)), d),
+                        OutlineCurve::Cubic(a, b, c, d) => {
+                            (a, Stroke::Cubic(at(b), at(c), at(d)), d)
+                        }
                     };
                     if end != Some(from) {
                         strokes.push(Stroke::Begin(at(from)));

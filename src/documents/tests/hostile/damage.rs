@@ -38,7 +38,10 @@ fn is_json(format: Format) -> bool {
 impl Damage {
     /// Everything that is done to a format.
     pub fn to(format: Format) -> Self {
-        let mut damage = Self { sample: Sample::of(format), cases: Vec::new() };
+        let mut damage = Self {
+            sample: Sample::of(format),
+            cases: Vec::new(),
+        };
         damage.damage_any_file();
         if is_json(format) {
             damage.damage_json();
@@ -51,7 +54,11 @@ impl Damage {
     /// Other files.
     pub fn files(&mut self, name: &str, files: Named) {
         let options = self.sample.options.clone();
-        self.cases.push(Damaged { name: name.to_owned(), files, options });
+        self.cases.push(Damaged {
+            name: name.to_owned(),
+            files,
+            options,
+        });
     }
 
     /// Other bytes in one file.
@@ -70,7 +77,11 @@ impl Damage {
     /// A text in the place of another, in one file.
     pub fn swap_in(&mut self, file: &str, name: &str, from: &str, to: &str) {
         let text = String::from_utf8(self.sample.bytes(file).to_vec()).unwrap();
-        assert!(text.contains(from), "{}: {from:?} is not in {text}", self.sample.format);
+        assert!(
+            text.contains(from),
+            "{}: {from:?} is not in {text}",
+            self.sample.format
+        );
         self.bytes_of(name, file, text.replacen(from, to, 1));
     }
 
@@ -109,7 +120,10 @@ impl Damage {
         }
         self.bytes("zip", b"PK\x03\x04\x14\x00\x00\x00".to_vec());
         self.bytes("gzip", b"\x1f\x8b\x08\x00".to_vec());
-        self.bytes("html", "<!DOCTYPE html><html><body>404 Not Found</body></html>\n");
+        self.bytes(
+            "html",
+            "<!DOCTYPE html><html><body>404 Not Found</body></html>\n",
+        );
         self.bytes("not-utf8", b"\xff\xfe{\x00".to_vec());
         self.bytes("zeros", vec![0; 64]);
         self.bytes("cut-short", &good[..good.len() / 3]);
@@ -134,6 +148,10 @@ impl Damage {
 pub fn add_missing_options(damage: &mut Damage) {
     damage.options("no-size", |options| options.size = None);
     damage.options("no-zoom", |options| options.zoom = None);
-    damage.options("no-sensor", |options| options.zoom = Some(Zoom::FocalMmX100));
-    damage.options("outside-the-zoom-table", |options| options.zoom = Some(Zoom::Table(vec![(0.0, 1.0), (9.0, 2.0)])));
+    damage.options("no-sensor", |options| {
+        options.zoom = Some(Zoom::FocalMmX100)
+    });
+    damage.options("outside-the-zoom-table", |options| {
+        options.zoom = Some(Zoom::Table(vec![(0.0, 1.0), (9.0, 2.0)]))
+    });
 }

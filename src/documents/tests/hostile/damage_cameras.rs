@@ -28,28 +28,64 @@ pub fn add(damage: &mut Damage) {
 
 fn document(damage: &mut Damage) {
     damage.swap("newer-version", "\"version\": 1", "\"version\": 999");
-    damage.swap("other-format", "\"format\": \"touchline\"", "\"format\": \"other\"");
+    damage.swap(
+        "other-format",
+        "\"format\": \"touchline\"",
+        "\"format\": \"other\"",
+    );
     damage.swap("unknown-status", "\"reference\"", "\"perfect\"");
     damage.swap("click-at-null", "444.5", "null");
     damage.swap("no-cameras", "\"cameras\": [", "\"lenses\": [");
     damage.swap(
         "deep-unknown-key",
         "\"version\": 1",
-        &format!("\"version\": 1, \"x\": {}1{}", "[".repeat(110), "]".repeat(110)),
+        &format!(
+            "\"version\": 1, \"x\": {}1{}",
+            "[".repeat(110),
+            "]".repeat(110)
+        ),
     );
 }
 
 fn soccernet(damage: &mut Damage) {
     damage.swap("no-pan", "pan_degrees", "yaw_degrees");
-    damage.swap("steep-in-words", "\"tilt_degrees\":", "\"tilt_degrees\": \"steep\", \"was\":");
-    damage.swap("no-focal-length", "\"x_focal_length\":", "\"x_focal_length\": 0, \"was\":");
-    damage.swap("oblong-pixels", "\"y_focal_length\":", "\"y_focal_length\": 2400, \"was\":");
-    damage.swap("a-place-of-two", "\"position_meters\":", "\"position_meters\": [1, 2], \"was\":");
-    damage.swap("a-place-of-millions", "\"position_meters\":", "\"position_meters\": [6000000, 0, 0], \"was\":");
+    damage.swap(
+        "steep-in-words",
+        "\"tilt_degrees\":",
+        "\"tilt_degrees\": \"steep\", \"was\":",
+    );
+    damage.swap(
+        "no-focal-length",
+        "\"x_focal_length\":",
+        "\"x_focal_length\": 0, \"was\":",
+    );
+    damage.swap(
+        "oblong-pixels",
+        "\"y_focal_length\":",
+        "\"y_focal_length\": 2400, \"was\":",
+    );
+    damage.swap(
+        "a-place-of-two",
+        "\"position_meters\":",
+        "\"position_meters\": [1, 2], \"was\":",
+    );
+    damage.swap(
+        "a-place-of-millions",
+        "\"position_meters\":",
+        "\"position_meters\": [6000000, 0, 0], \"was\":",
+    );
     let many = format!("\"position_meters\": [{}0], \"was\":", "0,".repeat(100_000));
     damage.swap("a-place-of-100000-numbers", "\"position_meters\":", &many);
-    damage.swap("third-radial-term", "\"radial_distortion\":", "\"radial_distortion\": [0.1,0,0.3,0,0,0], \"was\":");
-    damage.swap("tangential", "\"tangential_distortion\":", "\"tangential_distortion\": [0.1,0], \"was\":");
+    damage.swap(
+        "third-radial-term",
+        "\"radial_distortion\":",
+        "\"radial_distortion\": [0.1,0,0.3,0,0,0], \"was\":",
+    );
+    damage.swap(
+        "tangential",
+        "\"tangential_distortion\":",
+        "\"tangential_distortion\": [0.1,0], \"was\":",
+    );
 }
 
 fn csv(damage: &mut Damage) {
@@ -78,18 +114,29 @@ fn wc14(damage: &mut Damage) {
     damage.beside("nan", file, "1 2 3\n4 5 6\n7 8 nan\n");
     damage.beside("zero", file, "0 0 0\n0 0 0\n0 0 0\n");
     damage.beside("singular", file, "1 2 3\n2 4 6\n0 0 1\n");
-    damage.beside("nearly-singular", file, "1 2 3\n2 4 6.0000000000000001\n0 0 1e-300\n");
+    damage.beside(
+        "nearly-singular",
+        file,
+        "1 2 3\n2 4 6.0000000000000001\n0 0 1e-300\n",
+    );
     damage.beside("no-camera", file, "1 0 0\n0 1 0\n0 0 1\n");
     damage.beside("enormous", file, "1e300 0 0\n0 1e300 0\n0 0 1\n");
     damage.beside("a-million-numbers", file, "1 ".repeat(1_000_000));
-    damage.beside("a-frame-twice", "again/0001.homographyMatrix", damage.sample.text());
+    damage.beside(
+        "a-frame-twice",
+        "again/0001.homographyMatrix",
+        damage.sample.text(),
+    );
 }
 
 fn tsworldcup(damage: &mut Damage) {
     let good = damage.sample.bytes(damage.sample.main()).to_vec();
     let swapped = |from: &str, to: &str| {
         assert_eq!(from.len(), to.len());
-        let at = good.windows(from.len()).position(|window| window == from.as_bytes()).unwrap();
+        let at = good
+            .windows(from.len())
+            .position(|window| window == from.as_bytes())
+            .unwrap();
         let mut bytes = good.clone();
         bytes[at..at + to.len()].copy_from_slice(to.as_bytes());
         bytes
@@ -103,7 +150,10 @@ fn tsworldcup(damage: &mut Damage) {
     damage.bytes("header-only", good[..128].to_vec());
     damage.bytes("a-byte-less", good[..good.len() - 1].to_vec());
     damage.bytes("version-nine", with(6, &[9]));
-    damage.bytes("a-header-of-gigabytes", with(6, &[2, 0, 0xff, 0xff, 0xff, 0xff]));
+    damage.bytes(
+        "a-header-of-gigabytes",
+        with(6, &[2, 0, 0xff, 0xff, 0xff, 0xff]),
+    );
     damage.bytes("objects", swapped("'<f8'", "'|O' "));
     damage.bytes("integers", swapped("<f8", "<i8"));
     damage.bytes("other-byte-order", swapped("<f8", ">f8"));
@@ -121,9 +171,21 @@ fn homography(damage: &mut Damage) {
     damage.swap("no-unit", "\"unit\":\"m\"", "\"unit\":null");
     damage.swap("pixels-in-the-middle", "\"corner\"", "\"middle\"");
     damage.swap("two-rows", "\"h\":[", "\"h\":[[1,0,0],[0,1,0]],\"was\":[");
-    damage.swap("rows-of-two", "\"h\":[", "\"h\":[[1,0],[0,1],[0,0]],\"was\":[");
-    damage.swap("singular", "\"h\":[", "\"h\":[[0,0,0],[0,0,0],[0,0,0]],\"was\":[");
-    damage.swap("no-camera", "\"h\":[", "\"h\":[[1,0,0],[0,1,0],[0,0,1]],\"was\":[");
+    damage.swap(
+        "rows-of-two",
+        "\"h\":[",
+        "\"h\":[[1,0],[0,1],[0,0]],\"was\":[",
+    );
+    damage.swap(
+        "singular",
+        "\"h\":[",
+        "\"h\":[[0,0,0],[0,0,0],[0,0,0]],\"was\":[",
+    );
+    damage.swap(
+        "no-camera",
+        "\"h\":[",
+        "\"h\":[[1,0,0],[0,1,0],[0,0,1]],\"was\":[",
+    );
     damage.swap("leaves-the-folder", "images/0001.jpg", "../0001.jpg");
     damage.swap("a-frame-twice", "images/0002.jpg", "images/0001.jpg");
     damage.swap("a-size-of-one", "[1920,1080]", "[1920]");
@@ -156,11 +218,20 @@ fn colmap(damage: &mut Damage) {
     damage.swap_in("cameras.txt", "width-of-millions", "1920", "19200000");
     damage.swap_in("cameras.txt", "nan", "2410", "nan");
     damage.swap_in("cameras.txt", "a-camera-twice", "\n2 RADIAL", "\n1 RADIAL");
-    let lines: Vec<String> = damage.sample.text().lines().map(ToOwned::to_owned).collect();
+    let lines: Vec<String> = damage
+        .sample
+        .text()
+        .lines()
+        .map(ToOwned::to_owned)
+        .collect();
     let without_last = format!("{}\n", lines[..lines.len() - 1].join("\n"));
     damage.bytes("the-last-line-missing", without_last);
     damage.swap("points-by-four", "444.5 ", "444.5 1 ");
-    let only_images: Vec<&str> = lines.iter().map(String::as_str).filter(|line| line.contains(".jpg")).collect();
+    let only_images: Vec<&str> = lines
+        .iter()
+        .map(String::as_str)
+        .filter(|line| line.contains(".jpg"))
+        .collect();
     damage.bytes("a-line-an-image", only_images.join("\n"));
     damage.swap("unknown-camera", " 1 images", " 7 images");
     damage.swap("leaves-the-folder", "images/0001", "../0001");
@@ -180,7 +251,11 @@ fn opencv(damage: &mut Damage) {
     damage.swap("nan", "959.5", "nan");
     damage.swap("third-term", "0.0661, 0.0, 0.0", "0.0661, 0.0, 0.2");
     damage.swap("an-alias", "data: [ 2410.0", "data: *x [ 2410.0");
-    damage.swap("an-object-tag", "image_width: 1920", "image_width: !!python/object/apply:os.system [ls]");
+    damage.swap(
+        "an-object-tag",
+        "image_width: 1920",
+        "image_width: !!python/object/apply:os.system [ls]",
+    );
     damage.swap("a-place-of-millions", "tvec: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ ", "tvec: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ 1e9, 0, 0 ]\nwas: !!opencv-matrix\n   data: [ ");
 }
 
@@ -188,16 +263,32 @@ fn opentrackio(damage: &mut Damage) {
     damage.bytes("nothing", "{}");
     damage.swap("no-lens", "\"lens\"", "\"lense\"");
     damage.swap("no-transforms", "\"transforms\"", "\"transform\"");
-    damage.swap("empty-transforms", "\"transforms\":[", "\"transforms\":[],\"was\":[");
+    damage.swap(
+        "empty-transforms",
+        "\"transforms\":[",
+        "\"transforms\":[],\"was\":[",
+    );
     damage.swap("no-pan", "\"pan\"", "\"yaw\"");
     damage.swap("a-scale", "\"id\":\"Camera\"", "\"scale\":{\"x\":2}");
     damage.swap("another-lens", "Brown-Conrady U-D", "Brown-Conrady D-U");
     damage.swap("a-second-term", ",0.0,0.0,0.0]}", ",0.5,0.0,0.0]}");
-    damage.swap("no-focal-length", "\"pinholeFocalLength\":", "\"pinholeFocalLength\":0,\"was\":");
-    damage.swap("focal-length-in-words", "\"pinholeFocalLength\":", "\"pinholeFocalLength\":\"long\",\"was\":");
+    damage.swap(
+        "no-focal-length",
+        "\"pinholeFocalLength\":",
+        "\"pinholeFocalLength\":0,\"was\":",
+    );
+    damage.swap(
+        "focal-length-in-words",
+        "\"pinholeFocalLength\":",
+        "\"pinholeFocalLength\":\"long\",\"was\":",
+    );
     damage.swap("width-zero", "{\"width\":1920", "{\"width\":0");
     damage.swap("a-sensor-of-nothing", "{\"width\":9.6", "{\"width\":0");
-    damage.swap("a-sensor-too-small-for-numbers", "{\"width\":9.6", "{\"width\":1e-320");
+    damage.swap(
+        "a-sensor-too-small-for-numbers",
+        "{\"width\":9.6",
+        "{\"width\":1e-320",
+    );
     damage.swap("a-frame-twice", "; 0002", "; 0001");
 }
 
@@ -210,8 +301,14 @@ fn fifa(damage: &mut Damage) {
     };
     // The table at the end begins with the entry of K; the last 22 bytes say where.
     let end = good.len() - 22;
-    let table = good.windows(4).position(|window| window == b"PK\x01\x02").unwrap();
-    let name = good.windows(5).position(|window| window == b"K.npy").unwrap();
+    let table = good
+        .windows(4)
+        .position(|window| window == b"PK\x01\x02")
+        .unwrap();
+    let name = good
+        .windows(5)
+        .position(|window| window == b"K.npy")
+        .unwrap();
     damage.bytes("half-of-it", good[..good.len() / 2].to_vec());
     damage.bytes("without-its-table", good[..table].to_vec());
     damage.bytes("without-its-end", good[..end].to_vec());
@@ -231,7 +328,9 @@ fn fifa(damage: &mut Damage) {
 
 /// A packet whose checksum is right whatever was done to it.
 fn summed(mut packet: Vec<u8>) -> Vec<u8> {
-    packet[28] = packet[..28].iter().fold(0x40_u8, |sum, byte| sum.wrapping_sub(*byte));
+    packet[28] = packet[..28]
+        .iter()
+        .fold(0x40_u8, |sum, byte| sum.wrapping_sub(*byte));
     packet
 }
 
@@ -250,7 +349,10 @@ fn freed(damage: &mut Damage) {
     damage.bytes("shifted-by-one", [vec![0], good.clone()].concat());
     damage.bytes("zoom-zero", summed(with(20, &[0, 0, 0])));
     damage.bytes("text", "pan 12.5 tilt -11.2\n".repeat(29));
-    damage.bytes("the-second-damaged", [first.clone(), with(5, &[0xff])].concat());
+    damage.bytes(
+        "the-second-damaged",
+        [first.clone(), with(5, &[0xff])].concat(),
+    );
     add_missing_options(damage);
 }
 
@@ -264,7 +366,11 @@ fn freed_csv(damage: &mut Damage) {
         lines[1] = fields.join(",");
         lines.join("\n")
     };
-    let tables = [("nan", with(4, "nan")), ("tilt-in-words", with(5, "down")), ("nothing", with(5, ""))];
+    let tables = [
+        ("nan", with(4, "nan")),
+        ("tilt-in-words", with(5, "down")),
+        ("nothing", with(5, "")),
+    ];
     for (name, table) in tables {
         damage.bytes(name, table);
     }
@@ -280,14 +386,34 @@ fn freed_csv(damage: &mut Damage) {
 fn deepsport(damage: &mut Damage) {
     damage.bytes("nothing", "{}");
     damage.swap("three-numbers", "\"KK\":", "\"KK\":[1,2,3],\"was\":");
-    damage.swap("rows-as-lists", "\"R\":", "\"R\":[[1,0,0],[0,1,0],[0,0,1]],\"was\":");
-    damage.swap("twice-as-large", "\"R\":", "\"R\":[2,0,0,0,2,0,0,0,2],\"was\":");
+    damage.swap(
+        "rows-as-lists",
+        "\"R\":",
+        "\"R\":[[1,0,0],[0,1,0],[0,0,1]],\"was\":",
+    );
+    damage.swap(
+        "twice-as-large",
+        "\"R\":",
+        "\"R\":[2,0,0,0,2,0,0,0,2],\"was\":",
+    );
     damage.swap("mirrored", "\"R\":", "\"R\":[1,0,0,0,1,0,0,0,-1],\"was\":");
     damage.swap("tangential", "\"kc\":", "\"kc\":[0.1,0,0.01,0,0],\"was\":");
     damage.swap("millions-of-metres", "\"T\":", "\"T\":[1e12,0,0],\"was\":");
-    damage.swap("width-in-words", "\"img_width\":", "\"img_width\":\"wide\",\"was\":");
-    damage.swap("no-focal-length", "\"KK\":", "\"KK\":[0,0,0,0,0,0,0,0,1],\"was\":");
-    damage.swap("skew", "\"KK\":", "\"KK\":[1000,3,0,0,1000,0,0,0,1],\"was\":");
+    damage.swap(
+        "width-in-words",
+        "\"img_width\":",
+        "\"img_width\":\"wide\",\"was\":",
+    );
+    damage.swap(
+        "no-focal-length",
+        "\"KK\":",
+        "\"KK\":[0,0,0,0,0,0,0,0,1],\"was\":",
+    );
+    damage.swap(
+        "skew",
+        "\"KK\":",
+        "\"KK\":[1000,3,0,0,1000,0,0,0,1],\"was\":",
+    );
 }
 
 fn chan(damage: &mut Damage) {
@@ -309,18 +435,46 @@ fn chan(damage: &mut Damage) {
 fn authors_mat(damage: &mut Damage) {
     let words = |image: &'static str| vec![("image_name", Out::Words(image))];
     damage.bytes("hdf5", b"\x89HDF\r\n\x1a\n".to_vec());
-    damage.bytes("matlab-7.3", b"MATLAB 7.3 MAT-file, Platform: GLNXA64".to_vec());
-    damage.bytes("no-annotation", mat(&[("model", Out::Doubles(vec![1.0]))], false, false));
-    damage.bytes("no-meta", mat(&[("annotation", Out::Structures(vec![frame("1.jpg", CAMERA)]))], false, false));
-    damage.bytes("annotation-as-numbers", mat(&[("annotation", Out::Doubles(vec![1.0]))], false, false));
+    damage.bytes(
+        "matlab-7.3",
+        b"MATLAB 7.3 MAT-file, Platform: GLNXA64".to_vec(),
+    );
+    damage.bytes(
+        "no-annotation",
+        mat(&[("model", Out::Doubles(vec![1.0]))], false, false),
+    );
+    damage.bytes(
+        "no-meta",
+        mat(
+            &[("annotation", Out::Structures(vec![frame("1.jpg", CAMERA)]))],
+            false,
+            false,
+        ),
+    );
+    damage.bytes(
+        "annotation-as-numbers",
+        mat(&[("annotation", Out::Doubles(vec![1.0]))], false, false),
+    );
     damage.bytes("no-camera", sequence(vec![words("1.jpg")], false));
     damage.bytes("nan", sequence(vec![frame("1.jpg", [f64::NAN; 9])], true));
-    damage.bytes("a-principal-point-in-no-picture", sequence(vec![frame("1.jpg", [0.0; 9])], true));
+    damage.bytes(
+        "a-principal-point-in-no-picture",
+        sequence(vec![frame("1.jpg", [0.0; 9])], true),
+    );
     let elsewhere = [639.5, 359.5, 2000.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    damage.bytes("another-camera", sequence(vec![frame("1.jpg", elsewhere)], true));
-    let twice = [("meta", Out::Doubles(vec![1.0])), ("meta", Out::Doubles(vec![2.0]))];
+    damage.bytes(
+        "another-camera",
+        sequence(vec![frame("1.jpg", elsewhere)], true),
+    );
+    let twice = [
+        ("meta", Out::Doubles(vec![1.0])),
+        ("meta", Out::Doubles(vec![2.0])),
+    ];
     damage.bytes("a-variable-twice", mat(&twice, false, false));
-    damage.bytes("unfolds-to-32-mib", mat(&[("meta", Out::Doubles(vec![0.0; 4 << 20]))], false, true));
+    damage.bytes(
+        "unfolds-to-32-mib",
+        mat(&[("meta", Out::Doubles(vec![0.0; 4 << 20]))], false, true),
+    );
     let mut deep = Out::Doubles(vec![1.0]);
     for _ in 0..100 {
         deep = Out::Structures(vec![vec![("a", deep)]]);

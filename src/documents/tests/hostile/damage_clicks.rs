@@ -21,14 +21,23 @@ fn soccernet_lines(damage: &mut Damage) {
     damage.bytes("no-y", "{\"Middle line\": [{\"x\": 0.5}]}");
     damage.bytes("pixels", "{\"Middle line\": [{\"x\": 960, \"y\": 540}]}");
     damage.bytes("null-x", "{\"Middle line\": [{\"x\": null, \"y\": 0.5}]}");
-    damage.bytes("unknown-class", "{\"Middle lane\": [{\"x\": 0.5, \"y\": 0.5}]}");
-    damage.bytes("a-long-class", format!("{{\"{}\": 1}}", "x".repeat(100_000)));
+    damage.bytes(
+        "unknown-class",
+        "{\"Middle lane\": [{\"x\": 0.5, \"y\": 0.5}]}",
+    );
+    damage.bytes(
+        "a-long-class",
+        format!("{{\"{}\": 1}}", "x".repeat(100_000)),
+    );
     damage.options("no-size", |options| options.size = None);
 }
 
 fn yolo(damage: &mut Damage) {
     damage.bytes("four-columns", "0 0.5 0.5 1\n");
-    damage.bytes("a-column-too-many", format!("{} 1\n", damage.sample.text().trim_end()));
+    damage.bytes(
+        "a-column-too-many",
+        format!("{} 1\n", damage.sample.text().trim_end()),
+    );
     let label = damage.sample.text();
     damage.swap("a-word", " 2", " two");
     damage.swap("nan", " 2", " nan");
@@ -46,13 +55,32 @@ fn yolo(damage: &mut Damage) {
 
 fn coco(damage: &mut Damage) {
     damage.bytes("nothing", "{}");
-    damage.bytes("no-frames", "{\"images\":[],\"annotations\":[],\"categories\":[]}");
-    damage.swap("images-as-an-object", "\"images\":[", "\"images\":{\"a\":[],\"b\":[");
+    damage.bytes(
+        "no-frames",
+        "{\"images\":[],\"annotations\":[],\"categories\":[]}",
+    );
+    damage.swap(
+        "images-as-an-object",
+        "\"images\":[",
+        "\"images\":{\"a\":[],\"b\":[",
+    );
     damage.swap("huge-width", "\"width\":1920", "\"width\":1e18");
     damage.swap("no-width", "\"width\":1920", "\"broad\":1920");
-    damage.swap("leaves-the-folder", "\"file_name\":\"0001.jpg\"", "\"file_name\":\"../../etc/passwd\"");
-    damage.swap("absolute-path", "\"file_name\":\"0001.jpg\"", "\"file_name\":\"C:\\\\a.jpg\"");
-    damage.swap("an-image-twice", "\"file_name\":\"0002.jpg\"", "\"file_name\":\"0001.jpg\"");
+    damage.swap(
+        "leaves-the-folder",
+        "\"file_name\":\"0001.jpg\"",
+        "\"file_name\":\"../../etc/passwd\"",
+    );
+    damage.swap(
+        "absolute-path",
+        "\"file_name\":\"0001.jpg\"",
+        "\"file_name\":\"C:\\\\a.jpg\"",
+    );
+    damage.swap(
+        "an-image-twice",
+        "\"file_name\":\"0002.jpg\"",
+        "\"file_name\":\"0001.jpg\"",
+    );
     damage.swap("an-id-twice", "\"id\":2,\"width\"", "\"id\":1,\"width\"");
     damage.swap("unknown-image", "\"image_id\":1", "\"image_id\":99");
     damage.swap("unknown-category", "\"category_id\":1", "\"category_id\":9");
@@ -64,12 +92,19 @@ fn coco(damage: &mut Damage) {
 }
 
 fn cvat(damage: &mut Damage) {
-    let entities = "<!DOCTYPE a [<!ENTITY b \"c\"><!ENTITY d \"&b;&b;&b;\">]><annotations>&d;</annotations>";
+    let entities =
+        "<!DOCTYPE a [<!ENTITY b \"c\"><!ENTITY d \"&b;&b;&b;\">]><annotations>&d;</annotations>";
     damage.bytes("entities", entities);
     damage.bytes("unknown-entity", "<annotations>&x;</annotations>");
-    damage.bytes("external-file", "<!DOCTYPE a SYSTEM \"file:///etc/passwd\"><annotations/>");
+    damage.bytes(
+        "external-file",
+        "<!DOCTYPE a SYSTEM \"file:///etc/passwd\"><annotations/>",
+    );
     damage.bytes("no-frames", "<annotations/>");
-    damage.bytes("deep", format!("<annotations>{}", "<skeleton>".repeat(100_000)));
+    damage.bytes(
+        "deep",
+        format!("<annotations>{}", "<skeleton>".repeat(100_000)),
+    );
     damage.swap("no-width", " width=\"1920\"", "");
     damage.swap("width-zero", " width=\"1920\"", " width=\"0\"");
     damage.swap("width-in-words", " width=\"1920\"", " width=\"wide\"");
@@ -98,25 +133,65 @@ fn label_studio(damage: &mut Damage) {
     damage.swap("no-x", "\"x\": ", "\"left\": ");
     damage.swap("x-in-words", "\"x\": ", "\"x\": \"left\", \"was\": ");
     damage.swap("far-away", "\"x\": ", "\"x\": 1e300, \"was\": ");
-    damage.swap("beyond-all-numbers-once-scaled", "\"x\": ", "\"x\": 1e308, \"was\": ");
-    damage.swap("a-flat-picture", "\"original_height\": 1080", "\"original_height\": 0");
-    damage.swap("labels-as-a-text", "\"keypointlabels\": [", "\"keypointlabels\": \"a\", \"was\": [");
+    damage.swap(
+        "beyond-all-numbers-once-scaled",
+        "\"x\": ",
+        "\"x\": 1e308, \"was\": ",
+    );
+    damage.swap(
+        "a-flat-picture",
+        "\"original_height\": 1080",
+        "\"original_height\": 0",
+    );
+    damage.swap(
+        "labels-as-a-text",
+        "\"keypointlabels\": [",
+        "\"keypointlabels\": \"a\", \"was\": [",
+    );
     damage.swap("unknown-label", "\"centre_mark\"", "\"the middle\"");
     damage.swap("an-image-twice", "0002.jpg", "0001.jpg");
-    damage.swap("results-as-an-object", "\"result\": [", "\"result\": {}, \"was\": [");
+    damage.swap(
+        "results-as-an-object",
+        "\"result\": [",
+        "\"result\": {}, \"was\": [",
+    );
 }
 
 fn labelme(damage: &mut Damage) {
     damage.bytes("nothing", "{}");
-    damage.swap("leaves-the-folder", "\"imagePath\": \"0001.jpg\"", "\"imagePath\": \"..\\\\..\\\\a.jpg\"");
-    damage.swap("path-as-a-number", "\"imagePath\": \"0001.jpg\"", "\"imagePath\": 7");
-    damage.swap("an-image-twice", "\"imagePath\": \"0001.jpg\"", "\"imagePath\": \"0002.jpg\"");
+    damage.swap(
+        "leaves-the-folder",
+        "\"imagePath\": \"0001.jpg\"",
+        "\"imagePath\": \"..\\\\..\\\\a.jpg\"",
+    );
+    damage.swap(
+        "path-as-a-number",
+        "\"imagePath\": \"0001.jpg\"",
+        "\"imagePath\": 7",
+    );
+    damage.swap(
+        "an-image-twice",
+        "\"imagePath\": \"0001.jpg\"",
+        "\"imagePath\": \"0002.jpg\"",
+    );
     damage.swap("huge-width", "\"imageWidth\": 1920", "\"imageWidth\": 1e9");
     damage.swap("other-size", "\"imageWidth\": 1920", "\"imageWidth\": 1080");
-    damage.swap("shapes-as-a-number", "\"shapes\": [", "\"shapes\": 1, \"was\": [");
+    damage.swap(
+        "shapes-as-a-number",
+        "\"shapes\": [",
+        "\"shapes\": 1, \"was\": [",
+    );
     damage.swap("no-shape-type", "\"shape_type\"", "\"type\"");
-    damage.swap("label-null", "\"label\": \"centre_mark\"", "\"label\": null");
-    damage.swap("unknown-label", "\"label\": \"centre_mark\"", "\"label\": \"the middle\"");
+    damage.swap(
+        "label-null",
+        "\"label\": \"centre_mark\"",
+        "\"label\": null",
+    );
+    damage.swap(
+        "unknown-label",
+        "\"label\": \"centre_mark\"",
+        "\"label\": \"the middle\"",
+    );
     damage.swap("far-away", "444.5", "-1e12");
     damage.swap("three-coordinates", "444.5", "444.5, 1, 2");
     damage.swap("x-in-words", "444.5", "\"left\"");

@@ -1,4 +1,5 @@
-//! Damaged and hostile files for every importer: what is said of each, and that none of them costs a panic or all memory.
+//! Damaged and hostile files for every importer: what is said of each, and that none of them costs
+//! a panic or all memory.
 //!
 //! A binary of its own, because it counts what is allocated.
 

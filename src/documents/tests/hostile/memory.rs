@@ -47,16 +47,32 @@ fn bombs(format: Format) -> Vec<Vec<u8>> {
         b"0 ".repeat(1 << 19),
         b"\n".repeat(1 << 20),
         b"a:\n".repeat(300_000),
-        [b"<annotations>".to_vec(), b"<a/>".repeat(200_000), b"</annotations>".to_vec()].concat(),
+        [
+            b"<annotations>".to_vec(),
+            b"<a/>".repeat(200_000),
+            b"</annotations>".to_vec(),
+        ]
+        .concat(),
         [b"<annotations>".to_vec(), b"<skeleton>".repeat(100_000)].concat(),
         [b"frame_index\n".to_vec(), b"1\n".repeat(500_000)].concat(),
     ];
     if format == Format::AuthorsMat {
         for name in ["meta", "annotation", "features"] {
-            bombs.push(mat(&[(name, Out::Doubles(vec![0.0; 4 << 20]))], false, true));
+            bombs.push(mat(
+                &[(name, Out::Doubles(vec![0.0; 4 << 20]))],
+                false,
+                true,
+            ));
         }
         let empty = || vec![("a", Out::Doubles(Vec::new()))];
-        bombs.push(mat(&[("meta", Out::Structures((0..50_000).map(|_| empty()).collect()))], false, true));
+        bombs.push(mat(
+            &[(
+                "meta",
+                Out::Structures((0..50_000).map(|_| empty()).collect()),
+            )],
+            false,
+            true,
+        ));
     }
     bombs
 }
@@ -69,10 +85,17 @@ fn files_that_unfold_are_bounded() {
         let sample = Sample::of(format);
         for (index, bomb) in bombs(format).into_iter().enumerate() {
             let mut files = sample.files.clone();
-            let main = files.iter_mut().find(|(name, _)| name == sample.main()).unwrap();
+            let main = files
+                .iter_mut()
+                .find(|(name, _)| name == sample.main())
+                .unwrap();
             main.1 = bomb;
             let (_, bytes) = peak(|| sample.import(&files, folder.path()).map(drop));
-            assert!(bytes <= MOST, "{format}: bomb {index} takes {} MiB", bytes >> 20);
+            assert!(
+                bytes <= MOST,
+                "{format}: bomb {index} takes {} MiB",
+                bytes >> 20
+            );
         }
     }
 }
@@ -81,7 +104,12 @@ fn files_that_unfold_are_bounded() {
 fn png_with_profile(unfolded: usize) -> Vec<u8> {
     fn chunk(kind: [u8; 4], data: &[u8]) -> Vec<u8> {
         let body = [&kind[..], data].concat();
-        [&(data.len() as u32).to_be_bytes()[..], &body, &crc32fast::hash(&body).to_be_bytes()].concat()
+        [
+            &(data.len() as u32).to_be_bytes()[..],
+            &body,
+            &crc32fast::hash(&body).to_be_bytes(),
+        ]
+        .concat()
     }
     let folded = |bytes: usize| {
         let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
@@ -89,13 +117,25 @@ fn png_with_profile(unfolded: usize) -> Vec<u8> {
         for _ in 0..bytes >> 20 {
             encoder.write_all(&zeros).unwrap();
         }
-        encoder.write_all(&zeros[..bytes & ((1 << 20) - 1)]).unwrap();
+        encoder
+            .write_all(&zeros[..bytes & ((1 << 20) - 1)])
+            .unwrap();
         encoder.finish().unwrap()
     };
-    let header = [&8_u32.to_be_bytes()[..], &8_u32.to_be_bytes(), &[8, 2, 0, 0, 0]].concat();
+    let header = [
+        &8_u32.to_be_bytes()[..],
+        &8_u32.to_be_bytes(),
+        &[8, 2, 0, 0, 0],
+    ]
+    .concat();
     let profile = [&b"icc\0\0"[..], &folded(unfolded)].concat();
     let pixels = folded(8 * (1 + 3 * 8));
-    let chunks = [chunk(*b"IHDR", &header), chunk(*b"iCCP", &profile), chunk(*b"IDAT", &pixels), chunk(*b"IEND", &[])];
+    let chunks = [
+        chunk(*b"IHDR", &header),
+        chunk(*b"iCCP", &profile),
+        chunk(*b"IDAT", &pixels),
+        chunk(*b"IEND", &[]),
+    ];
     [b"\x89PNG\r\n\x1a\n".to_vec(), chunks.concat()].concat()
 }
 

@@ -1,4 +1,5 @@
-//! What is said of damaged files. `messages.txt` is read by people: each line says what is wrong, where, and how to mend it.
+//! What is said of damaged files. `messages.txt` is read by people: each line says what is wrong,
+//! where, and how to mend it.
 //!
 //! `UPDATE_MESSAGES=1 cargo test --test hostile` writes it anew.
 
@@ -14,7 +15,9 @@ const LEAST: usize = 15;
 
 /// What an import says, without the name of the temporary folder.
 fn said(error: &ExchangeError, folder: &Path) -> String {
-    error.to_string().replace(&folder.join("in").display().to_string(), "FOLDER")
+    error
+        .to_string()
+        .replace(&folder.join("in").display().to_string(), "FOLDER")
 }
 
 /// Damage to a place, not to a file.
@@ -32,7 +35,13 @@ fn places(sample: &Sample, folder: &Path) -> Vec<(&'static str, String)> {
     refused("an-empty-folder", &at("empty"));
     #[cfg(target_os = "linux")]
     {
-        assert!(std::process::Command::new("mkfifo").arg(at("pipe")).status().unwrap().success());
+        assert!(
+            std::process::Command::new("mkfifo")
+                .arg(at("pipe"))
+                .status()
+                .unwrap()
+                .success()
+        );
         refused("a-pipe", &at("pipe"));
         std::os::unix::fs::symlink("/dev/zero", at("link")).unwrap();
         refused("a-link-to-a-device", &at("link"));
@@ -40,7 +49,10 @@ fn places(sample: &Sample, folder: &Path) -> Vec<(&'static str, String)> {
         refused("a-link-out-of-the-folder", &at("empty"));
     }
     let large = at("large").with_extension(sample.main().rsplit('.').next().unwrap());
-    std::fs::File::create(&large).unwrap().set_len(300 << 20).unwrap();
+    std::fs::File::create(&large)
+        .unwrap()
+        .set_len(300 << 20)
+        .unwrap();
     refused("300-mib", &large);
     std::fs::remove_dir_all(within).unwrap();
     said_of
@@ -54,19 +66,35 @@ fn each_damaged_file_has_its_line() {
     let mut all = String::new();
     for format in formats() {
         let damage = Damage::to(format);
-        let mut lines: Vec<(String, String)> =
-            places(&damage.sample, folder.path()).into_iter().map(|(name, said)| (name.to_owned(), said)).collect();
+        let mut lines: Vec<(String, String)> = places(&damage.sample, folder.path())
+            .into_iter()
+            .map(|(name, said)| (name.to_owned(), said))
+            .collect();
         for case in &damage.cases {
-            let sample = Sample { options: case.options.clone(), ..damage.sample.clone() };
+            let sample = Sample {
+                options: case.options.clone(),
+                ..damage.sample.clone()
+            };
             let error = sample.import(&case.files, folder.path()).err();
             let error = error.unwrap_or_else(|| panic!("{format}: {} is imported", case.name));
             lines.push((case.name.clone(), said(&error, folder.path())));
         }
-        assert!(lines.len() >= LEAST, "{format}: {} damaged files", lines.len());
+        assert!(
+            lines.len() >= LEAST,
+            "{format}: {} damaged files",
+            lines.len()
+        );
         writeln!(all, "## {format}").unwrap();
         for (name, said) in lines {
-            assert!(!said.chars().any(char::is_control), "{format}: {name}: {said:?} is one plain line");
-            assert!(said.chars().count() <= 300, "{format}: {name}: {} letters: {said}", said.chars().count());
+            assert!(
+                !said.chars().any(char::is_control),
+                "{format}: {name}: {said:?} is one plain line"
+            );
+            assert!(
+                said.chars().count() <= 300,
+                "{format}: {name}: {} letters: {said}",
+                said.chars().count()
+            );
             writeln!(all, "{name}: {said}").unwrap();
         }
         all.push('\n');
@@ -79,5 +107,9 @@ fn each_damaged_file_has_its_line() {
     for (line, (wanted, found)) in wanted.lines().zip(all.lines()).enumerate() {
         assert_eq!(found, wanted, "messages.txt:{}", line + 1);
     }
-    assert_eq!(all.lines().count(), wanted.lines().count(), "messages.txt has another number of lines");
+    assert_eq!(
+        all.lines().count(),
+        wanted.lines().count(),
+        "messages.txt has another number of lines"
+    );
 }

@@ -1,4 +1,5 @@
-//! Arbitrary bytes and damaged valid files: no panic, little memory, and what is imported is a document that opens.
+//! Arbitrary bytes and damaged valid files: no panic, little memory, and what is imported is a
+//! document that opens.
 
 use crate::json_values::{hostile_values, replaced};
 use crate::memory::{MOST, alone, peak};
@@ -46,16 +47,26 @@ const TOKENS: [&str; 30] = [
 /// Imports files in the place of a sample's.
 fn tried(sample: &Sample, main: Vec<u8>, folder: &std::path::Path) {
     let mut files = sample.files.clone();
-    files.iter_mut().find(|(name, _)| name == sample.main()).unwrap().1 = main;
+    files
+        .iter_mut()
+        .find(|(name, _)| name == sample.main())
+        .unwrap()
+        .1 = main;
     let (result, bytes) = peak(|| {
         let imported = sample.import(&files, folder).ok()?;
         Some(document_to_string(&imported.document))
     });
     assert!(bytes <= MOST, "{}: {} MiB", sample.format, bytes >> 20);
     if let Some(text) = result {
-        let text = text.unwrap_or_else(|error| panic!("{}: the document cannot be written: {error}", sample.format));
-        document_from_bytes(text.as_bytes())
-            .unwrap_or_else(|error| panic!("{}: the document does not open: {error}\n{text}", sample.format));
+        let text = text.unwrap_or_else(|error| {
+            panic!("{}: the document cannot be written: {error}", sample.format)
+        });
+        document_from_bytes(text.as_bytes()).unwrap_or_else(|error| {
+            panic!(
+                "{}: the document does not open: {error}\n{text}",
+                sample.format
+            )
+        });
     }
 }
 
@@ -83,7 +94,9 @@ fn each_format<S: Strategy>(
     let folder = tempfile::tempdir().unwrap();
     for format in formats() {
         let sample = Sample::of(format);
-        let Some(strategy) = damage(&sample) else { continue };
+        let Some(strategy) = damage(&sample) else {
+            continue;
+        };
         let ran = TestRunner::new(Config::with_cases(cases)).run(&strategy, |drawn| {
             if let Some(bytes) = apply(&sample, drawn) {
                 tried(&sample, bytes, folder.path());
@@ -96,7 +109,11 @@ fn each_format<S: Strategy>(
 
 #[test]
 fn arbitrary_bytes_are_refused() {
-    each_format(150, |_| Some(vec(any::<u8>(), 0..3000)), |_, bytes| Some(bytes));
+    each_format(
+        150,
+        |_| Some(vec(any::<u8>(), 0..3000)),
+        |_, bytes| Some(bytes),
+    );
 }
 
 /// A change of bytes: where (as a share), what, how much.
@@ -139,7 +156,8 @@ fn values_of_json_files_in_the_place_of_others_are_read_or_refused() {
     each_format(
         400,
         |sample| {
-            let is_json = serde_json::from_str::<Value>(sample.text_or_empty().lines().next()?).is_ok()
+            let is_json = serde_json::from_str::<Value>(sample.text_or_empty().lines().next()?)
+                .is_ok()
                 || serde_json::from_str::<Value>(&sample.text_or_empty()).is_ok();
             is_json.then(|| vec((0.0..1.0_f64, 0..kinds), 1..4))
         },
@@ -147,13 +165,23 @@ fn values_of_json_files_in_the_place_of_others_are_read_or_refused() {
             let text = sample.text();
             let mut parts: Vec<Value> = match serde_json::from_str(&text) {
                 Ok(value) => vec![value],
-                Err(_) => text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect(),
+                Err(_) => text
+                    .lines()
+                    .filter_map(|line| serde_json::from_str(line).ok())
+                    .collect(),
             };
             for (share, kind) in changes {
                 let part = kind % parts.len();
                 replaced(&mut parts[part], share, values.get(kind));
             }
-            Some(parts.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n").into_bytes())
+            Some(
+                parts
+                    .iter()
+                    .map(ToString::to_string)
+                    .collect::<Vec<_>>()
+                    .join("\n")
+                    .into_bytes(),
+            )
         },
     );
 }

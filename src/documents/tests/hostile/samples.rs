@@ -4,7 +4,9 @@ use crate::mat_writer::{CAMERA, frame, sequence};
 use std::path::Path;
 use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline_documents::document::{Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, VideoFrame};
+use touchline_documents::document::{
+    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, VideoFrame,
+};
 use touchline_documents::exchange::{
     ExchangeError, ExportOptions, Format, ImportOptions, Imported, Zoom, export, import,
 };
@@ -29,11 +31,19 @@ pub fn formats() -> impl Iterator<Item = Format> {
 
 impl Sample {
     pub fn of(format: Format) -> Self {
-        let mut options = ImportOptions { size: Some(SIZE), zoom: Some(Zoom::FocalPx), ..ImportOptions::default() };
+        let mut options = ImportOptions {
+            size: Some(SIZE),
+            zoom: Some(Zoom::FocalPx),
+            ..ImportOptions::default()
+        };
         if format == Format::DeepSport {
             options.field = FieldSpec::new("basketball_fiba");
         }
-        Self { format, files: files(format), options }
+        Self {
+            format,
+            files: files(format),
+            options,
+        }
     }
 
     /// Its only file, or the one that most is said of.
@@ -48,7 +58,12 @@ impl Sample {
     }
 
     pub fn bytes(&self, name: &str) -> &[u8] {
-        &self.files.iter().find(|(known, _)| known == name).unwrap().1
+        &self
+            .files
+            .iter()
+            .find(|(known, _)| known == name)
+            .unwrap()
+            .1
     }
 
     pub fn text(&self) -> String {
@@ -61,7 +76,11 @@ impl Sample {
     }
 
     /// Imports files in the place of its own, written into a folder that is empty before and after.
-    pub fn import(&self, files: &[(String, Vec<u8>)], folder: &Path) -> Result<Imported, ExchangeError> {
+    pub fn import(
+        &self,
+        files: &[(String, Vec<u8>)],
+        folder: &Path,
+    ) -> Result<Imported, ExchangeError> {
         let within = folder.join("in");
         std::fs::create_dir_all(&within).unwrap();
         for (name, bytes) in files {
@@ -86,20 +105,32 @@ impl Sample {
 fn document() -> Document {
     let base = CameraBase {
         distortion: FocalCurve::constant(0.0661),
-        ..CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+        ..CameraBase::new(
+            Vec3::new(0.0, -60.0, 18.0),
+            BaseAngles::default().base_from_world(),
+            SIZE.centre(),
+        )
     };
     let mut document = Document::new(FieldSpec::new("soccer"));
     let mut camera = Camera::new("main".into(), SIZE);
     camera.set_base(&base);
     document.cameras.push(camera.into());
     for index in 0..2_u64 {
-        let mut frame = Frame::from_image(&format!("images/{:04}.jpg", index + 1), "main".into(), SIZE);
-        frame.video = Some(VideoFrame::new("match.mp4", 412 + index, Some((412 + index) as f64 / 25.0)));
+        let mut frame =
+            Frame::from_image(&format!("images/{:04}.jpg", index + 1), "main".into(), SIZE);
+        frame.video = Some(VideoFrame::new(
+            "match.mp4",
+            412 + index,
+            Some((412 + index) as f64 / 25.0),
+        ));
         frame.status = FrameStatus::Reference;
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(12.5, -11.2, 2410.0), None));
         frame.clicks = vec![
             Click::landmark("centre_mark".into(), ImagePoint::new(444.5, 789.25)),
-            Click::landmark("penalty_area_far_right_front".into(), ImagePoint::new(1449.22, 565.92)),
+            Click::landmark(
+                "penalty_area_far_right_front".into(),
+                ImagePoint::new(1449.22, 565.92),
+            ),
             Click::line("halfway_line".into(), ImagePoint::new(440.63, 690.25)),
         ];
         document.frames.push(frame.into());
@@ -112,11 +143,24 @@ fn files(format: Format) -> Named {
         Format::Cvat => one("annotations.xml", CVAT),
         Format::DeepSport => one("camcourt1_7.json", DEEPSPORT),
         Format::PnlCalib => one("0001.json", PNLCALIB),
-        Format::AuthorsMat => vec![("seq1_anno.mat".to_owned(), sequence(vec![frame("1.jpg", CAMERA)], false))],
+        Format::AuthorsMat => vec![(
+            "seq1_anno.mat".to_owned(),
+            sequence(vec![frame("1.jpg", CAMERA)], false),
+        )],
         _ => {
             let document = document();
-            let exported = export(document.at(Path::new("/")), format, &ExportOptions::default()).unwrap();
-            exported.files.sorted().into_iter().map(|(name, bytes)| (name.to_owned(), bytes.to_vec())).collect()
+            let exported = export(
+                document.at(Path::new("/")),
+                format,
+                &ExportOptions::default(),
+            )
+            .unwrap();
+            exported
+                .files
+                .sorted()
+                .into_iter()
+                .map(|(name, bytes)| (name.to_owned(), bytes.to_vec()))
+                .collect()
         }
     }
 }

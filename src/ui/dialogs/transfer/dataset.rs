@@ -8,7 +8,9 @@ use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, TextEdit, Ui};
 use touchline_application::app::Action;
 use touchline_application::app::transfer::{Look, TransferAction, describe_bytes};
 use touchline_core::geometry::counted;
-use touchline_documents::exchange::{DatasetOptions, DatasetPlan, PictureFormat, Pictures, Split, SplitBy, Splitting};
+use touchline_documents::exchange::{
+    DatasetOptions, DatasetPlan, PictureFormat, Pictures, Split, SplitBy, Splitting,
+};
 
 /// Shows the page.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -21,38 +23,68 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.horizontal(|ui| {
         ui.label("Licence");
         let mut text = options.licence.clone().unwrap_or_default();
-        let field = TextEdit::singleline(&mut text).hint_text("such as CC BY 4.0").desired_width(200.0);
-        ui.add(field).accessible_name("Licence").on_hover_text("The licence of labels and pictures, for the card.");
+        let field = TextEdit::singleline(&mut text)
+            .hint_text("such as CC BY 4.0")
+            .desired_width(200.0);
+        ui.add(field)
+            .accessible_name("Licence")
+            .on_hover_text("The licence of labels and pictures, for the card.");
         options.licence = Some(text).filter(|text| !text.is_empty());
         let mut replace = transfer.replace;
-        let tip = "A dataset that is in the chosen folder already is replaced; anything else never is.";
-        ui.checkbox(&mut replace, "replace a dataset that is there").on_hover_text(tip);
+        let tip =
+            "A dataset that is in the chosen folder already is replaced; anything else never is.";
+        ui.checkbox(&mut replace, "replace a dataset that is there")
+            .on_hover_text(tip);
         if replace != transfer.replace {
-            panel.actions.push(Action::Transfer(TransferAction::Replace(replace)));
+            panel
+                .actions
+                .push(Action::Transfer(TransferAction::Replace(replace)));
         }
     });
     if options != transfer.dataset {
-        panel.actions.push(Action::Transfer(TransferAction::Dataset(Box::new(options))));
+        panel
+            .actions
+            .push(Action::Transfer(TransferAction::Dataset(Box::new(options))));
     }
     ui.separator();
     let Some(found) = &transfer.found else { return };
-    ScrollArea::vertical().id_salt("dataset").auto_shrink(false).show(ui, |ui| match &found.look {
-        Look::Dataset(Ok(plan)) => planned(ui, plan, &transfer.dataset),
-        Look::Dataset(Err(why)) => line(ui, why, palette.bad),
-        Look::Export(_) | Look::Import(_) => {}
-    });
+    ScrollArea::vertical()
+        .id_salt("dataset")
+        .auto_shrink(false)
+        .show(ui, |ui| match &found.look {
+            Look::Dataset(Ok(plan)) => planned(ui, plan, &transfer.dataset),
+            Look::Dataset(Err(why)) => line(ui, why, palette.bad),
+            Look::Export(_) | Look::Import(_) => {}
+        });
 }
 
 fn pictures(ui: &mut Ui, options: &mut DatasetOptions) {
     ui.horizontal(|ui| {
         ui.label("Pictures");
         for (pictures, name, tip) in [
-            (Pictures::Copied, "copies", "Image files as they are; frames of a video are decoded."),
-            (Pictures::Linked, "hard links", "The same without storing image files twice, on one disk."),
-            (Pictures::Extracted, "decoded anew", "Every frame from its video, else from its image."),
-            (Pictures::Left, "none", "The dataset names the files where they lie."),
+            (
+                Pictures::Copied,
+                "copies",
+                "Image files as they are; frames of a video are decoded.",
+            ),
+            (
+                Pictures::Linked,
+                "hard links",
+                "The same without storing image files twice, on one disk.",
+            ),
+            (
+                Pictures::Extracted,
+                "decoded anew",
+                "Every frame from its video, else from its image.",
+            ),
+            (
+                Pictures::Left,
+                "none",
+                "The dataset names the files where they lie.",
+            ),
         ] {
-            ui.radio_value(&mut options.pictures, pictures, name).on_hover_text(tip);
+            ui.radio_value(&mut options.pictures, pictures, name)
+                .on_hover_text(tip);
         }
         ui.separator();
         for (format, name) in [(PictureFormat::Png, "PNG"), (PictureFormat::Jpeg, "JPEG")] {
@@ -73,27 +105,41 @@ fn splits(ui: &mut Ui, options: &mut DatasetOptions) {
     ui.horizontal(|ui| {
         let mut divided = options.splitting.is_some();
         let tip = "Neighbouring frames are never separated.";
-        ui.checkbox(&mut divided, "split into training, validation and test, %:").on_hover_text(tip);
+        ui.checkbox(&mut divided, "split into training, validation and test, %:")
+            .on_hover_text(tip);
         let mut splitting = options.splitting.unwrap_or_default();
         if divided {
             for (share, split) in splitting.shares.iter_mut().zip(Split::ALL) {
-                let field = DragValue::new(share).range(0..=100).update_while_editing(false);
-                ui.add(field).accessible_name(format!("Share of {split}")).on_hover_text(format!("Share of {split}"));
+                let field = DragValue::new(share)
+                    .range(0..=100)
+                    .update_while_editing(false);
+                ui.add(field)
+                    .accessible_name(format!("Share of {split}"))
+                    .on_hover_text(format!("Share of {split}"));
             }
             ui.label("by");
             let shown = splitting.by.name();
-            let combo = ComboBox::from_id_salt("split by").width(90.0).selected_text(shown).show_ui(ui, |ui| {
-                for by in SplitBy::ALL {
-                    ui.selectable_value(&mut splitting.by, by, by.name());
-                }
-            });
+            let combo = ComboBox::from_id_salt("split by")
+                .width(90.0)
+                .selected_text(shown)
+                .show_ui(ui, |ui| {
+                    for by in SplitBy::ALL {
+                        ui.selectable_value(&mut splitting.by, by, by.name());
+                    }
+                });
             combo.response.on_hover_text("What is never split.");
             ui.label("seed");
             let field = DragValue::new(&mut splitting.seed).update_while_editing(false);
-            ui.add(field).accessible_name("Seed").on_hover_text("Another seed gives another split.");
+            ui.add(field)
+                .accessible_name("Seed")
+                .on_hover_text("Another seed gives another split.");
         }
         let shares: u32 = splitting.shares.iter().sum();
-        options.splitting = divided.then_some(if shares == 0 { Splitting::default() } else { splitting });
+        options.splitting = divided.then_some(if shares == 0 {
+            Splitting::default()
+        } else {
+            splitting
+        });
     });
 }
 
@@ -107,23 +153,29 @@ fn planned(ui: &mut Ui, plan: &DatasetPlan, options: &DatasetOptions) {
     };
     line(
         ui,
-        format!("{}, {pictures}; with card, schema, table, loader and manifest.", counted(plan.frames.len(), "frame")),
+        format!(
+            "{}, {pictures}; with card, schema, table, loader and manifest.",
+            counted(plan.frames.len(), "frame")
+        ),
         palette.strong,
     );
-    Grid::new("planned").num_columns(2).spacing([24.0, 2.0]).show(ui, |ui| {
-        if options.splitting.is_some() {
-            for (split, count) in Split::ALL.into_iter().zip(plan.counts()) {
-                ui.label(RichText::new(split.as_str()).color(palette.weak));
+    Grid::new("planned")
+        .num_columns(2)
+        .spacing([24.0, 2.0])
+        .show(ui, |ui| {
+            if options.splitting.is_some() {
+                for (split, count) in Split::ALL.into_iter().zip(plan.counts()) {
+                    ui.label(RichText::new(split.as_str()).color(palette.weak));
+                    ui.label(count.to_string());
+                    ui.end_row();
+                }
+            }
+            for (origin, count) in plan.origins() {
+                ui.label(RichText::new(origin.as_str().replace('_', " ")).color(palette.weak));
                 ui.label(count.to_string());
                 ui.end_row();
             }
-        }
-        for (origin, count) in plan.origins() {
-            ui.label(RichText::new(origin.as_str().replace('_', " ")).color(palette.weak));
-            ui.label(count.to_string());
-            ui.end_row();
-        }
-    });
+        });
     notes(ui, &plan.notes);
     left_out(ui, &plan.left_out);
 }

@@ -19,7 +19,9 @@ pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
     let chosen = panel.app.operations.transfer.format;
     ui.horizontal_top(|ui| {
         if let Some(format) = list(ui, chosen, Format::exports) {
-            panel.actions.push(Action::Transfer(TransferAction::Format(format)));
+            panel
+                .actions
+                .push(Action::Transfer(TransferAction::Format(format)));
         }
         ui.separator();
         ui.vertical(|ui| {
@@ -30,10 +32,15 @@ pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
             frames(ui, &mut options.frames, &cameras_of(panel.app));
             export_options(ui, chosen, &mut options);
             if options != *before {
-                panel.actions.push(Action::Transfer(TransferAction::Export(Box::new(options))));
+                panel
+                    .actions
+                    .push(Action::Transfer(TransferAction::Export(Box::new(options))));
             }
             ui.separator();
-            ScrollArea::vertical().id_salt("export").auto_shrink(false).show(ui, |ui| exported(panel, ui));
+            ScrollArea::vertical()
+                .id_salt("export")
+                .auto_shrink(false)
+                .show(ui, |ui| exported(panel, ui));
         });
     });
 }
@@ -43,7 +50,9 @@ pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
     let chosen = panel.app.operations.transfer.import_format;
     ui.horizontal_top(|ui| {
         if let Some(format) = list(ui, chosen, Format::imports) {
-            panel.actions.push(Action::Transfer(TransferAction::ImportFormat(format)));
+            panel
+                .actions
+                .push(Action::Transfer(TransferAction::ImportFormat(format)));
         }
         ui.separator();
         ui.vertical(|ui| {
@@ -53,7 +62,9 @@ pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
             let mut options = before.clone();
             import_options(ui, chosen, &mut options);
             if options != *before {
-                panel.actions.push(Action::Transfer(TransferAction::Import(Box::new(options))));
+                panel
+                    .actions
+                    .push(Action::Transfer(TransferAction::Import(Box::new(options))));
             }
             ui.separator();
             imported(panel, ui);
@@ -66,15 +77,19 @@ fn list(ui: &mut Ui, chosen: Format, goes: fn(Format) -> bool) -> Option<Format>
     let mut clicked = None;
     let column = vec2(LIST, ui.available_height());
     ui.allocate_ui_with_layout(column, Layout::top_down(Align::Min), |ui| {
-        ScrollArea::vertical().id_salt("formats").auto_shrink(false).show(ui, |ui| {
-            for format in Format::ALL.into_iter().filter(|format| goes(*format)) {
-                let button = Button::selectable(format == chosen, format.name());
-                let button = ui.add_sized(vec2(LIST - 16.0, 20.0), button.truncate());
-                if button.on_hover_text(sentence(format.title())).clicked() && format != chosen {
-                    clicked = Some(format);
+        ScrollArea::vertical()
+            .id_salt("formats")
+            .auto_shrink(false)
+            .show(ui, |ui| {
+                for format in Format::ALL.into_iter().filter(|format| goes(*format)) {
+                    let button = Button::selectable(format == chosen, format.name());
+                    let button = ui.add_sized(vec2(LIST - 16.0, 20.0), button.truncate());
+                    if button.on_hover_text(sentence(format.title())).clicked() && format != chosen
+                    {
+                        clicked = Some(format);
+                    }
                 }
-            }
-        });
+            });
     });
     clicked
 }
@@ -94,14 +109,22 @@ fn about(ui: &mut Ui, format: Format) {
 /// What the export would be.
 fn exported(panel: &Panel<'_>, ui: &mut Ui) {
     let palette = ui.palette();
-    let Some(found) = &panel.app.operations.transfer.found else { return };
+    let Some(found) = &panel.app.operations.transfer.found else {
+        return;
+    };
     match &found.look {
         Look::Export(Ok(made)) => {
             let frames = counted(made.frames, "frame");
-            let files =
-                if made.files.len() == 1 { "one file".to_owned() } else { format!("{} files", made.files.len()) };
+            let files = if made.files.len() == 1 {
+                "one file".to_owned()
+            } else {
+                format!("{} files", made.files.len())
+            };
             let proof = if made.format.is_proved() {
-                format!(" Read again, everything is within {:.0e} px.", made.worst_px.max(1e-12))
+                format!(
+                    " Read again, everything is within {:.0e} px.",
+                    made.worst_px.max(1e-12)
+                )
             } else {
                 String::new()
             };
@@ -122,7 +145,11 @@ fn exported(panel: &Panel<'_>, ui: &mut Ui) {
 fn imported(panel: &Panel<'_>, ui: &mut Ui) {
     let palette = ui.palette();
     let Some(found) = &panel.app.operations.transfer.found else {
-        line(ui, "Choose the files; what they bring is shown here before anything changes.", palette.weak);
+        line(
+            ui,
+            "Choose the files; what they bring is shown here before anything changes.",
+            palette.weak,
+        );
         return;
     };
     match &found.look {
@@ -133,10 +160,20 @@ fn imported(panel: &Panel<'_>, ui: &mut Ui) {
             );
             line(ui, text, palette.strong);
             if joined.kept > 0 {
-                line(ui, format!("{} frames have labels of their own, which stay.", joined.kept), palette.text);
+                line(
+                    ui,
+                    format!(
+                        "{} frames have labels of their own, which stay.",
+                        joined.kept
+                    ),
+                    palette.text,
+                );
             }
             if joined.other_size > 0 {
-                let text = format!("{} frames are left out: their pictures have another size here.", joined.other_size);
+                let text = format!(
+                    "{} frames are left out: their pictures have another size here.",
+                    joined.other_size
+                );
                 line(ui, text, palette.caution);
             }
             notes(ui, &joined.notes);
@@ -147,7 +184,8 @@ fn imported(panel: &Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// Which imported frame is taken for which frame of the document, so that a wrong match is seen before it is taken over.
+/// Which imported frame is taken for which frame of the document, so that a wrong match is seen
+/// before it is taken over.
 fn pairs(ui: &mut Ui, pairs: &[JoinedPair]) {
     let palette = ui.palette();
     if pairs.is_empty() {
@@ -155,9 +193,12 @@ fn pairs(ui: &mut Ui, pairs: &[JoinedPair]) {
     }
     line(ui, "Taken for the same pictures:", palette.weak);
     let height = ui.text_style_height(&TextStyle::Body);
-    ScrollArea::vertical().id_salt("pairs").auto_shrink(false).show_rows(ui, height, pairs.len(), |ui, rows| {
-        for JoinedPair { imported, document } in pairs.get(rows).into_iter().flatten() {
-            ui.add(egui::Label::new(format!("{imported} → {document}")).truncate());
-        }
-    });
+    ScrollArea::vertical()
+        .id_salt("pairs")
+        .auto_shrink(false)
+        .show_rows(ui, height, pairs.len(), |ui, rows| {
+            for JoinedPair { imported, document } in pairs.get(rows).into_iter().flatten() {
+                ui.add(egui::Label::new(format!("{imported} → {document}")).truncate());
+            }
+        });
 }

@@ -26,16 +26,25 @@ fn of_camera(ui: &mut Ui, choice: &mut FrameChoice, cameras: &[CameraId]) {
         [one] => one.as_str(),
         _ => "several",
     };
-    let combo = ComboBox::from_id_salt("cameras").width(140.0).selected_text(text).show_ui(ui, |ui| {
-        if ui.selectable_label(choice.cameras.is_empty(), "all cameras").clicked() {
-            choice.cameras.clear();
-        }
-        for camera in cameras {
-            if ui.selectable_label(choice.cameras.contains(camera), camera.as_str()).clicked() {
-                choice.cameras = vec![camera.clone()];
+    let combo = ComboBox::from_id_salt("cameras")
+        .width(140.0)
+        .selected_text(text)
+        .show_ui(ui, |ui| {
+            if ui
+                .selectable_label(choice.cameras.is_empty(), "all cameras")
+                .clicked()
+            {
+                choice.cameras.clear();
             }
-        }
-    });
+            for camera in cameras {
+                if ui
+                    .selectable_label(choice.cameras.contains(camera), camera.as_str())
+                    .clicked()
+                {
+                    choice.cameras = vec![camera.clone()];
+                }
+            }
+        });
     combo.response.on_hover_text("Only frames of this camera.");
 }
 
@@ -43,11 +52,19 @@ fn of_camera(ui: &mut Ui, choice: &mut FrameChoice, cameras: &[CameraId]) {
 fn confident(ui: &mut Ui, choice: &mut FrameChoice) {
     let mut asked = choice.min_confidence.is_some();
     let tip = "Frames whose stated confidence is lower are left out. References that were clicked state none and stay.";
-    ui.checkbox(&mut asked, "confidence of at least").on_hover_text(tip);
-    let mut percent = choice.min_confidence.map_or(USUAL_PERCENT, |share| 100.0 * share);
+    ui.checkbox(&mut asked, "confidence of at least")
+        .on_hover_text(tip);
+    let mut percent = choice
+        .min_confidence
+        .map_or(USUAL_PERCENT, |share| 100.0 * share);
     if asked {
-        let field = DragValue::new(&mut percent).range(0.0..=100.0).suffix(" %").update_while_editing(false);
-        ui.add(field).accessible_name("Least confidence").on_hover_text(tip);
+        let field = DragValue::new(&mut percent)
+            .range(0.0..=100.0)
+            .suffix(" %")
+            .update_while_editing(false);
+        ui.add(field)
+            .accessible_name("Least confidence")
+            .on_hover_text(tip);
     }
     choice.min_confidence = asked.then_some(percent / 100.0);
 }
@@ -56,15 +73,31 @@ fn confident(ui: &mut Ui, choice: &mut FrameChoice) {
 fn statuses(ui: &mut Ui, choice: &mut FrameChoice) {
     ui.label("Frames");
     for (status, name, tip) in [
-        (FrameStatus::Reference, "references", "Frames that a person accepted."),
-        (FrameStatus::Suggested, "suggestions", "Frames whose camera nobody has looked at."),
-        (FrameStatus::Draft, "drafts", "Frames with points that nobody has accepted."),
+        (
+            FrameStatus::Reference,
+            "references",
+            "Frames that a person accepted.",
+        ),
+        (
+            FrameStatus::Suggested,
+            "suggestions",
+            "Frames whose camera nobody has looked at.",
+        ),
+        (
+            FrameStatus::Draft,
+            "drafts",
+            "Frames with points that nobody has accepted.",
+        ),
     ] {
         let is_all = choice.statuses.is_empty();
         let mut chosen = is_all || choice.statuses.contains(&status);
         if ui.checkbox(&mut chosen, name).on_hover_text(tip).changed() {
             if is_all {
-                choice.statuses = vec![FrameStatus::Reference, FrameStatus::Suggested, FrameStatus::Draft];
+                choice.statuses = vec![
+                    FrameStatus::Reference,
+                    FrameStatus::Suggested,
+                    FrameStatus::Draft,
+                ];
             }
             choice.statuses.retain(|known| *known != status);
             if chosen {

@@ -10,7 +10,9 @@ mod typed;
 use super::{has_just_opened, sheet};
 use crate::ui::Panel;
 use crate::ui::theme::Themed as _;
-use egui::{Align, Button, Context, Key, Layout, Modifiers, ProgressBar, RichText, Spinner, Ui, vec2};
+use egui::{
+    Align, Button, Context, Key, Layout, Modifiers, ProgressBar, RichText, Spinner, Ui, vec2,
+};
 use touchline_application::app::transfer::{TransferAction, TransferTab};
 use touchline_application::app::{Action, Command, ViewAction};
 use touchline_core::progress::Share;
@@ -22,9 +24,21 @@ const FOOT: f32 = 36.0;
 
 /// The pages and their titles.
 const TABS: [(TransferTab, &str, &str); 3] = [
-    (TransferTab::Export, "Formats", "The document in one of many formats."),
-    (TransferTab::Dataset, "Dataset", "A folder with pictures, labels, splits, a card and a manifest."),
-    (TransferTab::Import, "Import", "Clicks or cameras of another program, joined with this document."),
+    (
+        TransferTab::Export,
+        "Formats",
+        "The document in one of many formats.",
+    ),
+    (
+        TransferTab::Dataset,
+        "Dataset",
+        "A folder with pictures, labels, splits, a card and a manifest.",
+    ),
+    (
+        TransferTab::Import,
+        "Import",
+        "Clicks or cameras of another program, joined with this document.",
+    ),
 ];
 
 /// Shows the dialog.
@@ -45,7 +59,9 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         });
         ui.separator();
         let row = vec2(ui.available_width(), 26.0);
-        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| foot(panel, ui));
+        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
+            foot(panel, ui)
+        });
     });
 }
 
@@ -55,9 +71,13 @@ fn tabs(panel: &mut Panel<'_>, ui: &mut Ui) {
             let is_shown = panel.app.operations.transfer.tab == tab;
             let can = tab != TransferTab::Import || panel.app.why_not(Command::Import).is_none();
             let button = ui.add_enabled(can, Button::selectable(is_shown, title));
-            let button = button.on_hover_text(tip).on_disabled_hover_text("The document is read-only.");
+            let button = button
+                .on_hover_text(tip)
+                .on_disabled_hover_text("The document is read-only.");
             if button.clicked() && !is_shown {
-                panel.actions.push(Action::Transfer(TransferAction::Tab(tab)));
+                panel
+                    .actions
+                    .push(Action::Transfer(TransferAction::Tab(tab)));
             }
         }
     });
@@ -72,7 +92,11 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
     let mut push = |action| panel.actions.push(Action::Transfer(action));
     if let Some(running) = transfer.writing() {
         let written = running.progress().copied();
-        if ui.button("Stop").on_hover_text("End it; nothing is written.").clicked() {
+        if ui
+            .button("Stop")
+            .on_hover_text("End it; nothing is written.")
+            .clicked()
+        {
             push(TransferAction::Stop);
         }
         progress(ui, written);
@@ -84,10 +108,14 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
         && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter));
     let (label, tip) = match tab {
         TransferTab::Export => ("Export…", "Choose where it is written. (Enter)"),
-        TransferTab::Dataset => {
-            ("Write dataset…", "Choose its folder. It is written beside it first and then renamed. (Enter)")
-        }
-        TransferTab::Import => ("Choose files…", "Read them and show what they bring; nothing is changed yet."),
+        TransferTab::Dataset => (
+            "Write dataset…",
+            "Choose its folder. It is written beside it first and then renamed. (Enter)",
+        ),
+        TransferTab::Import => (
+            "Choose files…",
+            "Read them and show what they bring; nothing is changed yet.",
+        ),
     };
     if tab == TransferTab::Import {
         let take = ui.add_enabled(is_ready, Button::new("Import").fill(palette.accent_ground));
@@ -97,16 +125,29 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
         if take.clicked() || entered {
             push(TransferAction::TakeOver);
         }
-        if ui.add_enabled(!is_looking, Button::new(label)).on_hover_text(tip).clicked() {
+        if ui
+            .add_enabled(!is_looking, Button::new(label))
+            .on_hover_text(tip)
+            .clicked()
+        {
             push(TransferAction::Choose);
         }
     } else {
         let write = ui.add_enabled(is_ready, Button::new(label).fill(palette.accent_ground));
-        if write.on_hover_text(tip).on_disabled_hover_text("There is nothing to write.").clicked() || entered {
+        if write
+            .on_hover_text(tip)
+            .on_disabled_hover_text("There is nothing to write.")
+            .clicked()
+            || entered
+        {
             push(TransferAction::Choose);
         }
     }
-    if ui.button("Cancel").on_hover_text("Close without a change. (Esc)").clicked() {
+    if ui
+        .button("Cancel")
+        .on_hover_text("Close without a change. (Esc)")
+        .clicked()
+    {
         panel.actions.push(Action::View(ViewAction::CloseDialog));
     }
     if is_looking {
@@ -117,7 +158,10 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 fn progress(ui: &mut Ui, written: Option<Share>) {
     let (share, text) = match written {
-        Some(written) => (written.fraction(), format!("{} of {} pictures", written.done, written.of)),
+        Some(written) => (
+            written.fraction(),
+            format!("{} of {} pictures", written.done, written.of),
+        ),
         None => (0.0, "Writing…".to_owned()),
     };
     ui.add(ProgressBar::new(share).desired_width(240.0).text(text));

@@ -4,7 +4,8 @@ use super::typed::Typed;
 use egui::{ComboBox, DragValue, Ui};
 use touchline_core::geometry::ImageSize;
 use touchline_documents::exchange::{
-    ExportOptions, Format, Gaps, ImportOptions, KeypointNames, LabelMap, PointSource, Rate, Recording, Timecode, Zoom,
+    ExportOptions, Format, Gaps, ImportOptions, KeypointNames, LabelMap, PointSource, Rate,
+    Recording, Timecode, Zoom,
 };
 
 /// The options of an export that its format knows.
@@ -17,20 +18,34 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
         );
     }
     match format {
-        Format::SoccerNetLines | Format::Coco | Format::YoloPose | Format::LabelStudio | Format::Labelme => {
+        Format::SoccerNetLines
+        | Format::Coco
+        | Format::YoloPose
+        | Format::LabelStudio
+        | Format::Labelme => {
             ui.horizontal(|ui| {
                 let mut projected = options.points == PointSource::Projected;
                 let tip = "Points where the camera shows the landmarks, not where people clicked.";
-                ui.checkbox(&mut projected, "where the camera shows them").on_hover_text(tip);
-                options.points = if projected { PointSource::Projected } else { PointSource::Clicked };
+                ui.checkbox(&mut projected, "where the camera shows them")
+                    .on_hover_text(tip);
+                options.points = if projected {
+                    PointSource::Projected
+                } else {
+                    PointSource::Clicked
+                };
                 if matches!(format, Format::Coco | Format::YoloPose) {
                     let mut roboflow = options.names == KeypointNames::Roboflow32;
                     ui.checkbox(&mut roboflow, "names of Roboflow's 32 points")
                         .on_hover_text("Other landmarks are left out.");
-                    options.names = if roboflow { KeypointNames::Roboflow32 } else { KeypointNames::Touchline };
+                    options.names = if roboflow {
+                        KeypointNames::Roboflow32
+                    } else {
+                        KeypointNames::Touchline
+                    };
                 }
                 let tip = "Points outside their picture are written too.";
-                ui.checkbox(&mut options.keep_outside, "those outside as well").on_hover_text(tip);
+                ui.checkbox(&mut options.keep_outside, "those outside as well")
+                    .on_hover_text(tip);
                 if format == Format::SoccerNetLines {
                     ui.checkbox(&mut options.game_state, "game state")
                         .on_hover_text("Class names without the trailing space.");
@@ -39,13 +54,19 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
         }
         Format::Wc14 | Format::TsWorldCup | Format::Homography => {
             let tip = "Homographies of pictures whose lens distortion has been taken out.";
-            ui.checkbox(&mut options.undistorted, "of undistorted pictures").on_hover_text(tip);
+            ui.checkbox(&mut options.undistorted, "of undistorted pictures")
+                .on_hover_text(tip);
         }
         Format::Cdf => {
             recording(ui, &mut options.recording);
             ui.horizontal(|ui| rate(ui, &mut options.rate));
         }
-        Format::Csv | Format::Usda | Format::OpenTrackIo | Format::FreeD | Format::FreeDCsv | Format::Chan => {
+        Format::Csv
+        | Format::Usda
+        | Format::OpenTrackIo
+        | Format::FreeD
+        | Format::FreeDCsv
+        | Format::Chan => {
             ui.horizontal(|ui| gaps(ui, &mut options.gaps));
             ui.horizontal(|ui| {
                 rate(ui, &mut options.rate);
@@ -53,7 +74,10 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
                     sensor(ui, &mut options.sensor_width_mm);
                 }
             });
-            if matches!(format, Format::OpenTrackIo | Format::FreeD | Format::FreeDCsv | Format::Csv) {
+            if matches!(
+                format,
+                Format::OpenTrackIo | Format::FreeD | Format::FreeDCsv | Format::Csv
+            ) {
                 ui.horizontal(|ui| start(ui, &mut options.start));
             }
             if matches!(format, Format::FreeD | Format::FreeDCsv) {
@@ -67,21 +91,42 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
 /// What happens where frames of a video are missing.
 fn gaps(ui: &mut Ui, gaps: &mut Gaps) {
     ui.label("Missing frames");
-    let mut most = if let Gaps::Interpolate(most) = *gaps { most } else { 12 };
+    let mut most = if let Gaps::Interpolate(most) = *gaps {
+        most
+    } else {
+        12
+    };
     let tip = "Frames without a camera get no row.";
-    if ui.radio(*gaps == Gaps::Keep, "stay missing").on_hover_text(tip).clicked() {
+    if ui
+        .radio(*gaps == Gaps::Keep, "stay missing")
+        .on_hover_text(tip)
+        .clicked()
+    {
         *gaps = Gaps::Keep;
     }
     let tip = "Short gaps get cameras between those of their neighbours, marked as interpolated.";
-    if ui.radio(matches!(gaps, Gaps::Interpolate(_)), "are interpolated").on_hover_text(tip).clicked() {
+    if ui
+        .radio(matches!(gaps, Gaps::Interpolate(_)), "are interpolated")
+        .on_hover_text(tip)
+        .clicked()
+    {
         *gaps = Gaps::Interpolate(most);
     }
     if matches!(gaps, Gaps::Interpolate(_)) {
-        let field = DragValue::new(&mut most).range(1..=500).prefix("up to ").update_while_editing(false);
-        ui.add(field).accessible_name("Longest gap").on_hover_text("Longer gaps stay, frames.");
+        let field = DragValue::new(&mut most)
+            .range(1..=500)
+            .prefix("up to ")
+            .update_while_editing(false);
+        ui.add(field)
+            .accessible_name("Longest gap")
+            .on_hover_text("Longer gaps stay, frames.");
         *gaps = Gaps::Interpolate(most);
     }
-    if ui.radio(*gaps == Gaps::Takes, "begin a new take").on_hover_text("A file for each run of frames.").clicked() {
+    if ui
+        .radio(*gaps == Gaps::Takes, "begin a new take")
+        .on_hover_text("A file for each run of frames.")
+        .clicked()
+    {
         *gaps = Gaps::Takes;
     }
 }
@@ -91,7 +136,11 @@ pub fn import_options(ui: &mut Ui, format: Format, options: &mut ImportOptions) 
     if format.is_of_points() {
         labels(ui, options);
     }
-    size(ui, &mut options.size, "Of pictures that are not here, where the files do not say it.");
+    size(
+        ui,
+        &mut options.size,
+        "Of pictures that are not here, where the files do not say it.",
+    );
     if matches!(format, Format::FreeD | Format::FreeDCsv) {
         ui.horizontal(|ui| {
             let mut chosen = options.zoom.clone().unwrap_or_default();
@@ -105,8 +154,14 @@ pub fn import_options(ui: &mut Ui, format: Format, options: &mut ImportOptions) 
 /// The size of pictures.
 fn size(ui: &mut Ui, size: &mut Option<ImageSize>, tip: &str) {
     let text = |size: &ImageSize| format!("{} × {}", size.width, size.height);
-    let typed =
-        Typed { name: "Picture size", tip, example: "1920 × 1080", width: 120.0, text, read: ImageSize::parse };
+    let typed = Typed {
+        name: "Picture size",
+        tip,
+        example: "1920 × 1080",
+        width: 120.0,
+        text,
+        read: ImageSize::parse,
+    };
     ui.horizontal(|ui| typed.show(ui, size));
 }
 
@@ -126,9 +181,20 @@ fn rate(ui: &mut Ui, rate: &mut Option<Rate>) {
 
 /// The width of the sensor.
 fn sensor(ui: &mut Ui, width_mm: &mut Option<f64>) {
-    let read = |text: &str| text.parse().ok().filter(|mm: &f64| (1.0..=100.0).contains(mm));
+    let read = |text: &str| {
+        text.parse()
+            .ok()
+            .filter(|mm: &f64| (1.0..=100.0).contains(mm))
+    };
     let tip = "Of the camera, mm, where its panel does not know it: lengths in mm follow from it.";
-    let typed = Typed { name: "Sensor width", tip, example: "9.59", width: 80.0, text: f64::to_string, read };
+    let typed = Typed {
+        name: "Sensor width",
+        tip,
+        example: "9.59",
+        width: 80.0,
+        text: f64::to_string,
+        read,
+    };
     typed.show(ui, width_mm);
     ui.label("mm");
 }
@@ -137,7 +203,14 @@ fn sensor(ui: &mut Ui, width_mm: &mut Option<f64>) {
 fn start(ui: &mut Ui, start: &mut Option<Timecode>) {
     let tip = "Of the video's first frame; 10:00:00;00 where numbers are dropped (29.97).";
     let (text, read) = (Timecode::to_string, Timecode::parse);
-    let typed = Typed { name: "First timecode", tip, example: "10:00:00:00", width: 120.0, text, read };
+    let typed = Typed {
+        name: "First timecode",
+        tip,
+        example: "10:00:00:00",
+        width: 120.0,
+        text,
+        read,
+    };
     typed.show(ui, start);
 }
 
@@ -145,10 +218,22 @@ fn start(ui: &mut Ui, start: &mut Option<Timecode>) {
 fn zoom(ui: &mut Ui, zoom: &mut Zoom) {
     ui.label("Zoom values are");
     for (meaning, name, tip) in [
-        (Zoom::FocalPx, "focal length, px", "The focal length in px itself."),
-        (Zoom::FocalMmX100, "focal length, mm × 100", "The focal length in mm × 100, by the width of the sensor."),
+        (
+            Zoom::FocalPx,
+            "focal length, px",
+            "The focal length in px itself.",
+        ),
+        (
+            Zoom::FocalMmX100,
+            "focal length, mm × 100",
+            "The focal length in mm × 100, by the width of the sensor.",
+        ),
     ] {
-        if ui.radio(*zoom == meaning, name).on_hover_text(tip).clicked() {
+        if ui
+            .radio(*zoom == meaning, name)
+            .on_hover_text(tip)
+            .clicked()
+        {
             *zoom = meaning;
         }
     }
@@ -160,24 +245,46 @@ fn recording(ui: &mut Ui, recording: &mut Recording) {
     ui.horizontal(|ui| {
         let tip = "The id that the other files about the match use.";
         let (text, read) = (String::clone, any);
-        Typed { name: "The match's id", tip, example: "2026-118", width: 150.0, text, read }
-            .show(ui, &mut recording.match_id);
+        Typed {
+            name: "The match's id",
+            tip,
+            example: "2026-118",
+            width: 150.0,
+            text,
+            read,
+        }
+        .show(ui, &mut recording.match_id);
         let read = |text: &str| Recording::is_start(text).then(|| text.to_owned());
         let tip = "When the video begins, in UTC.";
-        Typed { name: "Begins", tip, example: "2026-03-01T18:59:30Z", width: 190.0, text, read }
-            .show(ui, &mut recording.start);
+        Typed {
+            name: "Begins",
+            tip,
+            example: "2026-03-01T18:59:30Z",
+            width: 190.0,
+            text,
+            read,
+        }
+        .show(ui, &mut recording.start);
     });
     ui.horizontal(|ui| {
         ui.label("Perspective");
         let shown = recording.perspective.as_deref().unwrap_or("not chosen");
-        let combo = ComboBox::from_id_salt("perspective").width(160.0).selected_text(shown).show_ui(ui, |ui| {
-            for name in Recording::PERSPECTIVES {
-                if ui.selectable_label(recording.perspective.as_deref() == Some(name), name).clicked() {
-                    recording.perspective = Some(name.to_owned());
+        let combo = ComboBox::from_id_salt("perspective")
+            .width(160.0)
+            .selected_text(shown)
+            .show_ui(ui, |ui| {
+                for name in Recording::PERSPECTIVES {
+                    if ui
+                        .selectable_label(recording.perspective.as_deref() == Some(name), name)
+                        .clicked()
+                    {
+                        recording.perspective = Some(name.to_owned());
+                    }
                 }
-            }
-        });
-        combo.response.on_hover_text("Which of the stadium's cameras it is.");
+            });
+        combo
+            .response
+            .on_hover_text("Which of the stadium's cameras it is.");
         ui.checkbox(&mut recording.is_automated, "no operator")
             .on_hover_text("The camera is not operated by a person.");
     });
@@ -188,23 +295,32 @@ fn labels(ui: &mut Ui, options: &mut ImportOptions) {
     const MAPS: [(LabelMap, &str); 4] = [
         (LabelMap::Touchline, "names of touchline"),
         (LabelMap::Roboflow32, "Roboflow's 32 points by index"),
-        (LabelMap::Roboflow32Captions, "Roboflow's 32 points, 01 to 32"),
+        (
+            LabelMap::Roboflow32Captions,
+            "Roboflow's 32 points, 01 to 32",
+        ),
         (LabelMap::SoccerNet, "SoccerNet's classes"),
     ];
     ui.horizontal(|ui| {
         ui.label("Labels are");
-        let shown = MAPS.iter().find(|(map, _)| *map == options.map).map_or("your own", |(_, name)| *name);
-        let combo = ComboBox::from_id_salt("labels").width(220.0).selected_text(shown).show_ui(ui, |ui| {
-            for (map, name) in MAPS {
-                let is_chosen = options.map == map;
-                if ui.selectable_label(is_chosen, name).clicked() {
-                    options.map = map;
+        let shown = MAPS
+            .iter()
+            .find(|(map, _)| *map == options.map)
+            .map_or("your own", |(_, name)| *name);
+        let combo = ComboBox::from_id_salt("labels")
+            .width(220.0)
+            .selected_text(shown)
+            .show_ui(ui, |ui| {
+                for (map, name) in MAPS {
+                    let is_chosen = options.map == map;
+                    if ui.selectable_label(is_chosen, name).clicked() {
+                        options.map = map;
+                    }
                 }
-            }
-        });
-        combo
-            .response
-            .on_hover_text("What the labels of other tools mean; formats with classes of their own ignore it.");
+            });
+        combo.response.on_hover_text(
+            "What the labels of other tools mean; formats with classes of their own ignore it.",
+        );
         ui.checkbox(&mut options.skip_unmapped, "leave out others")
             .on_hover_text("Labels without a meaning are left out, and counted.");
     });

@@ -8,16 +8,23 @@ use touchline_documents::document::CameraId;
 
 /// Whether there is something to write or to take over.
 pub fn is_ready(transfer: &TransferState) -> bool {
-    transfer.found.as_ref().is_some_and(|found| match &found.look {
-        Look::Export(made) => made.is_ok(),
-        Look::Dataset(plan) => plan.is_ok(),
-        Look::Import(joined) => joined.as_ref().is_ok_and(|joined| joined.matched + joined.added > 0),
-    })
+    transfer
+        .found
+        .as_ref()
+        .is_some_and(|found| match &found.look {
+            Look::Export(made) => made.is_ok(),
+            Look::Dataset(plan) => plan.is_ok(),
+            Look::Import(joined) => joined
+                .as_ref()
+                .is_ok_and(|joined| joined.matched + joined.added > 0),
+        })
 }
 
 /// The cameras of the open document.
 pub fn cameras_of(app: &App) -> Vec<CameraId> {
-    let cameras = app.open().map(|open| open.document.cameras.iter().map(|camera| camera.id.clone()));
+    let cameras = app
+        .open()
+        .map(|open| open.document.cameras.iter().map(|camera| camera.id.clone()));
     cameras.into_iter().flatten().collect()
 }
 
@@ -42,11 +49,19 @@ pub fn left_out(ui: &mut Ui, frames: &[(String, String)]) {
     let palette = ui.palette();
     for (frame, why) in frames.iter().take(SHOWN) {
         // A reason that names the file says where already.
-        let says = if why.contains(frame.as_str()) { why.clone() } else { format!("{frame}: {why}") };
+        let says = if why.contains(frame.as_str()) {
+            why.clone()
+        } else {
+            format!("{frame}: {why}")
+        };
         line(ui, in_dialog(&format!("Left out: {says}")), palette.caution);
     }
     if frames.len() > SHOWN {
-        line(ui, format!("Left out: {} more frames.", frames.len() - SHOWN), palette.caution);
+        line(
+            ui,
+            format!("Left out: {} more frames.", frames.len() - SHOWN),
+            palette.caution,
+        );
     }
 }
 

@@ -1,4 +1,5 @@
-//! A value that may be left open and is typed: what cannot be read stays in its field, with an example below.
+//! A value that may be left open and is typed: what cannot be read stays in its field, with an
+//! example below.
 
 use crate::ui::theme::Themed as _;
 use egui::{Id, RichText, TextEdit, Ui};
@@ -27,8 +28,13 @@ impl<T> Typed<'_, T> {
         ui.label(self.name);
         let kept = ui.data(|data| data.get_temp::<String>(id));
         let mut text = kept.unwrap_or_else(|| value.as_ref().map_or_else(String::new, self.text));
-        let field = TextEdit::singleline(&mut text).id(id.with("field")).hint_text(format!("e.g. {}", self.example));
-        let field = ui.add(field.desired_width(self.width)).accessible_name(self.name).on_hover_text(self.tip);
+        let field = TextEdit::singleline(&mut text)
+            .id(id.with("field"))
+            .hint_text(format!("e.g. {}", self.example));
+        let field = ui
+            .add(field.desired_width(self.width))
+            .accessible_name(self.name)
+            .on_hover_text(self.tip);
         let read = (self.read)(text.trim());
         let is_open = text.trim().is_empty();
         if !is_open && read.is_none() {

@@ -1,5 +1,5 @@
-//! The ways of reading videos, and how a video is opened by one: the user's `ffmpeg` program, and OpenCV where it is built in
-//! with its video module.
+//! The ways of reading videos, and how a video is opened by one: the user's `ffmpeg` program, and
+//! OpenCV where it is built in with its video module.
 
 use super::capture::Capture;
 use super::ffmpeg::{self, FfmpegCapture, Output, ffmpeg};
@@ -22,40 +22,54 @@ impl VideoBackend {
     /// Those that this machine and this program have, the preferred one first.
     pub fn available() -> impl Iterator<Item = Self> {
         let ffmpeg = ffmpeg().map(|_| Self::Ffmpeg);
-        ffmpeg.into_iter().chain(cfg!(feature = "opencv-videoio").then_some(Self::OpenCv))
+        ffmpeg
+            .into_iter()
+            .chain(cfg!(feature = "opencv-videoio").then_some(Self::OpenCv))
     }
 }
 
 impl fmt::Display for VideoBackend {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Ffmpeg => write!(f, "ffmpeg {}", ffmpeg().map_or("", |program| &program.version)),
+            Self::Ffmpeg => write!(
+                f,
+                "ffmpeg {}",
+                ffmpeg().map_or("", |program| &program.version)
+            ),
             Self::OpenCv => f.write_str("OpenCV"),
         }
     }
 }
 
 /// Opens a video, before its first frame.
-pub(super) fn open_capture(path: &Path, backend: VideoBackend) -> Result<Box<dyn Capture>, MediaError> {
+pub(super) fn open_capture(
+    path: &Path,
+    backend: VideoBackend,
+) -> Result<Box<dyn Capture>, MediaError> {
     match backend {
         VideoBackend::Ffmpeg => Ok(Box::new(FfmpegCapture::open(path, Output::Pictures)?)),
         #[cfg(feature = "opencv-videoio")]
         VideoBackend::OpenCv => Ok(Box::new(OpenCvCapture::open(path)?)),
         #[cfg(not(feature = "opencv-videoio"))]
-        VideoBackend::OpenCv => Err(MediaError::NoVideoSupport { path: path.to_path_buf() }),
+        VideoBackend::OpenCv => Err(MediaError::NoVideoSupport {
+            path: path.to_path_buf(),
+        }),
     }
 }
 
 /// Opens a video for the times of its frames. It may have no pictures.
-pub(super) fn open_times(path: &Path, backend: VideoBackend) -> Result<Box<dyn Capture>, MediaError> {
+pub(super) fn open_times(
+    path: &Path,
+    backend: VideoBackend,
+) -> Result<Box<dyn Capture>, MediaError> {
     match backend {
         VideoBackend::Ffmpeg => Ok(Box::new(FfmpegCapture::open(path, Output::Times)?)),
         VideoBackend::OpenCv => open_capture(path, backend),
     }
 }
 
-/// The number of stored frames, decodable or not, read without decoding; none where they cannot be read so. `count` is called
-/// with the number so far and may end it.
+/// The number of stored frames, decodable or not, read without decoding; none where they cannot be
+/// read so. `count` is called with the number so far and may end it.
 pub(super) fn count_packets(
     path: &Path,
     backend: VideoBackend,
@@ -65,7 +79,9 @@ pub(super) fn count_packets(
         VideoBackend::Ffmpeg => ffmpeg::count_packets(path, count),
         #[cfg(feature = "opencv-videoio")]
         VideoBackend::OpenCv => {
-            let Ok(mut capture) = OpenCvCapture::open_packets(path) else { return Ok(None) };
+            let Ok(mut capture) = OpenCvCapture::open_packets(path) else {
+                return Ok(None);
+            };
             let mut packets = 0;
             while capture.grab()? {
                 packets += 1;

@@ -1,7 +1,7 @@
 //! An open video as it is played: frame after frame with their times, and moved near a time.
 //!
-//! Each way of reading videos keeps this contract in a file of its own ([`super::VideoBackend`]). Numbering frames, jumping
-//! and surveying stand above it and know none of them.
+//! Each way of reading videos keeps this contract in a file of its own ([`super::VideoBackend`]).
+//! Numbering frames, jumping and surveying stand above it and know none of them.
 
 use crate::media::{MediaError, Picture};
 use touchline_core::geometry::ImageSize;
@@ -32,10 +32,12 @@ pub(super) trait Capture: Send {
     /// What reads the video broke down, so that this is not the end.
     fn grab(&mut self) -> Result<bool, MediaError>;
 
-    /// The time stamp of the frame that was grabbed last, s from the stream's start; none where it is not known.
+    /// The time stamp of the frame that was grabbed last, s from the stream's start; none where it
+    /// is not known.
     fn time_s(&self) -> Option<f64>;
 
-    /// Moves so that the next [`Capture::grab`] gives a frame near a time; which one, its time stamp tells.
+    /// Moves so that the next [`Capture::grab`] gives a frame near a time; which one, its time
+    /// stamp tells.
     fn jump_near(&mut self, time_s: f64);
 
     /// The pixels of the frame that was grabbed last; `index` is its number, for the error.

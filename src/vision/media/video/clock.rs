@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-/// How far a time stamp may lie from its frame's time, as a share of the spacing of frames. Matroska rounds to
-/// milliseconds, which is 0.03 of the spacing at 60 frames a second.
+/// How far a time stamp may lie from its frame's time, as a share of the spacing of frames.
+/// Matroska rounds to milliseconds, which is 0.03 of the spacing at 60 frames a second.
 const TOLERANCE: f64 = 0.25;
 
 /// The times of a video's frames, seconds from the stream's start.
@@ -45,10 +45,17 @@ impl FrameClock {
                     .into_iter()
                     .flatten()
                     .filter(|&index| index < times.len())
-                    .min_by(|&a, &b| (times[a] - pts_s).abs().total_cmp(&(times[b] - pts_s).abs()))?;
-                let spacing_s = [nearest.checked_sub(1).map(|before| times[nearest] - times[before]), {
-                    times.get(nearest + 1).map(|next| next - times[nearest])
-                }]
+                    .min_by(|&a, &b| {
+                        (times[a] - pts_s)
+                            .abs()
+                            .total_cmp(&(times[b] - pts_s).abs())
+                    })?;
+                let spacing_s = [
+                    nearest
+                        .checked_sub(1)
+                        .map(|before| times[nearest] - times[before]),
+                    { times.get(nearest + 1).map(|next| next - times[nearest]) },
+                ]
                 .into_iter()
                 .flatten()
                 .fold(f64::INFINITY, f64::min);
@@ -64,13 +71,23 @@ mod tests {
 
     #[test]
     fn an_even_clock_finds_its_own_frames() {
-        let clock = FrameClock::Even { first_s: 0.04, fps: 30_000.0 / 1001.0 };
+        let clock = FrameClock::Even {
+            first_s: 0.04,
+            fps: 30_000.0 / 1001.0,
+        };
         for index in [0, 1, 2, 17, 135_000] {
             assert_eq!(clock.index_at(clock.pts_s(index).unwrap()), Some(index));
         }
         // A container that rounds to milliseconds.
-        assert_eq!(clock.index_at((clock.pts_s(1001).unwrap() * 1000.0).round() / 1000.0), Some(1001));
-        assert_eq!(clock.index_at(0.04 + 0.5 * 1001.0 / 30_000.0), None, "between two frames");
+        assert_eq!(
+            clock.index_at((clock.pts_s(1001).unwrap() * 1000.0).round() / 1000.0),
+            Some(1001)
+        );
+        assert_eq!(
+            clock.index_at(0.04 + 0.5 * 1001.0 / 30_000.0),
+            None,
+            "between two frames"
+        );
         assert_eq!(clock.index_at(0.0), None, "before the first");
         assert_eq!(clock.index_at(f64::NAN), None);
     }

@@ -1,4 +1,5 @@
-//! Interlaced frames: two fields, taken one after the other, in alternating rows. Where something moves they form a comb.
+//! Interlaced frames: two fields, taken one after the other, in alternating rows. Where something
+//! moves they form a comb.
 
 use crate::media::{Picture, grey_reduced};
 
@@ -6,14 +7,20 @@ use crate::media::{Picture, grey_reduced};
 const STEP: i32 = 12;
 /// The least share of pixels in a comb for a frame to be interlaced.
 const LEAST_SHARE: f64 = 0.01;
-/// By how much combs outnumber what zigzags within a field alike: fine detail does in both. It does three times
-/// more within a field in two progressive matches, and at least half as much in one where little moves.
+/// By how much combs outnumber what zigzags within a field alike: fine detail does in both. It does
+/// three times more within a field in two progressive matches, and at least half as much in one
+/// where little moves.
 const OVER_DETAIL: f64 = 1.2;
 
-/// Whether a frame is made of two fields with something moving between them. A frame in which nothing moves shows no comb.
+/// Whether a frame is made of two fields with something moving between them. A frame in which
+/// nothing moves shows no comb.
 pub(super) fn is_combed(picture: &Picture) -> bool {
-    let (width, height) = (picture.size().width as usize, picture.size().height as usize);
-    // The colours of interlaced frames are stored coarser and by field: the brightness alone shows the fields line by line.
+    let (width, height) = (
+        picture.size().width as usize,
+        picture.size().height as usize,
+    );
+    // The colours of interlaced frames are stored coarser and by field: the brightness alone shows
+    // the fields line by line.
     let rows = grey_reduced(picture, 1).values;
     let grey = |x: usize, y: usize| i32::from(rows[y * width + x]);
     // A pixel that stands out from both others in the same direction.
@@ -33,7 +40,8 @@ pub(super) fn is_combed(picture: &Picture) -> bool {
     combed as f64 >= LEAST_SHARE * count as f64 && combed as f64 > OVER_DETAIL * detailed as f64
 }
 
-/// The picture that the first field alone gives: its rows stay, each row between is the mean of its neighbours.
+/// The picture that the first field alone gives: its rows stay, each row between is the mean of its
+/// neighbours.
 pub(super) fn first_field(picture: &Picture) -> Picture {
     let (size, row) = (picture.size(), 4 * picture.size().width as usize);
     let mut rgba = picture.rgba().to_vec();
@@ -42,7 +50,11 @@ pub(super) fn first_field(picture: &Picture) -> Picture {
         let above = &above[above.len() - row..];
         let (here, below) = from_here.split_at_mut(row);
         // The last row has only one neighbour.
-        let below = if below.is_empty() { above } else { &below[..row] };
+        let below = if below.is_empty() {
+            above
+        } else {
+            &below[..row]
+        };
         for ((value, above), below) in here.iter_mut().zip(above).zip(below) {
             *value = u8::midpoint(*above, *below);
         }
@@ -61,17 +73,33 @@ mod tests {
         let pixels = (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y)));
         let shade = |(x, y): (u32, u32)| {
             let left = 10 + if y % 2 == 1 { moved } else { 0 };
-            if (left..left + 12).contains(&x) { 200 } else { 60 }
+            if (left..left + 12).contains(&x) {
+                200
+            } else {
+                60
+            }
         };
-        Picture::new(size, pixels.flat_map(|at| [shade(at), shade(at), shade(at), 255]).collect()).unwrap()
+        Picture::new(
+            size,
+            pixels
+                .flat_map(|at| [shade(at), shade(at), shade(at), 255])
+                .collect(),
+        )
+        .unwrap()
     }
 
     #[test]
     fn a_comb_is_where_something_moved_between_the_fields() {
         assert!(is_combed(&frame(4)));
         assert!(!is_combed(&frame(0)));
-        assert!(!is_combed(&Picture::filled(ImageSize::new(64, 40), [9, 9, 9, 255])));
-        assert!(!is_combed(&Picture::filled(ImageSize::new(1, 1), [9, 9, 9, 255])));
+        assert!(!is_combed(&Picture::filled(
+            ImageSize::new(64, 40),
+            [9, 9, 9, 255]
+        )));
+        assert!(!is_combed(&Picture::filled(
+            ImageSize::new(1, 1),
+            [9, 9, 9, 255]
+        )));
     }
 
     #[test]

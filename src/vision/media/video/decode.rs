@@ -19,8 +19,9 @@ pub struct Video {
 impl Video {
     /// Opens a video and finds out how many of its frames decode.
     ///
-    /// Takes a second or two where the frames have one rate or an MP4's table of samples has their times, and one pass
-    /// over all frames where neither holds; hardly any time for a file that was opened before and has not changed.
+    /// Takes a second or two where the frames have one rate or an MP4's table of samples has their
+    /// times, and one pass over all frames where neither holds; hardly any time for a file that was
+    /// opened before and has not changed.
     ///
     /// # Errors
     /// The file cannot be read, is no video, none of its frames decodes, or they are too large.
@@ -28,29 +29,47 @@ impl Video {
         Self::open_with_progress(path, &Progress::default())
     }
 
-    /// Opens a video as [`Video::open`] does; where all frames are visited, `progress` hears now and then how far that
-    /// has come, and may cancel it.
+    /// Opens a video as [`Video::open`] does; where all frames are visited, `progress` hears now
+    /// and then how far that has come, and may cancel it.
     ///
     /// # Errors
     /// As [`Video::open`]; [`MediaError::Stopped`] when `progress` cancelled it.
-    pub fn open_with_progress(path: &Path, progress: &Progress<'_, CountProgress>) -> Result<Self, MediaError> {
+    pub fn open_with_progress(
+        path: &Path,
+        progress: &Progress<'_, CountProgress>,
+    ) -> Result<Self, MediaError> {
         let backend = VideoBackend::available().next();
-        let backend = backend.ok_or_else(|| MediaError::NoVideoSupport { path: path.to_path_buf() })?;
+        let backend = backend.ok_or_else(|| MediaError::NoVideoSupport {
+            path: path.to_path_buf(),
+        })?;
         Self::open_with(path, backend, progress)
     }
 
     /// Opens a video as [`Video::open_with_progress`] does, by a backend of the caller's choice.
     ///
     /// # Errors
-    /// As [`Video::open_with_progress`]; [`MediaError::NoVideoSupport`] where the backend is not available.
+    /// As [`Video::open_with_progress`]; [`MediaError::NoVideoSupport`] where the backend is not
+    /// available.
     pub fn open_with(
         path: &Path,
         backend: VideoBackend,
         progress: &Progress<'_, CountProgress>,
     ) -> Result<Self, MediaError> {
         let survey = |progress: &Progress<'_, CountProgress>| survey(path, backend, progress);
-        let Survey { info, preroll, capture } = known_or(path, backend, progress, survey)?;
-        Ok(Self { player: Player { capture, backend, position: None, preroll }, info })
+        let Survey {
+            info,
+            preroll,
+            capture,
+        } = known_or(path, backend, progress, survey)?;
+        Ok(Self {
+            player: Player {
+                capture,
+                backend,
+                position: None,
+                preroll,
+            },
+            info,
+        })
     }
 
     /// What is known about the video.
@@ -59,8 +78,8 @@ impl Video {
         &self.info
     }
 
-    /// The pixels of a frame by its number among the decoded frames, from 0, turned upright; of an interlaced one those of its
-    /// first field.
+    /// The pixels of a frame by its number among the decoded frames, from 0, turned upright; of an
+    /// interlaced one those of its first field.
     ///
     /// # Errors
     /// There is no such frame, or its data are damaged.
@@ -74,6 +93,10 @@ impl Video {
         }
         self.player.go_to(&self.info, index)?;
         let picture = self.player.capture.picture(index)?;
-        Ok(if self.info.interlaced { first_field(&picture) } else { picture })
+        Ok(if self.info.interlaced {
+            first_field(&picture)
+        } else {
+            picture
+        })
     }
 }

@@ -1,12 +1,14 @@
 //! Videos through the user's `ffmpeg` program.
 //!
-//! One process decodes from a place in the video to its end and writes each frame's pixels to its standard output. Before that
-//! it writes the frame's time stamp to its standard error, one line a frame and nothing else: its own messages are switched off.
-//! So a frame is known by the time that the container gives it, and not by counting. Moving to another place
-//! ends the process and starts one that seeks. `ffmpeg` writes as fast as it is read: the pipes are the buffer.
+//! One process decodes from a place in the video to its end and writes each frame's pixels to its
+//! standard output. Before that it writes the frame's time stamp to its standard error, one line a
+//! frame and nothing else: its own messages are switched off. So a frame is known by the time that
+//! the container gives it, and not by counting. Moving to another place ends the process and starts
+//! one that seeks. `ffmpeg` writes as fast as it is read: the pipes are the buffer.
 //!
-//! `ffmpeg` applies edit lists, turns frames upright and drops what it seeks over; `-copyts` and passing every frame through keep
-//! the container's times. `ffprobe`, of the same package, says what the container states.
+//! `ffmpeg` applies edit lists, turns frames upright and drops what it seeks over; `-copyts` and
+//! passing every frame through keep the container's times. `ffprobe`, of the same package, says
+//! what the container states.
 
 use super::capture::{Capture, StatedProperties};
 use crate::media::picture::byte_count;
@@ -30,7 +32,8 @@ const SEEK_AHEAD_FRAMES: f64 = 0.5;
 pub(super) struct Ffmpeg {
     /// As it states it: `5.1.9-0+deb12u1`.
     pub version: String,
-    /// How every frame is passed through with its own time; the option's name changed with version 5.1.
+    /// How every frame is passed through with its own time; the option's name changed with version
+    /// 5.1.
     pass_through: &'static str,
 }
 
@@ -39,26 +42,47 @@ pub(super) fn ffmpeg() -> Option<&'static Ffmpeg> {
     static FFMPEG: LazyLock<Option<Ffmpeg>> = LazyLock::new(|| {
         let version = stated_version(&output_of(Command::new("ffmpeg").arg("-version"))?)?;
         output_of(Command::new("ffprobe").arg("-version"))?;
-        let pass_through = if is_before_5_1(&version) { "-vsync" } else { "-fps_mode" };
-        Some(Ffmpeg { version, pass_through })
+        let pass_through = if is_before_5_1(&version) {
+            "-vsync"
+        } else {
+            "-fps_mode"
+        };
+        Some(Ffmpeg {
+            version,
+            pass_through,
+        })
     });
     FFMPEG.as_ref()
 }
 
 /// What a short-lived program prints; none where it cannot be run or fails.
 fn output_of(command: &mut Command) -> Option<String> {
-    let output = command.stdin(Stdio::null()).stderr(Stdio::null()).output().ok()?;
-    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+    let output = command
+        .stdin(Stdio::null())
+        .stderr(Stdio::null())
+        .output()
+        .ok()?;
+    output
+        .status
+        .success()
+        .then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
 /// The version in `ffmpeg version 5.1.9 Copyright …`.
 fn stated_version(output: &str) -> Option<String> {
-    output.strip_prefix("ffmpeg version ")?.split_whitespace().next().map(str::to_owned)
+    output
+        .strip_prefix("ffmpeg version ")?
+        .split_whitespace()
+        .next()
+        .map(str::to_owned)
 }
 
 /// Whether a version is an old release. One built between releases states no number and is new.
 fn is_before_5_1(version: &str) -> bool {
-    let mut numbers = version.trim_start_matches('n').split(['.', '-', '+']).map(str::parse::<u32>);
+    let mut numbers = version
+        .trim_start_matches('n')
+        .split(['.', '-', '+'])
+        .map(str::parse::<u32>);
     match (numbers.next(), numbers.next()) {
         (Some(Ok(major)), Some(Ok(minor))) => (major, minor) < (5, 1),
         (Some(Ok(major)), _) => major < 5,
@@ -81,7 +105,8 @@ pub(super) struct FfmpegCapture {
     path: PathBuf,
     stream: Stream,
     output: Output,
-    /// Where the next process begins, s from the stream's start; from the first frame where there is none.
+    /// Where the next process begins, s from the stream's start; from the first frame where there
+    /// is none.
     start_s: Option<f64>,
     decoder: Option<Decoder>,
     /// What was read last of a frame.
@@ -102,7 +127,9 @@ struct Stream {
 
 impl FfmpegCapture {
     pub(super) fn open(path: &Path, output: Output) -> Result<Self, MediaError> {
-        let program = ffmpeg().ok_or_else(|| MediaError::NoVideoSupport { path: path.to_path_buf() })?;
+        let program = ffmpeg().ok_or_else(|| MediaError::NoVideoSupport {
+            path: path.to_path_buf(),
+        })?;
         let stream = Stream::probe(path)?;
         let bytes = match output {
             Output::Pictures => byte_count(stream.stated.size).unwrap_or(0),
@@ -124,7 +151,13 @@ impl FfmpegCapture {
     fn read_frame(&mut self) -> io::Result<bool> {
         let decoder = match &mut self.decoder {
             Some(decoder) => decoder,
-            none => none.insert(Decoder::start(self.program, &self.path, &self.stream, self.output, self.start_s)?),
+            none => none.insert(Decoder::start(
+                self.program,
+                &self.path,
+                &self.stream,
+                self.output,
+                self.start_s,
+            )?),
         };
         if !decoder.read_pixels(&mut self.bytes)? {
             decoder.check_end()?;
@@ -160,10 +193,12 @@ impl Capture for FfmpegCapture {
     }
 
     fn picture(&mut self, index: usize) -> Result<Picture, MediaError> {
-        Picture::new(self.stream.stated.size, self.bytes.clone()).map_err(|_| MediaError::DamagedFrame {
-            path: self.path.clone(),
-            index,
-            reason: "the decoder gave no picture".to_owned(),
+        Picture::new(self.stream.stated.size, self.bytes.clone()).map_err(|_| {
+            MediaError::DamagedFrame {
+                path: self.path.clone(),
+                index,
+                reason: "the decoder gave no picture".to_owned(),
+            }
         })
     }
 }
@@ -180,9 +215,17 @@ struct Decoder {
 }
 
 impl Decoder {
-    fn start(program: &Ffmpeg, path: &Path, stream: &Stream, output: Output, start_s: Option<f64>) -> io::Result<Self> {
+    fn start(
+        program: &Ffmpeg,
+        path: &Path,
+        stream: &Stream,
+        output: Output,
+        start_s: Option<f64>,
+    ) -> io::Result<Self> {
         // The file's own times count from its earliest stream.
-        let from_s = start_s.map(|start_s| start_s + stream.late_s).filter(|&from_s| from_s > 0.0);
+        let from_s = start_s
+            .map(|start_s| start_s + stream.late_s)
+            .filter(|&from_s| from_s > 0.0);
         let seek = from_s.map(|from_s| ["-ss".to_owned(), format!("{from_s:.6}")]);
         let ImageSize { width, height } = stream.stated.size;
         let size = match output {
@@ -190,13 +233,28 @@ impl Decoder {
             Output::Times => "crop=2:2:0:0,format=gray".to_owned(),
         };
         // The print names only frames that carry some metadata: each is given one key.
-        let stamp = "metadata=mode=add:key=t:value=0,metadata=mode=print:key=t:direct=1:file=pipe\\\\:2";
+        let stamp =
+            "metadata=mode=add:key=t:value=0,metadata=mode=print:key=t:direct=1:file=pipe\\\\:2";
         let mut process = Command::new("ffmpeg")
-            .args(["-nostdin", "-v", "quiet", "-protocol_whitelist", "file,pipe", "-copyts"])
+            .args([
+                "-nostdin",
+                "-v",
+                "quiet",
+                "-protocol_whitelist",
+                "file,pipe",
+                "-copyts",
+            ])
             .args(seek.iter().flatten())
             .arg("-i")
             .arg(as_file(path)?)
-            .args(["-map", "0:V:0", "-vf", &format!("{stamp},{size}"), program.pass_through, "passthrough"])
+            .args([
+                "-map",
+                "0:V:0",
+                "-vf",
+                &format!("{stamp},{size}"),
+                program.pass_through,
+                "passthrough",
+            ])
             .args(["-flush_packets", "1", "-f", "rawvideo", "pipe:1"])
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -205,7 +263,12 @@ impl Decoder {
         let (Some(pixels), Some(times)) = (process.stdout.take(), process.stderr.take()) else {
             return Err(io::Error::other("its output cannot be read"));
         };
-        Ok(Self { process, pixels: Patient(pixels), times: BufReader::new(Patient(times)), line: Vec::new() })
+        Ok(Self {
+            process,
+            pixels: Patient(pixels),
+            times: BufReader::new(Patient(times)),
+            line: Vec::new(),
+        })
     }
 
     /// Fills `bytes` with a frame; false at the end. What is left of a frame at the end is none.
@@ -217,15 +280,18 @@ impl Decoder {
         }
     }
 
-    /// The time stamp of the frame whose pixels were read last, in steps of the stream; none where it has none. The line was
-    /// written before the pixels.
+    /// The time stamp of the frame whose pixels were read last, in steps of the stream; none where
+    /// it has none. The line was written before the pixels.
     fn read_time_stamp(&mut self) -> io::Result<Option<i64>> {
         loop {
             self.line.clear();
             if self.times.read_until(b'\n', &mut self.line)? == 0 {
                 return Err(io::Error::other("it gave a frame and no time"));
             }
-            if let Some(line) = str::from_utf8(&self.line).ok().filter(|line| line.starts_with("frame:")) {
+            if let Some(line) = str::from_utf8(&self.line)
+                .ok()
+                .filter(|line| line.starts_with("frame:"))
+            {
                 return Ok(time_stamp(line));
             }
         }
@@ -234,8 +300,13 @@ impl Decoder {
     /// An error where the process did not end by itself.
     fn check_end(&mut self) -> io::Result<()> {
         let status = self.process.wait()?;
-        // A damaged file ends it with an error of its own, after all frames that decode. Without a code it was killed.
-        if status.code().is_some() { Ok(()) } else { Err(io::Error::other(format!("it was ended: {status}"))) }
+        // A damaged file ends it with an error of its own, after all frames that decode. Without a
+        // code it was killed.
+        if status.code().is_some() {
+            Ok(())
+        } else {
+            Err(io::Error::other(format!("it was ended: {status}")))
+        }
     }
 }
 
@@ -249,7 +320,10 @@ impl Drop for Decoder {
 
 /// The stamp in `frame:12   pts:6144    pts_time:0.48`.
 fn time_stamp(line: &str) -> Option<i64> {
-    line.split_whitespace().find_map(|word| word.strip_prefix("pts:"))?.parse().ok()
+    line.split_whitespace()
+        .find_map(|word| word.strip_prefix("pts:"))?
+        .parse()
+        .ok()
 }
 
 /// A pipe that is read with [`PATIENCE`].
@@ -262,7 +336,10 @@ impl<R: Read + std::os::fd::AsFd> Read for Patient<R> {
         let patience = Timespec::try_from(PATIENCE).map_err(io::Error::other)?;
         let ready = poll(&mut [PollFd::new(&self.0, PollFlags::IN)], Some(&patience))?;
         if ready == 0 {
-            return Err(io::Error::other(format!("it gave nothing for {} s", PATIENCE.as_secs())));
+            return Err(io::Error::other(format!(
+                "it gave nothing for {} s",
+                PATIENCE.as_secs()
+            )));
         }
         self.0.read(buffer)
     }
@@ -285,28 +362,48 @@ impl Stream {
                        sample_aspect_ratio,duration:stream_side_data=rotation:format=duration,start_time";
         let file = as_file(path).map_err(|error| MediaError::from_io(path, &error))?;
         let mut command = probe_command(entries);
-        let described = output_of(command.arg(file)).and_then(|output| Self::described_in(&Properties::read(&output)));
-        described.ok_or_else(|| MediaError::NotAVideo { path: path.to_path_buf() })
+        let described = output_of(command.arg(file))
+            .and_then(|output| Self::described_in(&Properties::read(&output)));
+        described.ok_or_else(|| MediaError::NotAVideo {
+            path: path.to_path_buf(),
+        })
     }
 
     fn described_in(properties: &Properties) -> Option<Self> {
         let stream = |name: &str| properties.of_stream(name);
         // A codec that has no name has no decoder.
         stream("codec_name").filter(|&name| name != "unknown")?;
-        let [width, height] = ["width", "height"].map(|name| stream(name)?.parse::<u32>().ok().filter(|&px| px > 0));
+        let [width, height] =
+            ["width", "height"].map(|name| stream(name)?.parse::<u32>().ok().filter(|&px| px > 0));
         let stored = ImageSize::new(width?, height?);
         // ffprobe counts counterclockwise.
         let rotation_deg = (-properties.rotation_deg()).rem_euclid(360) as u32;
         let is_turned = rotation_deg % 180 == 90;
-        let size = if is_turned { ImageSize::new(stored.height, stored.width) } else { stored };
-        // The mean rate is that of all frames: it differs from the nominal one where some are left out.
-        let [mean, nominal] = ["avg_frame_rate", "r_frame_rate"].map(|name| stream(name).and_then(ratio));
+        let size = if is_turned {
+            ImageSize::new(stored.height, stored.width)
+        } else {
+            stored
+        };
+        // The mean rate is that of all frames: it differs from the nominal one where some are left
+        // out.
+        let [mean, nominal] =
+            ["avg_frame_rate", "r_frame_rate"].map(|name| stream(name).and_then(ratio));
         let fps = mean.or(nominal).unwrap_or(25.0);
-        let seconds = |text: Option<&str>| text.and_then(|text| text.parse::<f64>().ok()).filter(|s| s.is_finite());
-        let duration_s = seconds(stream("duration")).or_else(|| seconds(properties.of_file("duration")));
-        let counted = stream("nb_frames").and_then(|count| count.parse().ok()).filter(|&count: &usize| count > 0);
-        let frames = counted.or_else(|| duration_s.map(|duration_s| (duration_s * fps).round().max(0.0) as usize));
-        let starts_s = [seconds(stream("start_time")), seconds(properties.of_file("start_time"))];
+        let seconds = |text: Option<&str>| {
+            text.and_then(|text| text.parse::<f64>().ok())
+                .filter(|s| s.is_finite())
+        };
+        let duration_s =
+            seconds(stream("duration")).or_else(|| seconds(properties.of_file("duration")));
+        let counted = stream("nb_frames")
+            .and_then(|count| count.parse().ok())
+            .filter(|&count: &usize| count > 0);
+        let frames = counted
+            .or_else(|| duration_s.map(|duration_s| (duration_s * fps).round().max(0.0) as usize));
+        let starts_s = [
+            seconds(stream("start_time")),
+            seconds(properties.of_file("start_time")),
+        ];
         Some(Self {
             stated: StatedProperties {
                 size,
@@ -316,8 +413,12 @@ impl Stream {
                 pixel_aspect: stream("sample_aspect_ratio").and_then(ratio).unwrap_or(1.0),
             },
             time_base_s: stream("time_base").and_then(ratio)?,
-            start_pts: stream("start_pts").and_then(|pts| pts.parse().ok()).unwrap_or(0),
-            late_s: starts_s[0].zip(starts_s[1]).map_or(0.0, |(stream_s, file_s)| stream_s - file_s),
+            start_pts: stream("start_pts")
+                .and_then(|pts| pts.parse().ok())
+                .unwrap_or(0),
+            late_s: starts_s[0]
+                .zip(starts_s[1])
+                .map_or(0.0, |(stream_s, file_s)| stream_s - file_s),
         })
     }
 }
@@ -329,10 +430,22 @@ pub(super) fn count_packets(
 ) -> Result<Option<usize>, MediaError> {
     let file = as_file(path).map_err(|error| MediaError::from_io(path, &error))?;
     let mut command = probe_command("packet=size");
-    let process = command.arg(file).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
-    let Ok(mut process) = process else { return Ok(None) };
+    let process = command
+        .arg(file)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn();
+    let Ok(mut process) = process else {
+        return Ok(None);
+    };
     let mut packets = 0;
-    for _ in process.stdout.take().into_iter().flat_map(|output| BufReader::new(Patient(output)).lines()) {
+    for _ in process
+        .stdout
+        .take()
+        .into_iter()
+        .flat_map(|output| BufReader::new(Patient(output)).lines())
+    {
         packets += 1;
         if let Err(stopped) = count(packets) {
             let _ = process.kill();
@@ -348,12 +461,22 @@ pub(super) fn count_packets(
 fn probe_command(entries: &str) -> Command {
     let mut command = Command::new("ffprobe");
     command
-        .args(["-v", "quiet", "-protocol_whitelist", "file,pipe", "-of", "flat", "-select_streams", "V:0"])
+        .args([
+            "-v",
+            "quiet",
+            "-protocol_whitelist",
+            "file,pipe",
+            "-of",
+            "flat",
+            "-select_streams",
+            "V:0",
+        ])
         .args(["-show_entries", entries]);
     command
 }
 
-/// A path that is taken for nothing else: neither for a protocol, as `a:b.mp4` is, nor for an option.
+/// A path that is taken for nothing else: neither for a protocol, as `a:b.mp4` is, nor for an
+/// option.
 fn as_file(path: &Path) -> io::Result<OsString> {
     let mut file = OsString::from("file:");
     file.push(std::path::absolute(path)?);
@@ -373,11 +496,17 @@ struct Properties(BTreeMap<String, String>);
 impl Properties {
     fn read(output: &str) -> Self {
         let lines = output.lines().filter_map(|line| line.split_once('='));
-        Self(lines.map(|(key, value)| (key.to_owned(), value.trim_matches('"').to_owned())).collect())
+        Self(
+            lines
+                .map(|(key, value)| (key.to_owned(), value.trim_matches('"').to_owned()))
+                .collect(),
+        )
     }
 
     fn of_stream(&self, name: &str) -> Option<&str> {
-        self.0.get(&format!("streams.stream.0.{name}")).map(String::as_str)
+        self.0
+            .get(&format!("streams.stream.0.{name}"))
+            .map(String::as_str)
     }
 
     fn of_file(&self, name: &str) -> Option<&str> {
@@ -387,6 +516,8 @@ impl Properties {
     /// By how much frames are to be turned counterclockwise, degrees.
     fn rotation_deg(&self) -> i64 {
         let rotation = self.0.iter().find(|(key, _)| key.ends_with(".rotation"));
-        rotation.and_then(|(_, degrees)| degrees.parse().ok()).unwrap_or(0)
+        rotation
+            .and_then(|(_, degrees)| degrees.parse().ok())
+            .unwrap_or(0)
     }
 }

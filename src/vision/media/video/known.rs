@@ -1,5 +1,5 @@
-//! What was found out about the videos opened before: it holds for as long as their files do not change, and most videos
-//! are opened by several threads of one program.
+//! What was found out about the videos opened before: it holds for as long as their files do not
+//! change, and most videos are opened by several threads of one program.
 
 use super::backend::{VideoBackend, open_capture};
 use super::survey::Survey;
@@ -18,7 +18,8 @@ type Examinations = Vec<(FileState, Arc<Examination>)>;
 
 /// Those of the videos that were asked for last, the latest at the end.
 static KNOWN: LazyLock<Mutex<Examinations>> = LazyLock::new(Mutex::default);
-/// How often someone who waits for another's examination is told how far that has come, and may give up.
+/// How often someone who waits for another's examination is told how far that has come, and may
+/// give up.
 const TOLD_EVERY: Duration = Duration::from_millis(50);
 
 /// The examination of one video: whoever asks for it first does it, others who ask meanwhile wait.
@@ -57,11 +58,20 @@ impl Examination {
                 }
                 State::UnderWay(_) => {}
             }
-            let (state, _) = self.changed.wait_timeout(state, TOLD_EVERY).unwrap_or_else(PoisonError::into_inner);
-            let counted = if let State::UnderWay(counted) = &*state { counted.clone() } else { None };
+            let (state, _) = self
+                .changed
+                .wait_timeout(state, TOLD_EVERY)
+                .unwrap_or_else(PoisonError::into_inner);
+            let counted = if let State::UnderWay(counted) = &*state {
+                counted.clone()
+            } else {
+                None
+            };
             drop(state);
             if counted.is_some_and(|counted| progress.report(counted).is_break()) {
-                return Err(MediaError::Stopped { path: path.to_path_buf() });
+                return Err(MediaError::Stopped {
+                    path: path.to_path_buf(),
+                });
             }
         }
     }
@@ -75,8 +85,10 @@ struct Begun<'a> {
 
 impl Drop for Begun<'_> {
     fn drop(&mut self) {
-        *lock(&self.examination.state) =
-            self.found.take().map_or(State::Open, |(info, preroll)| State::Done(info, preroll));
+        *lock(&self.examination.state) = self
+            .found
+            .take()
+            .map_or(State::Open, |(info, preroll)| State::Done(info, preroll));
         self.examination.changed.notify_all();
     }
 }
@@ -95,24 +107,39 @@ impl FileState {
     /// None where the system does not tell.
     fn of(path: &Path, backend: VideoBackend) -> Option<Self> {
         let metadata = std::fs::metadata(path).ok()?;
-        Some(Self { path: path.to_path_buf(), bytes: metadata.len(), modified: metadata.modified().ok()?, backend })
+        Some(Self {
+            path: path.to_path_buf(),
+            bytes: metadata.len(),
+            modified: metadata.modified().ok()?,
+            backend,
+        })
     }
 }
 
-/// A video as it was surveyed before, opened anew; else surveyed by `survey`, which is called once at a time for a file.
-/// `progress` hears of it now and then, also while another thread surveys it, and may cancel that.
+/// A video as it was surveyed before, opened anew; else surveyed by `survey`, which is called once
+/// at a time for a file. `progress` hears of it now and then, also while another thread surveys it,
+/// and may cancel that.
 pub(super) fn known_or(
     path: &Path,
     backend: VideoBackend,
     progress: &Progress<'_, CountProgress>,
     survey: impl FnOnce(&Progress<'_, CountProgress>) -> Result<Survey, MediaError>,
 ) -> Result<Survey, MediaError> {
-    let Some(file) = FileState::of(path, backend) else { return survey(progress) };
+    let Some(file) = FileState::of(path, backend) else {
+        return survey(progress);
+    };
     let examination = examination(file);
     if let Some((info, preroll)) = examination.found_or_begun(path, progress)? {
-        return Ok(Survey { info, preroll, capture: open_capture(path, backend)? });
+        return Ok(Survey {
+            info,
+            preroll,
+            capture: open_capture(path, backend)?,
+        });
     }
-    let mut begun = Begun { examination: &examination, found: None };
+    let mut begun = Begun {
+        examination: &examination,
+        found: None,
+    };
     let found = survey(&progress.part(|counted: CountProgress| {
         *lock(&examination.state) = State::UnderWay(Some(counted.clone()));
         counted

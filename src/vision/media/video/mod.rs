@@ -1,9 +1,9 @@
 //! Videos: frames by their number among the decoded frames.
 //!
-//! A frame's number counts the frames that decode, from 0. The container's own count is not used: edit lists, cut-off
-//! files and duration-based estimates make it wrong. Every frame is known by its time stamp, so that frame N is the
-//! same picture however it is reached. A damaged frame in the middle of a long video of even rate keeps its number and
-//! is an error when it is asked for.
+//! A frame's number counts the frames that decode, from 0. The container's own count is not used:
+//! edit lists, cut-off files and duration-based estimates make it wrong. Every frame is known by
+//! its time stamp, so that frame N is the same picture however it is reached. A damaged frame in
+//! the middle of a long video of even rate keeps its number and is an error when it is asked for.
 
 mod backend;
 mod capture;
@@ -34,7 +34,8 @@ pub struct VideoInfo {
     pub path: Arc<Path>,
     /// The size of its frames as they are returned, turned upright, px.
     pub size: ImageSize,
-    /// By how much the stored frames were turned clockwise to stand upright, degrees: 0, 90, 180 or 270.
+    /// By how much the stored frames were turned clockwise to stand upright, degrees: 0, 90, 180 or
+    /// 270.
     pub rotation_deg: u32,
     /// The rate that the container states, frames a second.
     pub fps: f64,
@@ -42,7 +43,8 @@ pub struct VideoInfo {
     pub stated_frames: usize,
     /// The number of frames that decode.
     pub decoded_frames: usize,
-    /// The frames are interlaced: two fields taken one after the other. What is returned is made of the first field alone.
+    /// The frames are interlaced: two fields taken one after the other. What is returned is made of
+    /// the first field alone.
     pub interlaced: bool,
     /// When each frame is shown.
     pub clock: FrameClock,
@@ -54,7 +56,9 @@ impl VideoInfo {
     /// When a frame is shown, seconds from the stream's start; none beyond the last frame.
     #[must_use]
     pub fn pts_s(&self, index: usize) -> Option<f64> {
-        (index < self.decoded_frames).then(|| self.clock.pts_s(index)).flatten()
+        (index < self.decoded_frames)
+            .then(|| self.clock.pts_s(index))
+            .flatten()
     }
 }
 

@@ -1,10 +1,11 @@
 //! The boundary to OpenCV's video reader.
 //!
-//! Four of its peculiarities matter (found with OpenCV 4.6 on `FFmpeg` 5.1). Its frame numbers are times multiplied by the
-//! stated rate, so that they are wrong wherever the spacing is uneven: only time stamps are trusted here. The last few
-//! frames, which a decoder holds back for reordering, come with the time stamp 0: their time is unknown. A frame that does
-//! not decode is reported as if it were the end; what follows comes all the same, beginning with remnants of earlier frames, whose times
-//! fall back. And a file it cannot read is no error, it is just not open.
+//! Four of its peculiarities matter (found with OpenCV 4.6 on `FFmpeg` 5.1). Its frame numbers are
+//! times multiplied by the stated rate, so that they are wrong wherever the spacing is uneven: only
+//! time stamps are trusted here. The last few frames, which a decoder holds back for reordering,
+//! come with the time stamp 0: their time is unknown. A frame that does not decode is reported as
+//! if it were the end; what follows comes all the same, beginning with remnants of earlier frames,
+//! whose times fall back. And a file it cannot read is no error, it is just not open.
 
 use super::capture::{Capture, StatedProperties};
 use crate::media::picture::byte_count;
@@ -34,24 +35,36 @@ pub(super) struct OpenCvCapture {
 }
 
 impl OpenCvCapture {
-    /// Opens a video through `FFmpeg`: the other readers of OpenCV print warnings and count differently.
+    /// Opens a video through `FFmpeg`: the other readers of OpenCV print warnings and count
+    /// differently.
     pub(super) fn open(path: &Path) -> Result<Self, MediaError> {
-        Self::open_with(path, &[videoio::CAP_PROP_HW_ACCELERATION, videoio::VIDEO_ACCELERATION_NONE])
+        Self::open_with(
+            path,
+            &[
+                videoio::CAP_PROP_HW_ACCELERATION,
+                videoio::VIDEO_ACCELERATION_NONE,
+            ],
+        )
     }
 
-    /// Opens a video for counting its packets: [`Capture::grab`] then reads one without decoding it.
+    /// Opens a video for counting its packets: [`Capture::grab`] then reads one without decoding
+    /// it.
     pub(super) fn open_packets(path: &Path) -> Result<Self, MediaError> {
         Self::open_with(path, &[videoio::CAP_PROP_FORMAT, -1])
     }
 
     fn open_with(path: &Path, parameters: &[i32]) -> Result<Self, MediaError> {
         // FFmpeg takes a name such as `a:b.mp4` for a protocol; an absolute path is always a path.
-        let absolute = std::path::absolute(path).map_err(|error| MediaError::from_io(path, &error))?;
+        let absolute =
+            std::path::absolute(path).map_err(|error| MediaError::from_io(path, &error))?;
         let parameters = Vector::<i32>::from_slice(parameters);
-        let inner = VideoCapture::from_file_with_params(&absolute, videoio::CAP_FFMPEG, &parameters)
-            .ok()
-            .filter(|inner| inner.is_opened().unwrap_or(false))
-            .ok_or_else(|| MediaError::NotAVideo { path: path.to_path_buf() })?;
+        let inner =
+            VideoCapture::from_file_with_params(&absolute, videoio::CAP_FFMPEG, &parameters)
+                .ok()
+                .filter(|inner| inner.is_opened().unwrap_or(false))
+                .ok_or_else(|| MediaError::NotAVideo {
+                    path: path.to_path_buf(),
+                })?;
         Ok(Self {
             stated: stated_by(&inner),
             inner,
@@ -70,7 +83,9 @@ impl OpenCvCapture {
         self.is_fresh = false;
         self.time_s = is_known.then_some(time_ms / 1000.0);
         let is_new = self.time_s.is_none_or(|time_s| time_s > self.latest_s);
-        self.latest_s = self.time_s.map_or(self.latest_s, |time_s| time_s.max(self.latest_s));
+        self.latest_s = self
+            .time_s
+            .map_or(self.latest_s, |time_s| time_s.max(self.latest_s));
         is_new
     }
 
@@ -80,10 +95,16 @@ impl OpenCvCapture {
         }
         let (rows, columns) = (self.bgr.rows(), self.bgr.cols());
         let size = ImageSize::new(columns.unsigned_abs(), rows.unsigned_abs());
-        let Some(bytes) = byte_count(size) else { return Ok(None) };
+        let Some(bytes) = byte_count(size) else {
+            return Ok(None);
+        };
         let mut rgba = vec![0; bytes];
         {
-            let code = if self.bgr.channels() == 1 { COLOR_GRAY2RGBA } else { COLOR_BGR2RGBA };
+            let code = if self.bgr.channels() == 1 {
+                COLOR_GRAY2RGBA
+            } else {
+                COLOR_BGR2RGBA
+            };
             let mut target = Mat::new_rows_cols_with_bytes_mut::<Vec4b>(rows, columns, &mut rgba)?;
             opencv::imgproc::cvt_color_def(&self.bgr, &mut target, code)?;
         }
@@ -92,7 +113,11 @@ impl OpenCvCapture {
 
     fn damaged(&self, index: usize, reason: &str) -> MediaError {
         let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
-        MediaError::DamagedFrame { path: self.path.clone(), index, reason }
+        MediaError::DamagedFrame {
+            path: self.path.clone(),
+            index,
+            reason,
+        }
     }
 
     fn property(&self, id: i32) -> f64 {
@@ -135,13 +160,32 @@ fn stated_by(inner: &VideoCapture) -> StatedProperties {
     let side = |id| property(inner, id).max(0.0) as u32;
     let fps = property(inner, videoio::CAP_PROP_FPS);
     let frames = property(inner, videoio::CAP_PROP_FRAME_COUNT);
-    let (across, down) = (property(inner, videoio::CAP_PROP_SAR_NUM), property(inner, videoio::CAP_PROP_SAR_DEN));
+    let (across, down) = (
+        property(inner, videoio::CAP_PROP_SAR_NUM),
+        property(inner, videoio::CAP_PROP_SAR_DEN),
+    );
     StatedProperties {
-        size: ImageSize::new(side(videoio::CAP_PROP_FRAME_WIDTH), side(videoio::CAP_PROP_FRAME_HEIGHT)),
-        rotation_deg: (property(inner, videoio::CAP_PROP_ORIENTATION_META) as i64).rem_euclid(360) as u32,
-        fps: if fps.is_finite() && fps > 0.0 { fps } else { 25.0 },
-        frames: if frames.is_finite() && frames > 0.0 { frames as usize } else { 0 },
-        pixel_aspect: if across > 0.0 && down > 0.0 { across / down } else { 1.0 },
+        size: ImageSize::new(
+            side(videoio::CAP_PROP_FRAME_WIDTH),
+            side(videoio::CAP_PROP_FRAME_HEIGHT),
+        ),
+        rotation_deg: (property(inner, videoio::CAP_PROP_ORIENTATION_META) as i64).rem_euclid(360)
+            as u32,
+        fps: if fps.is_finite() && fps > 0.0 {
+            fps
+        } else {
+            25.0
+        },
+        frames: if frames.is_finite() && frames > 0.0 {
+            frames as usize
+        } else {
+            0
+        },
+        pixel_aspect: if across > 0.0 && down > 0.0 {
+            across / down
+        } else {
+            1.0
+        },
     }
 }
 

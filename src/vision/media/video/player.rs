@@ -1,12 +1,14 @@
-//! A capture moved to a frame by its number: reading forward where that is near, jumping where it is far.
+//! A capture moved to a frame by its number: reading forward where that is near, jumping where it
+//! is far.
 
 use super::VideoInfo;
 use super::backend::{VideoBackend, open_capture};
 use super::capture::Capture;
 use crate::media::MediaError;
 
-/// The farthest frame ahead that is reached by reading on. A jump costs the frames from the key frame before the
-/// target (100–175 frames apart in broadcast material) and the emptying of the decoder, about fifty frames on average.
+/// The farthest frame ahead that is reached by reading on. A jump costs the frames from the key
+/// frame before the target (100–175 frames apart in broadcast material) and the emptying of the
+/// decoder, about fifty frames on average.
 const READ_ON_FRAMES: usize = 48;
 /// After so many frames in a row whose times fit no number, the next ones are not waited for.
 const OFF_BEAT_FRAMES: usize = 16;
@@ -48,33 +50,45 @@ impl Player {
     /// Makes `target` the frame that was grabbed last.
     pub(super) fn go_to(&mut self, info: &VideoInfo, target: usize) -> Result<(), MediaError> {
         let farthest = READ_ON_FRAMES.max(self.preroll);
-        if self.position.is_none_or(|at| at > target || target - at > farthest) {
+        if self
+            .position
+            .is_none_or(|at| at > target || target - at > farthest)
+        {
             self.jump_before(info, target)?;
         }
         let mut landed = self.read_on_to(info, target)?;
         if !matches!(landed, Landed::At(_)) {
-            // After a jump in a video of uneven frame times, OpenCV takes the last frames for lying behind the stated
-            // number of frames and holds them back. Played from the start they come.
+            // After a jump in a video of uneven frame times, OpenCV takes the last frames for lying
+            // behind the stated number of frames and holds them back. Played from the start they
+            // come.
             self.restart(info, target)?;
             landed = self.read_on_to(info, target)?;
         }
         match landed {
             Landed::At(landed) if landed == target => Ok(()),
             Landed::At(_) => Err(damaged(info, target, "the decoder skips it")),
-            Landed::OffBeat | Landed::End => Err(damaged(info, target, "the decoder stops before it")),
+            Landed::OffBeat | Landed::End => {
+                Err(damaged(info, target, "the decoder stops before it"))
+            }
         }
     }
 
     /// Jumps to a frame and says where that led: at or behind the frame, if to a frame at all.
-    pub(super) fn land_at(&mut self, info: &VideoInfo, target: usize) -> Result<Landed, MediaError> {
-        let Some(target_s) = info.clock.pts_s(target) else { return Ok(Landed::End) };
+    pub(super) fn land_at(
+        &mut self,
+        info: &VideoInfo,
+        target: usize,
+    ) -> Result<Landed, MediaError> {
+        let Some(target_s) = info.clock.pts_s(target) else {
+            return Ok(Landed::End);
+        };
         self.position = None;
         self.capture.jump_near(target_s);
         self.read_on_to(info, target)
     }
 
-    /// Reads on to the end and lets each frame be looked at: the number of the last one. None when a frame's time fits
-    /// no number.
+    /// Reads on to the end and lets each frame be looked at: the number of the last one. None when
+    /// a frame's time fits no number.
     pub(super) fn read_to_the_end(
         &mut self,
         info: &VideoInfo,
@@ -109,8 +123,8 @@ impl Player {
         Ok(Landed::OffBeat)
     }
 
-    /// Jumps to a frame at or before `target`, farther back as long as the time stamps say that it came out behind,
-    /// and to the very start at last.
+    /// Jumps to a frame at or before `target`, farther back as long as the time stamps say that it
+    /// came out behind, and to the very start at last.
     fn jump_before(&mut self, info: &VideoInfo, target: usize) -> Result<(), MediaError> {
         let mut back = self.preroll;
         while let Some(start) = target.checked_sub(back).filter(|&start| start > 0) {
@@ -138,18 +152,26 @@ impl Player {
         }
     }
 
-    /// Grabs the next frame and finds its number: by its time, or by counting on where the reader does not know it.
+    /// Grabs the next frame and finds its number: by its time, or by counting on where the reader
+    /// does not know it.
     fn advance(&mut self, info: &VideoInfo) -> Result<Advance, MediaError> {
         if !self.capture.grab()? {
             self.position = None;
             return Ok(Advance::End);
         }
         let counted = self.position.map(|at| at + 1);
-        self.position = self.capture.time_s().map_or(counted, |time_s| info.clock.index_at(time_s));
+        self.position = self
+            .capture
+            .time_s()
+            .map_or(counted, |time_s| info.clock.index_at(time_s));
         Ok(self.position.map_or(Advance::OffBeat, Advance::To))
     }
 }
 
 fn damaged(info: &VideoInfo, index: usize, reason: &str) -> MediaError {
-    MediaError::DamagedFrame { path: info.path.to_path_buf(), index, reason: reason.to_owned() }
+    MediaError::DamagedFrame {
+        path: info.path.to_path_buf(),
+        index,
+        reason: reason.to_owned(),
+    }
 }

@@ -1,4 +1,5 @@
-//! The times of an MP4's frames, read from its table of samples: no frame has to be decoded for them.
+//! The times of an MP4's frames, read from its table of samples: no frame has to be decoded for
+//! them.
 
 use crate::media::MediaError;
 use crate::media::error::open_file;
@@ -8,23 +9,28 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// A table of samples is no larger than this, bytes: of ten hours at 60 frames a second with sound it has some 40 MB.
+/// A table of samples is no larger than this, bytes: of ten hours at 60 frames a second with sound
+/// it has some 40 MB.
 const MOST_BYTES: u64 = 512 << 20;
 
-/// The times at which an MP4's frames are shown, s from the first, in their order; none of a file that is cut off,
-/// fragmented or edited (where frames are left out), has several videos, or is no MP4: there only its frames tell.
+/// The times at which an MP4's frames are shown, s from the first, in their order; none of a file
+/// that is cut off, fragmented or edited (where frames are left out), has several videos, or is no
+/// MP4: there only its frames tell.
 ///
 /// # Errors
 /// The file cannot be read.
 pub(super) fn sample_times_s(path: &Path) -> Result<Option<Vec<f64>>, MediaError> {
     let mut file = open_file(path)?;
-    let bytes = file.metadata().map_err(|error| MediaError::from_io(path, &error))?.len();
+    let bytes = file
+        .metadata()
+        .map_err(|error| MediaError::from_io(path, &error))?
+        .len();
     let boxes = index_boxes(&mut file, bytes).map_err(|error| MediaError::from_io(path, &error))?;
     Ok(boxes.and_then(|boxes| times_s(&boxes, bytes)))
 }
 
-/// The boxes that say what kind of file it is and what is in it; none where one is missing or too large, or the file is
-/// fragmented.
+/// The boxes that say what kind of file it is and what is in it; none where one is missing or too
+/// large, or the file is fragmented.
 fn index_boxes(file: &mut File, bytes: u64) -> std::io::Result<Option<Vec<u8>>> {
     const WIDE: u64 = 16;
     let (mut kind_of_file, mut index) = (None, None);
@@ -33,8 +39,11 @@ fn index_boxes(file: &mut File, bytes: u64) -> std::io::Result<Option<Vec<u8>>> 
         file.seek(SeekFrom::Start(at))?;
         let mut head = [0; WIDE as usize];
         file.read_exact(&mut head)?;
-        let number =
-            |place: std::ops::Range<usize>| head[place].iter().fold(0, |all, byte| all << 8 | u64::from(*byte));
+        let number = |place: std::ops::Range<usize>| {
+            head[place]
+                .iter()
+                .fold(0, |all, byte| all << 8 | u64::from(*byte))
+        };
         let length = match number(0..4) {
             0 => bytes - at,
             1 => number(8..16),
@@ -60,25 +69,45 @@ fn index_boxes(file: &mut File, bytes: u64) -> std::io::Result<Option<Vec<u8>>> 
         }
         at += length;
     }
-    Ok(kind_of_file.zip(index).map(|(kind_of_file, index)| [kind_of_file, index].concat()))
+    Ok(kind_of_file
+        .zip(index)
+        .map(|(kind_of_file, index)| [kind_of_file, index].concat()))
 }
 
 fn times_s(boxes: &[u8], file_bytes: u64) -> Option<Vec<f64>> {
     let context = read_mp4(&mut &*boxes).ok()?;
-    let mut videos = context.tracks.iter().filter(|track| track.track_type == TrackType::Video);
-    let (video, None) = (videos.next()?, videos.next()) else { return None };
+    let mut videos = context
+        .tracks
+        .iter()
+        .filter(|track| track.track_type == TrackType::Video);
+    let (video, None) = (videos.next()?, videos.next()) else {
+        return None;
+    };
     let samples = create_sample_table(video, 0.into())?;
-    if samples.iter().any(|sample| sample.end_offset.0 > file_bytes) {
+    if samples
+        .iter()
+        .any(|sample| sample.end_offset.0 > file_bytes)
+    {
         return None;
     }
-    let mut times: Vec<i64> = samples.iter().map(|sample| sample.start_composition.0).collect();
+    let mut times: Vec<i64> = samples
+        .iter()
+        .map(|sample| sample.start_composition.0)
+        .collect();
     times.sort_unstable();
     let first = *times.first()?;
     let scale = video.timescale?.0 as f64;
-    is_whole(video, first).then(|| times.into_iter().map(|time| (time - first) as f64 / scale).collect())
+    is_whole(video, first).then(|| {
+        times
+            .into_iter()
+            .map(|time| (time - first) as f64 / scale)
+            .collect()
+    })
 }
 
 /// Whether nothing is cut from the beginning of a track whose first frame has this time.
 fn is_whole(track: &Track, first: i64) -> bool {
-    track.media_time.is_none_or(|start| i64::try_from(start.0).is_ok_and(|start| start <= first))
+    track
+        .media_time
+        .is_none_or(|start| i64::try_from(start.0).is_ok_and(|start| start <= first))
 }

@@ -1,9 +1,10 @@
 //! Examining a video when it is opened: how many frames decode, when each is shown, how to seek.
 //!
-//! The number of frames follows from the time of the last one, as long as the frames follow each other at one rate.
-//! Two checks establish that: an MP4 whose first frames lie exactly on the stated rate has that rate throughout,
-//! because it states the average over all frames; of other files the packets are counted. Where that fails, an MP4's
-//! table of samples has the times if the frames that are looked at confirm it; else every frame is visited once.
+//! The number of frames follows from the time of the last one, as long as the frames follow each
+//! other at one rate. Two checks establish that: an MP4 whose first frames lie exactly on the
+//! stated rate has that rate throughout, because it states the average over all frames; of other
+//! files the packets are counted. Where that fails, an MP4's table of samples has the times if the
+//! frames that are looked at confirm it; else every frame is visited once.
 
 use super::backend::{VideoBackend, count_packets, open_capture, open_times};
 use super::capture::Capture;
@@ -25,7 +26,8 @@ use touchline_core::progress::Progress;
 const LEAD_FRAMES: usize = 32;
 /// The same where a jump needs a run-up of [`PREROLL_FRAMES`].
 const LONG_LEAD_FRAMES: usize = 640;
-/// The run-up of a jump in a container that has no index of its key frames: longer than their usual distance.
+/// The run-up of a jump in a container that has no index of its key frames: longer than their usual
+/// distance.
 const PREROLL_FRAMES: usize = 300;
 /// How far from the end the search for the last frame begins.
 const TAIL_FRAMES: usize = 64;
@@ -69,11 +71,29 @@ pub(super) fn survey(
     let stated = *capture.stated();
     let size = stated.size;
     ImageLimits::default().check(path, size.width, size.height)?;
-    let preroll = if container == Container::Stream { PREROLL_FRAMES } else { 0 };
+    let preroll = if container == Container::Stream {
+        PREROLL_FRAMES
+    } else {
+        0
+    };
 
-    let lead = play_lead(&mut *capture, if preroll > 0 { LONG_LEAD_FRAMES } else { LEAD_FRAMES })?;
-    let Some(first_s) = lead.times_s.first().copied().map(|time_s| time_s.unwrap_or(0.0)) else {
-        return Err(MediaError::NoFrames { path: path.to_path_buf() });
+    let lead = play_lead(
+        &mut *capture,
+        if preroll > 0 {
+            LONG_LEAD_FRAMES
+        } else {
+            LEAD_FRAMES
+        },
+    )?;
+    let Some(first_s) = lead
+        .times_s
+        .first()
+        .copied()
+        .map(|time_s| time_s.unwrap_or(0.0))
+    else {
+        return Err(MediaError::NoFrames {
+            path: path.to_path_buf(),
+        });
     };
     let mut info = VideoInfo {
         path: Arc::from(path),
@@ -83,12 +103,23 @@ pub(super) fn survey(
         stated_frames: stated.frames,
         interlaced: false,
         decoded_frames: lead.times_s.len(),
-        clock: FrameClock::Even { first_s, fps: stated.fps },
+        clock: FrameClock::Even {
+            first_s,
+            fps: stated.fps,
+        },
         notices: Vec::new(),
     };
-    let mut player = Player { capture, backend, position: Some(lead.times_s.len() - 1), preroll };
+    let mut player = Player {
+        capture,
+        backend,
+        position: Some(lead.times_s.len() - 1),
+        preroll,
+    };
     let deviation_s = deviation_s(&info.clock, &lead.times_s);
-    let at_the_start = lead.samples.iter().filter(|(_, picture)| may_be_interlaced(&info) && is_combed(picture));
+    let at_the_start = lead
+        .samples
+        .iter()
+        .filter(|(_, picture)| may_be_interlaced(&info) && is_combed(picture));
     let mut combed = at_the_start.count();
 
     if lead.is_whole {
@@ -96,17 +127,32 @@ pub(super) fn survey(
             info.clock = listed(&lead.times_s, first_s, info.fps);
         }
     } else {
-        let counter = Counter { path: Arc::clone(&info.path), stated: info.stated_frames, progress };
-        // The rate that an MP4 states is the mean of all frames: it has to be that of the first ones exactly.
-        let may_be_even = deviation_s <= if container == Container::Mp4 { EXACT_S } else { ROUNDED_S };
-        let counted = if may_be_even { count_to_the_end(&mut player, &info, &mut combed)? } else { None };
+        let counter = Counter {
+            path: Arc::clone(&info.path),
+            stated: info.stated_frames,
+            progress,
+        };
+        // The rate that an MP4 states is the mean of all frames: it has to be that of the first
+        // ones exactly.
+        let may_be_even = deviation_s
+            <= if container == Container::Mp4 {
+                EXACT_S
+            } else {
+                ROUNDED_S
+            };
+        let counted = if may_be_even {
+            count_to_the_end(&mut player, &info, &mut combed)?
+        } else {
+            None
+        };
         let is_sure = counted.is_some()
             && (container == Container::Mp4
                 || count_packets(path, backend, &mut |count| counter.at(count))? == counted);
         if let Some(count) = counted.filter(|_| is_sure) {
             info.decoded_frames = count;
         } else {
-            let times_s = if let Some(times_s) = tabled(path, container, &lead, &mut player, &info)? {
+            let times_s = if let Some(times_s) = tabled(path, container, &lead, &mut player, &info)?
+            {
                 times_s.into_iter().map(Some).collect()
             } else {
                 play_through(path, backend, &counter)?
@@ -121,20 +167,33 @@ pub(super) fn survey(
     info.interlaced = combed >= 2;
     if !jumps_agree(&mut player, &info, &lead.samples) {
         player.preroll = usize::MAX;
-        info.notices.push(Notice::NoJumping { path: path.to_path_buf() });
+        info.notices.push(Notice::NoJumping {
+            path: path.to_path_buf(),
+        });
     }
     add_notices(&mut info, stated.pixel_aspect);
-    Ok(Survey { info, preroll: player.preroll, capture: player.capture })
+    Ok(Survey {
+        info,
+        preroll: player.preroll,
+        capture: player.capture,
+    })
 }
 
 fn add_notices(info: &mut VideoInfo, aspect: f64) {
     let path = info.path.to_path_buf();
     if info.stated_frames > 0 && info.stated_frames != info.decoded_frames {
         let (stated, decoded) = (info.stated_frames, info.decoded_frames);
-        info.notices.push(Notice::FramesStated { path: path.clone(), stated, decoded });
+        info.notices.push(Notice::FramesStated {
+            path: path.clone(),
+            stated,
+            decoded,
+        });
     }
     if is_uneven(info) {
-        info.notices.push(Notice::UnevenFrameTimes { path: path.clone(), fps: info.fps });
+        info.notices.push(Notice::UnevenFrameTimes {
+            path: path.clone(),
+            fps: info.fps,
+        });
     }
     if info.interlaced {
         info.notices.push(Notice::Interlaced { path: path.clone() });
@@ -144,11 +203,16 @@ fn add_notices(info: &mut VideoInfo, aspect: f64) {
     }
 }
 
-/// Whether frames come at an uneven rate. Where frames are missing and the others lie on the rate, their number says it all.
+/// Whether frames come at an uneven rate. Where frames are missing and the others lie on the rate,
+/// their number says it all.
 fn is_uneven(info: &VideoInfo) -> bool {
-    let FrameClock::Listed(times_s) = &info.clock else { return false };
+    let FrameClock::Listed(times_s) = &info.clock else {
+        return false;
+    };
     let frames_off = |time_s: &f64| (time_s - times_s[0]) * info.fps;
-    let is_on_rate = |time_s: &f64| (frames_off(time_s) - frames_off(time_s).round()).abs() <= ROUNDED_S * info.fps;
+    let is_on_rate = |time_s: &f64| {
+        (frames_off(time_s) - frames_off(time_s).round()).abs() <= ROUNDED_S * info.fps
+    };
     info.stated_frames <= info.decoded_frames || !times_s.iter().all(is_on_rate)
 }
 
@@ -163,7 +227,12 @@ struct Lead {
 }
 
 fn play_lead(capture: &mut dyn Capture, frames: usize) -> Result<Lead, MediaError> {
-    let mut lead = Lead { times_s: Vec::new(), samples: Vec::new(), size: None, is_whole: false };
+    let mut lead = Lead {
+        times_s: Vec::new(),
+        samples: Vec::new(),
+        size: None,
+        is_whole: false,
+    };
     for index in 0..frames {
         if !capture.grab()? {
             lead.is_whole = true;
@@ -182,26 +251,35 @@ fn play_lead(capture: &mut dyn Capture, frames: usize) -> Result<Lead, MediaErro
 
 /// The largest distance of a known time from a clock's, s.
 fn deviation_s(clock: &FrameClock, times_s: &[Option<f64>]) -> f64 {
-    let distances =
-        times_s.iter().enumerate().filter_map(|(index, time_s)| Some(((*time_s)? - clock.pts_s(index)?).abs()));
+    let distances = times_s
+        .iter()
+        .enumerate()
+        .filter_map(|(index, time_s)| Some(((*time_s)? - clock.pts_s(index)?).abs()));
     distances.fold(0.0, f64::max)
 }
 
-/// A clock from the times of all frames; the last ones, whose times the reader does not know, follow at the stated rate.
+/// A clock from the times of all frames; the last ones, whose times the reader does not know,
+/// follow at the stated rate.
 fn listed(times_s: &[Option<f64>], first_s: f64, fps: f64) -> FrameClock {
     let mut last_s = first_s - 1.0 / fps;
     let mut filled = Vec::with_capacity(times_s.len());
     for time_s in times_s {
-        last_s = time_s.filter(|&time_s| time_s > last_s).unwrap_or(last_s + 1.0 / fps);
+        last_s = time_s
+            .filter(|&time_s| time_s > last_s)
+            .unwrap_or(last_s + 1.0 / fps);
         filled.push(last_s);
     }
     FrameClock::Listed(filled.into())
 }
 
-/// The number of frames, from the number of the last one: found by halving between where frames decode and where they
-/// do not, then by reading to the end. None when the times do not fit one rate. Adds to `combed` how many of the last
-/// frames are made of two fields.
-fn count_to_the_end(player: &mut Player, info: &VideoInfo, combed: &mut usize) -> Result<Option<usize>, MediaError> {
+/// The number of frames, from the number of the last one: found by halving between where frames
+/// decode and where they do not, then by reading to the end. None when the times do not fit one
+/// rate. Adds to `combed` how many of the last frames are made of two fields.
+fn count_to_the_end(
+    player: &mut Player,
+    info: &VideoInfo,
+    combed: &mut usize,
+) -> Result<Option<usize>, MediaError> {
     // `good` decodes; `bad` does not, or is so near the end that its time is unknown.
     let mut good = info.decoded_frames - 1;
     let mut bad = info.stated_frames.max(good + 1);
@@ -222,7 +300,11 @@ fn count_to_the_end(player: &mut Player, info: &VideoInfo, combed: &mut usize) -
     }
     let mut look = |capture: &mut dyn Capture, index: usize| {
         if may_be_interlaced(info) && index.is_multiple_of(TAIL_LOOK_FRAMES) {
-            *combed += usize::from(capture.picture(index).is_ok_and(|picture| is_combed(&picture)));
+            *combed += usize::from(
+                capture
+                    .picture(index)
+                    .is_ok_and(|picture| is_combed(&picture)),
+            );
         }
     };
     let (first, read) = (good, &mut 0);
@@ -230,12 +312,16 @@ fn count_to_the_end(player: &mut Player, info: &VideoInfo, combed: &mut usize) -
         *read += 1;
         look(capture, index);
     })?;
-    // Where a frame is missing between the last ones, as in a file that was cut off, those behind it are counted wrong.
-    Ok(last.filter(|&last| last - first == *read).map(|last| last + 1))
+    // Where a frame is missing between the last ones, as in a file that was cut off, those behind
+    // it are counted wrong.
+    Ok(last
+        .filter(|&last| last - first == *read)
+        .map(|last| last + 1))
 }
 
-/// The times of an MP4's frames by its table of samples, s, where the frames at the start and those that are looked at
-/// further on are shown just then; none where the table does not say, or not what the frames do.
+/// The times of an MP4's frames by its table of samples, s, where the frames at the start and those
+/// that are looked at further on are shown just then; none where the table does not say, or not
+/// what the frames do.
 fn tabled(
     path: &Path,
     container: Container,
@@ -245,10 +331,20 @@ fn tabled(
 ) -> Result<Option<Vec<f64>>, MediaError> {
     /// Frames that are looked at, spread over the video. The last ones do not come after a jump.
     const LOOKED_AT: usize = 4;
-    let table = if container == Container::Mp4 { sample_times_s(path)? } else { None };
-    let Some(times_s) = table else { return Ok(None) };
+    let table = if container == Container::Mp4 {
+        sample_times_s(path)?
+    } else {
+        None
+    };
+    let Some(times_s) = table else {
+        return Ok(None);
+    };
     let clock = FrameClock::Listed(times_s.clone().into());
-    let listed = VideoInfo { clock, decoded_frames: times_s.len(), ..info.clone() };
+    let listed = VideoInfo {
+        clock,
+        decoded_frames: times_s.len(),
+        ..info.clone()
+    };
     let agree = deviation_s(&listed.clock, &lead.times_s) <= EXACT_S
         && times_s.len() > lead.times_s.len()
         && (1..=LOOKED_AT).all(|place| {
@@ -259,7 +355,11 @@ fn tabled(
 }
 
 /// The time of every frame, by playing them all.
-fn play_through(path: &Path, backend: VideoBackend, counter: &Counter<'_>) -> Result<Vec<Option<f64>>, MediaError> {
+fn play_through(
+    path: &Path,
+    backend: VideoBackend,
+    counter: &Counter<'_>,
+) -> Result<Vec<Option<f64>>, MediaError> {
     let mut capture = open_times(path, backend)?;
     let mut times_s = Vec::new();
     while capture.grab()? {
@@ -281,10 +381,16 @@ impl Counter<'_> {
         if !counted.is_multiple_of(COUNT_REPORT_FRAMES) {
             return Ok(());
         }
-        let step = CountProgress { path: Arc::clone(&self.path), counted, stated: self.stated };
+        let step = CountProgress {
+            path: Arc::clone(&self.path),
+            counted,
+            stated: self.stated,
+        };
         match self.progress.report(step) {
             ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(MediaError::Stopped { path: self.path.to_path_buf() }),
+            ControlFlow::Break(()) => Err(MediaError::Stopped {
+                path: self.path.to_path_buf(),
+            }),
         }
     }
 }
@@ -293,7 +399,11 @@ impl Counter<'_> {
 fn jumps_agree(player: &mut Player, info: &VideoInfo, samples: &[(usize, Picture)]) -> bool {
     samples.iter().rev().all(|(index, played)| {
         player.position = None;
-        player.go_to(info, *index).is_ok() && player.capture.picture(*index).is_ok_and(|jumped| jumped == *played)
+        player.go_to(info, *index).is_ok()
+            && player
+                .capture
+                .picture(*index)
+                .is_ok_and(|jumped| jumped == *played)
     })
 }
 
@@ -302,13 +412,16 @@ fn may_be_interlaced(info: &VideoInfo) -> bool {
     INTERLACED_HEIGHTS.contains(&info.size.height) && info.rotation_deg.is_multiple_of(180)
 }
 
-/// How many of some frames in the middle are made of two fields: nothing may move where a video begins and ends.
+/// How many of some frames in the middle are made of two fields: nothing may move where a video
+/// begins and ends.
 fn combed_in_the_middle(player: &mut Player, info: &VideoInfo) -> usize {
     if !may_be_interlaced(info) {
         return 0;
     }
     // Reading on costs little, so that one jump is used for several frames.
-    let places = (info.decoded_frames / 2..info.decoded_frames).step_by(4).take(6);
+    let places = (info.decoded_frames / 2..info.decoded_frames)
+        .step_by(4)
+        .take(6);
     let pictures = places.filter_map(|index| {
         player.go_to(info, index).ok()?;
         player.capture.picture(index).ok()
@@ -316,14 +429,21 @@ fn combed_in_the_middle(player: &mut Player, info: &VideoInfo) -> usize {
     pictures.filter(is_combed).count()
 }
 
-/// Recognises the container by its first bytes. Text is no video: `FFmpeg` would draw it as one, or follow the list of files
-/// and addresses that it holds.
+/// Recognises the container by its first bytes. Text is no video: `FFmpeg` would draw it as one, or
+/// follow the list of files and addresses that it holds.
 fn container_of(path: &Path) -> Result<Container, MediaError> {
     let mut head = Vec::new();
-    open_file(path)?.take(64).read_to_end(&mut head).map_err(|error| MediaError::from_io(path, &error))?;
-    let is_text = head.iter().all(|&byte| byte >= b' ' || byte.is_ascii_whitespace());
+    open_file(path)?
+        .take(64)
+        .read_to_end(&mut head)
+        .map_err(|error| MediaError::from_io(path, &error))?;
+    let is_text = head
+        .iter()
+        .all(|&byte| byte >= b' ' || byte.is_ascii_whitespace());
     if is_text && !head.starts_with(b"YUV4MPEG2 ") {
-        return Err(MediaError::NotAVideo { path: path.to_path_buf() });
+        return Err(MediaError::NotAVideo {
+            path: path.to_path_buf(),
+        });
     }
     Ok(match (head.get(..4), head.get(4..8), head.get(8..12)) {
         (_, Some(b"ftyp" | b"moov" | b"mdat" | b"free" | b"wide" | b"skip"), _) => Container::Mp4,

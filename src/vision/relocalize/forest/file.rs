@@ -12,14 +12,17 @@ pub enum ForestFileError {
     #[error("this is not a forest of touchline; `touchline train` makes one")]
     NotAForest,
     /// Written by a newer program.
-    #[error("this forest has version {version}, this program reads up to {newest}; update touchline or train it again")]
+    #[error(
+        "this forest has version {version}, this program reads up to {newest}; update touchline or train it again"
+    )]
     Newer {
         /// The file's version.
         version: u32,
         /// The newest that is known.
         newest: u32,
     },
-    /// Written by an older program, in a way that is no longer read: forests are trained again, not converted.
+    /// Written by an older program, in a way that is no longer read: forests are trained again, not
+    /// converted.
     #[error("this forest has version {version}, which is no longer read; train it again")]
     Older {
         /// The file's version.
@@ -79,9 +82,16 @@ impl<'a> Reader<'a> {
     }
 
     /// The next `count` bytes.
-    pub(in crate::relocalize) fn bytes(&mut self, count: usize) -> Result<&'a [u8], ForestFileError> {
-        let (taken, rest) =
-            self.rest.split_at_checked(count).ok_or(ForestFileError::Damaged { what: "it ends too early" })?;
+    pub(in crate::relocalize) fn bytes(
+        &mut self,
+        count: usize,
+    ) -> Result<&'a [u8], ForestFileError> {
+        let (taken, rest) = self
+            .rest
+            .split_at_checked(count)
+            .ok_or(ForestFileError::Damaged {
+                what: "it ends too early",
+            })?;
         self.rest = rest;
         Ok(taken)
     }
@@ -103,19 +113,36 @@ impl<'a> Reader<'a> {
     /// A finite number.
     pub(in crate::relocalize) fn f64(&mut self) -> Result<f64, ForestFileError> {
         let value = f64::from_le_bytes(self.array()?);
-        if value.is_finite() { Ok(value) } else { Err(ForestFileError::Damaged { what: "a number is not finite" }) }
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(ForestFileError::Damaged {
+                what: "a number is not finite",
+            })
+        }
     }
 
     fn f32(&mut self) -> Result<f32, ForestFileError> {
         let value = f32::from_le_bytes(self.array()?);
-        if value.is_finite() { Ok(value) } else { Err(ForestFileError::Damaged { what: "a ray is not finite" }) }
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(ForestFileError::Damaged {
+                what: "a ray is not finite",
+            })
+        }
     }
 
     /// How many items follow, each of at least `item_bytes`: no more than the rest can hold.
-    pub(in crate::relocalize) fn count(&mut self, item_bytes: usize) -> Result<usize, ForestFileError> {
+    pub(in crate::relocalize) fn count(
+        &mut self,
+        item_bytes: usize,
+    ) -> Result<usize, ForestFileError> {
         let count = self.u32()? as usize;
         if count > self.rest.len() / item_bytes {
-            return Err(ForestFileError::Damaged { what: "it ends too early" });
+            return Err(ForestFileError::Damaged {
+                what: "it ends too early",
+            });
         }
         Ok(count)
     }
@@ -123,30 +150,54 @@ impl<'a> Reader<'a> {
     /// Text behind its length.
     pub(in crate::relocalize) fn text(&mut self) -> Result<&'a str, ForestFileError> {
         let length = self.count(1)?;
-        std::str::from_utf8(self.bytes(length)?).map_err(|_| ForestFileError::Damaged { what: "text is not UTF-8" })
+        std::str::from_utf8(self.bytes(length)?).map_err(|_| ForestFileError::Damaged {
+            what: "text is not UTF-8",
+        })
     }
 
     /// Everything has been read.
     pub(in crate::relocalize) fn finish(&self) -> Result<(), ForestFileError> {
-        if self.rest.is_empty() { Ok(()) } else { Err(ForestFileError::Damaged { what: "bytes are left over" }) }
+        if self.rest.is_empty() {
+            Ok(())
+        } else {
+            Err(ForestFileError::Damaged {
+                what: "bytes are left over",
+            })
+        }
     }
 
     /// The forest that [`write_forest`] wrote.
     pub(in crate::relocalize) fn forest(&mut self) -> Result<Forest, ForestFileError> {
         let count = self.count(TREE_BYTES)?;
         if count == 0 {
-            return Err(ForestFileError::Damaged { what: "it has no trees" });
+            return Err(ForestFileError::Damaged {
+                what: "it has no trees",
+            });
         }
-        Ok(Forest { trees: (0..count).map(|_| self.tree()).collect::<Result<_, _>>()? })
+        Ok(Forest {
+            trees: (0..count).map(|_| self.tree()).collect::<Result<_, _>>()?,
+        })
     }
 
     fn tree(&mut self) -> Result<Tree, ForestFileError> {
         let root = Branch(self.u32()?);
-        let [nodes, leaves, means] = [self.u32()? as usize, self.u32()? as usize, self.u32()? as usize];
-        let needed = [(nodes, NODE_BYTES), (leaves, LEAF_BYTES), (means, MEAN_BYTES)];
-        let needed = needed.iter().try_fold(0usize, |sum, (count, bytes)| sum.checked_add(count.checked_mul(*bytes)?));
+        let [nodes, leaves, means] = [
+            self.u32()? as usize,
+            self.u32()? as usize,
+            self.u32()? as usize,
+        ];
+        let needed = [
+            (nodes, NODE_BYTES),
+            (leaves, LEAF_BYTES),
+            (means, MEAN_BYTES),
+        ];
+        let needed = needed.iter().try_fold(0usize, |sum, (count, bytes)| {
+            sum.checked_add(count.checked_mul(*bytes)?)
+        });
         if needed.is_none_or(|needed| needed > self.rest.len()) {
-            return Err(ForestFileError::Damaged { what: "it ends too early" });
+            return Err(ForestFileError::Damaged {
+                what: "it ends too early",
+            });
         }
         check_branch(root, 0, nodes, leaves)?;
         let nodes: Vec<Node> = (0..nodes)
@@ -157,30 +208,65 @@ impl<'a> Reader<'a> {
                     check_branch(branch, index + 1, nodes, leaves)?;
                 }
                 if usize::from(dimension) >= DESCRIPTOR_BYTES {
-                    return Err(ForestFileError::Damaged { what: "a node tests a byte that is not there" });
+                    return Err(ForestFileError::Damaged {
+                        what: "a node tests a byte that is not there",
+                    });
                 }
-                Ok(Node { dimension, threshold, branches })
+                Ok(Node {
+                    dimension,
+                    threshold,
+                    branches,
+                })
             })
             .collect::<Result<_, ForestFileError>>()?;
         let leaf_ends: Vec<u32> = (0..leaves).map(|_| self.u32()).collect::<Result<_, _>>()?;
         if !leaf_ends.is_sorted() || leaf_ends.last().is_some_and(|&last| last as usize != means) {
-            return Err(ForestFileError::Damaged { what: "a leaf ends before it begins" });
+            return Err(ForestFileError::Damaged {
+                what: "a leaf ends before it begins",
+            });
         }
-        let (descriptors, _) = self.bytes(means * DESCRIPTOR_BYTES)?.as_chunks::<DESCRIPTOR_BYTES>();
-        let descriptors: Vec<Descriptor> = descriptors.iter().map(|bytes| Descriptor(*bytes)).collect();
+        let (descriptors, _) = self
+            .bytes(means * DESCRIPTOR_BYTES)?
+            .as_chunks::<DESCRIPTOR_BYTES>();
+        let descriptors: Vec<Descriptor> =
+            descriptors.iter().map(|bytes| Descriptor(*bytes)).collect();
         let sketches = descriptors.iter().map(Sketch::of).collect();
         let rays = (0..means)
-            .map(|_| Ok(MeanRay { pan_tilt: [self.f32()?, self.f32()?], spread: self.f32()?, samples: self.u32()? }))
+            .map(|_| {
+                Ok(MeanRay {
+                    pan_tilt: [self.f32()?, self.f32()?],
+                    spread: self.f32()?,
+                    samples: self.u32()?,
+                })
+            })
             .collect::<Result<_, ForestFileError>>()?;
-        Ok(Tree { root, nodes, leaf_ends, descriptors, sketches, rays })
+        Ok(Tree {
+            root,
+            nodes,
+            leaf_ends,
+            descriptors,
+            sketches,
+            rays,
+        })
     }
 }
 
 /// A branch leads to a leaf, or to a node from `first` on: a way down never comes back.
-fn check_branch(branch: Branch, first: usize, nodes: usize, leaves: usize) -> Result<(), ForestFileError> {
+fn check_branch(
+    branch: Branch,
+    first: usize,
+    nodes: usize,
+    leaves: usize,
+) -> Result<(), ForestFileError> {
     let holds = match branch.child() {
         Child::Node(index) => index >= first && index < nodes,
         Child::Leaf(index) => index < leaves,
     };
-    if holds { Ok(()) } else { Err(ForestFileError::Damaged { what: "a branch leads nowhere" }) }
+    if holds {
+        Ok(())
+    } else {
+        Err(ForestFileError::Damaged {
+            what: "a branch leads nowhere",
+        })
+    }
 }

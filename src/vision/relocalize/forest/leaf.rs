@@ -6,8 +6,13 @@ use crate::features::{DESCRIPTOR_BYTES, Descriptor};
 use touchline_core::camera::PanTilt;
 use touchline_core::geometry::{Angle, Vec3};
 
-/// The samples `at` of a leaf, those with rays within an angle of a place's first one by one turned into its mean.
-pub(super) fn means(samples: &Samples, at: &[u32], merge_within: Angle) -> Vec<(Descriptor, MeanRay)> {
+/// The samples `at` of a leaf, those with rays within an angle of a place's first one by one turned
+/// into its mean.
+pub(super) fn means(
+    samples: &Samples,
+    at: &[u32],
+    merge_within: Angle,
+) -> Vec<(Descriptor, MeanRay)> {
     let mut order = at.to_vec();
     let ray = |sample: u32| samples.rays[sample as usize];
     order.sort_unstable_by(|&a, &b| ray(a).x.total_cmp(&ray(b).x).then(a.cmp(&b)));
@@ -16,16 +21,24 @@ pub(super) fn means(samples: &Samples, at: &[u32], merge_within: Angle) -> Vec<(
     let mut first_near = 0;
     for sample in order {
         let at = ray(sample);
-        while places.get(first_near).is_some_and(|(place, _)| at.x - place.x > chord) {
+        while places
+            .get(first_near)
+            .is_some_and(|(place, _)| at.x - place.x > chord)
+        {
             first_near += 1;
         }
-        let near = places[first_near..].iter_mut().find(|(place, _)| (at - *place).norm() < chord);
+        let near = places[first_near..]
+            .iter_mut()
+            .find(|(place, _)| (at - *place).norm() < chord);
         match near {
             Some((_, members)) => members.push(sample),
             None => places.push((at, vec![sample])),
         }
     }
-    places.iter().map(|(_, members)| mean(samples, members)).collect()
+    places
+        .iter()
+        .map(|(_, members)| mean(samples, members))
+        .collect()
 }
 
 /// The mean descriptor and ray of samples, of which there is one at least.
@@ -39,11 +52,25 @@ fn mean(samples: &Samples, members: &[u32]) -> (Descriptor, MeanRay) {
         }
         direction += samples.rays[sample as usize];
     }
-    let mean = if count == 1 { direction } else { direction.normalize() };
-    let squares: f64 = members.iter().map(|&sample| (samples.rays[sample as usize] - mean).norm_squared()).sum();
+    let mean = if count == 1 {
+        direction
+    } else {
+        direction.normalize()
+    };
+    let squares: f64 = members
+        .iter()
+        .map(|&sample| (samples.rays[sample as usize] - mean).norm_squared())
+        .sum();
     let ray = PanTilt::from_direction(mean);
     let pan_tilt = [ray.pan.radians() as f32, ray.tilt.radians() as f32];
     let spread = (squares / f64::from(count)).sqrt() as f32;
     let descriptor = Descriptor(sums.map(|sum| ((sum + count / 2) / count) as u8));
-    (descriptor, MeanRay { pan_tilt, spread, samples: count })
+    (
+        descriptor,
+        MeanRay {
+            pan_tilt,
+            spread,
+            samples: count,
+        },
+    )
 }

@@ -5,7 +5,8 @@ use super::{Forest, PredictOptions};
 use crate::features::{DESCRIPTOR_NORM, Descriptor};
 use touchline_core::camera::PanTilt;
 
-/// Candidates nearer to a better one than this show the same place, rad (0.05°): what leaves hold is merged as widely.
+/// Candidates nearer to a better one than this show the same place, rad (0.05°): what leaves hold
+/// is merged as widely.
 const SAME_RAY_RAD: f64 = 9e-4;
 
 /// Candidates of a feature at most.
@@ -21,8 +22,8 @@ pub struct RayCandidate {
 }
 
 impl Forest {
-    /// The rays that a descriptor may show, the likeliest first: the nearest descriptors in the leaves examined, if they
-    /// pass the gates, each place once. Empties and fills `candidates`.
+    /// The rays that a descriptor may show, the likeliest first: the nearest descriptors in the
+    /// leaves examined, if they pass the gates, each place once. Empties and fills `candidates`.
     pub fn predict(
         &self,
         descriptor: &Descriptor,
@@ -30,9 +31,14 @@ impl Forest {
         search: &mut Search,
         candidates: &mut Vec<RayCandidate>,
     ) {
-        search.for_each(self, std::slice::from_ref(descriptor), options, |_, nearest| {
-            self.collect(options, nearest, candidates);
-        });
+        search.for_each(
+            self,
+            std::slice::from_ref(descriptor),
+            options,
+            |_, nearest| {
+                self.collect(options, nearest, candidates);
+            },
+        );
     }
 
     /// [`Self::predict`] for many descriptors, several times as fast: hands on the number of each with its candidates.
@@ -50,7 +56,12 @@ impl Forest {
     }
 
     /// The nearest descriptors' rays, each place once, those that mix places left out.
-    fn collect(&self, options: &PredictOptions, nearest: &[Near], candidates: &mut Vec<RayCandidate>) {
+    fn collect(
+        &self,
+        options: &PredictOptions,
+        nearest: &[Near],
+        candidates: &mut Vec<RayCandidate>,
+    ) {
         candidates.clear();
         for near in nearest {
             let mean = &self.trees[near.tree as usize].rays[near.number as usize];
@@ -59,12 +70,19 @@ impl Forest {
             }
             let (pan, tilt) = (mean.pan(), mean.tilt());
             let known = candidates.iter().any(|other| {
-                let (by_pan, by_tilt) = (pan.turn_from(other.ray.pan).abs(), (tilt - other.ray.tilt).abs());
+                let (by_pan, by_tilt) = (
+                    pan.turn_from(other.ray.pan).abs(),
+                    (tilt - other.ray.tilt).abs(),
+                );
                 by_pan.radians().max(by_tilt.radians()) < SAME_RAY_RAD
             });
             if !known {
-                let squared_distance = near.squared_distance as f32 / (DESCRIPTOR_NORM * DESCRIPTOR_NORM);
-                candidates.push(RayCandidate { ray: PanTilt { pan, tilt }, squared_distance });
+                let squared_distance =
+                    near.squared_distance as f32 / (DESCRIPTOR_NORM * DESCRIPTOR_NORM);
+                candidates.push(RayCandidate {
+                    ray: PanTilt { pan, tilt },
+                    squared_distance,
+                });
                 if candidates.len() == CANDIDATES {
                     break;
                 }

@@ -50,7 +50,11 @@ impl Samples {
 
     /// The samples of one frame.
     pub(super) fn of_frame(&self, frame: usize) -> std::ops::Range<u32> {
-        let start = if frame == 0 { 0 } else { self.frame_ends[frame - 1] };
+        let start = if frame == 0 {
+            0
+        } else {
+            self.frame_ends[frame - 1]
+        };
         start as u32..self.frame_ends[frame] as u32
     }
 

@@ -1,8 +1,9 @@
 //! The known descriptors nearest to some that are asked for.
 //!
-//! What the leaves hold lies scattered over tens of megabytes, and waiting for it is most of the work. So descriptors are
-//! looked up in groups, stage by stage: the ways down of a group side by side, then what its leaves hold, then what of
-//! that is likely. Before a stage compares, it touches all the memory that it will need, so that the waits overlap.
+//! What the leaves hold lies scattered over tens of megabytes, and waiting for it is most of the
+//! work. So descriptors are looked up in groups, stage by stage: the ways down of a group side by
+//! side, then what its leaves hold, then what of that is likely. Before a stage compares, it
+//! touches all the memory that it will need, so that the waits overlap.
 
 use super::PredictOptions;
 use super::tree::{Branch, Child, Forest, Tree};
@@ -19,17 +20,19 @@ const WAYS: usize = 8;
 /// Nearest descriptors kept while leaves are examined; several may show one place.
 const NEAREST: usize = 12;
 
-/// A descriptor is compared if its sketch has no more than the gate's squared distance divided by this. Of SIFT
-/// descriptors that pass the gate, one in a hundred has more than half its squared distance in its sketch, and that one
-/// passes narrowly; of outliers in the same leaf, one in thirty has less.
+/// A descriptor is compared if its sketch has no more than the gate's squared distance divided by
+/// this. Of SIFT descriptors that pass the gate, one in a hundred has more than half its squared
+/// distance in its sketch, and that one passes narrowly; of outliers in the same leaf, one in
+/// thirty has less.
 const SKETCH_SHARE: u32 = 2;
 
-/// A branch missed by more than this share of the best squared distance is not followed: a miss in a few bytes grows with
-/// the bytes that the way has not looked at. Twice as much costs time, and finds hardly anything.
+/// A branch missed by more than this share of the best squared distance is not followed: a miss in
+/// a few bytes grows with the bytes that the way has not looked at. Twice as much costs time, and
+/// finds hardly anything.
 const MISSED_SHARE: f32 = 0.25;
 
-/// A branch that a way down passed by: by how much its side was missed (sum of squared byte differences on the way to
-/// it), then its tree and number so that equals have one order.
+/// A branch that a way down passed by: by how much its side was missed (sum of squared byte
+/// differences on the way to it), then its tree and number so that equals have one order.
 type Missed = Reverse<(u32, u32, u32)>;
 
 /// A known descriptor.
@@ -55,7 +58,8 @@ struct Likely {
 #[derive(Debug, Default)]
 pub struct Search {
     sketches: Vec<Sketch>,
-    /// The leaves that the first ways down reach: tree after tree, for each descriptor of the group.
+    /// The leaves that the first ways down reach: tree after tree, for each descriptor of the
+    /// group.
     leaves: Vec<u32>,
     likely: Vec<Likely>,
     /// For each descriptor of the group the branches that its ways passed by.
@@ -65,8 +69,8 @@ pub struct Search {
 }
 
 impl Search {
-    /// Finds the nearest of each descriptor in the leaves examined and hands them on, the nearest first, with the
-    /// descriptor's number.
+    /// Finds the nearest of each descriptor in the leaves examined and hands them on, the nearest
+    /// first, with the descriptor's number.
     pub(super) fn for_each(
         &mut self,
         forest: &Forest,
@@ -77,8 +81,15 @@ impl Search {
         let gate = (options.max_squared_distance * DESCRIPTOR_NORM * DESCRIPTOR_NORM) as u32;
         let more = forest.trees.len() * options.leaves_per_tree.saturating_sub(1) as usize;
         for (number, group) in descriptors.chunks(GROUP).enumerate() {
-            // The same code for every kind of processor, compiled for the instructions that this one has.
-            pulp::Arch::new().dispatch(Examination { trees: &forest.trees, group, gate, more, search: self });
+            // The same code for every kind of processor, compiled for the instructions that this
+            // one has.
+            pulp::Arch::new().dispatch(Examination {
+                trees: &forest.trees,
+                group,
+                gate,
+                more,
+                search: self,
+            });
             for (place, nearest) in self.nearest[..group.len()].iter().enumerate() {
                 found(number * GROUP + place, nearest);
             }
@@ -86,7 +97,8 @@ impl Search {
     }
 }
 
-/// The examination of a group: no closure, as only what is inlined is compiled for the processor at hand.
+/// The examination of a group: no closure, as only what is inlined is compiled for the processor at
+/// hand.
 struct Examination<'a> {
     trees: &'a [Tree],
     group: &'a [Descriptor],
@@ -101,11 +113,18 @@ impl pulp::WithSimd for Examination<'_> {
     type Output = ();
 
     #[inline(always)]
-    #[allow(clippy::inline_always, reason = "only what is inlined into the dispatch is compiled for this processor")]
+    #[allow(
+        clippy::inline_always,
+        reason = "only what is inlined into the dispatch is compiled for this processor"
+    )]
     fn with_simd<S: pulp::Simd>(mut self, _: S) {
         self.begin();
         for (number, tree) in self.trees.iter().enumerate() {
-            if self.more == 0 { self.walk(tree) } else { self.walk_and_note(number as u32, tree) }
+            if self.more == 0 {
+                self.walk(tree)
+            } else {
+                self.walk_and_note(number as u32, tree)
+            }
         }
         self.scan();
         self.compare();
@@ -115,11 +134,20 @@ impl pulp::WithSimd for Examination<'_> {
     }
 }
 
-#[allow(clippy::inline_always, reason = "only what is inlined into the dispatch is compiled for this processor")]
+#[allow(
+    clippy::inline_always,
+    reason = "only what is inlined into the dispatch is compiled for this processor"
+)]
 impl Examination<'_> {
     #[inline(always)]
     fn begin(&mut self) {
-        let Search { sketches, leaves, likely, missed, nearest } = &mut *self.search;
+        let Search {
+            sketches,
+            leaves,
+            likely,
+            missed,
+            nearest,
+        } = &mut *self.search;
         sketches.clear();
         sketches.extend(self.group.iter().map(Sketch::of));
         leaves.clear();
@@ -128,7 +156,8 @@ impl Examination<'_> {
         nearest.iter_mut().for_each(Vec::clear);
     }
 
-    /// The leaves of a group, some ways at a time step by step, so that they do not wait for each other's nodes.
+    /// The leaves of a group, some ways at a time step by step, so that they do not wait for each
+    /// other's nodes.
     #[inline(always)]
     fn walk(&mut self, tree: &Tree) {
         for together in self.group.chunks(WAYS) {
@@ -166,19 +195,39 @@ impl Examination<'_> {
     /// Which descriptors of the leaves reached are likely by their sketches.
     #[inline(always)]
     fn scan(&mut self) {
-        let Search { sketches, leaves, likely, .. } = &mut *self.search;
+        let Search {
+            sketches,
+            leaves,
+            likely,
+            ..
+        } = &mut *self.search;
         let mut touched = 0u32;
         for (tree, leaves) in self.trees.iter().zip(leaves.chunks(self.group.len())) {
             for &leaf in leaves {
                 let known = &tree.sketches[tree.held(leaf as usize)];
                 // Two lie in a line of the processor's memory.
-                touched += known.iter().step_by(2).map(|sketch| u32::from(sketch.first())).sum::<u32>();
+                touched += known
+                    .iter()
+                    .step_by(2)
+                    .map(|sketch| u32::from(sketch.first()))
+                    .sum::<u32>();
             }
         }
         std::hint::black_box(touched);
-        for ((number, tree), leaves) in self.trees.iter().enumerate().zip(leaves.chunks(self.group.len())) {
+        for ((number, tree), leaves) in self
+            .trees
+            .iter()
+            .enumerate()
+            .zip(leaves.chunks(self.group.len()))
+        {
             for ((whose, sketch), &leaf) in sketches.iter().enumerate().zip(leaves) {
-                list_likely(tree, (whose as u32, number as u32, leaf as usize), sketch, self.gate, likely);
+                list_likely(
+                    tree,
+                    (whose as u32, number as u32, leaf as usize),
+                    sketch,
+                    self.gate,
+                    likely,
+                );
             }
         }
     }
@@ -186,7 +235,9 @@ impl Examination<'_> {
     /// Compares what is likely and keeps what is nearest.
     #[inline(always)]
     fn compare(&mut self) {
-        let Search { likely, nearest, .. } = &mut *self.search;
+        let Search {
+            likely, nearest, ..
+        } = &mut *self.search;
         let mut touched = 0u32;
         for at in &*likely {
             let (tree, number) = (&self.trees[at.tree as usize], at.number as usize);
@@ -194,13 +245,29 @@ impl Examination<'_> {
             touched += u32::from(first) + u32::from(last) + tree.rays[number].samples;
         }
         std::hint::black_box(touched);
-        for &Likely { whose, tree, number } in &*likely {
+        for &Likely {
+            whose,
+            tree,
+            number,
+        } in &*likely
+        {
             let nearest = &mut nearest[whose as usize];
-            let limit = if nearest.len() < NEAREST { self.gate } else { nearest[NEAREST - 1].squared_distance };
+            let limit = if nearest.len() < NEAREST {
+                self.gate
+            } else {
+                nearest[NEAREST - 1].squared_distance
+            };
             let known = &self.trees[tree as usize].descriptors[number as usize];
             let squared_distance = self.group[whose as usize].squared_byte_distance(known);
             if squared_distance <= limit {
-                insert(nearest, Near { squared_distance, tree, number });
+                insert(
+                    nearest,
+                    Near {
+                        squared_distance,
+                        tree,
+                        number,
+                    },
+                );
             }
         }
     }
@@ -209,28 +276,51 @@ impl Examination<'_> {
     #[inline(always)]
     fn follow_missed(&mut self, whose: usize) {
         for _ in 0..self.more {
-            let Some(Reverse((margin, number, branch))) = self.search.missed[whose].pop() else { break };
-            let best = self.search.nearest[whose].first().map_or(self.gate, |near| near.squared_distance);
+            let Some(Reverse((margin, number, branch))) = self.search.missed[whose].pop() else {
+                break;
+            };
+            let best = self.search.nearest[whose]
+                .first()
+                .map_or(self.gate, |near| near.squared_distance);
             let follow = most_missed(best);
             if margin > follow {
                 break;
             }
             let (descriptor, tree) = (&self.group[whose], &self.trees[number as usize]);
-            let Search { sketches, likely, missed, .. } = &mut *self.search;
-            let leaf = descend(descriptor, tree, (margin, number, Branch(branch)), follow, &mut missed[whose]);
+            let Search {
+                sketches,
+                likely,
+                missed,
+                ..
+            } = &mut *self.search;
+            let leaf = descend(
+                descriptor,
+                tree,
+                (margin, number, Branch(branch)),
+                follow,
+                &mut missed[whose],
+            );
             likely.clear();
-            list_likely(tree, (whose as u32, number, leaf), &sketches[whose], self.gate, likely);
+            list_likely(
+                tree,
+                (whose as u32, number, leaf),
+                &sketches[whose],
+                self.gate,
+                likely,
+            );
             self.compare();
         }
     }
 }
 
-/// By how much a branch may be missed that is followed, where the nearest descriptor so far is as far off.
+/// By how much a branch may be missed that is followed, where the nearest descriptor so far is as
+/// far off.
 fn most_missed(best: u32) -> u32 {
     (MISSED_SHARE * best as f32) as u32
 }
 
-/// Lists the descriptors of one leaf that are likely: whose neighbours they may be, the tree's number, the leaf.
+/// Lists the descriptors of one leaf that are likely: whose neighbours they may be, the tree's
+/// number, the leaf.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "a part of the dispatched search")]
 fn list_likely(
@@ -243,12 +333,17 @@ fn list_likely(
     let held = tree.held(leaf);
     for (place, known) in held.clone().zip(&tree.sketches[held]) {
         if SKETCH_SHARE * sketch.squared_byte_distance(known) <= gate {
-            likely.push(Likely { whose, tree: number, number: place as u32 });
+            likely.push(Likely {
+                whose,
+                tree: number,
+                number: place as u32,
+            });
         }
     }
 }
 
-/// Walks down to a leaf, and notes the branches passed by that were missed by no more than `follow`.
+/// Walks down to a leaf, and notes the branches passed by that were missed by no more than
+/// `follow`.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "a part of the dispatched search")]
 fn descend(
@@ -267,7 +362,11 @@ fn descend(
                 let by = u32::from(value.abs_diff(node.threshold)) + u32::from(!above);
                 let margin = margin + by * by;
                 if margin <= follow {
-                    missed.push(Reverse((margin, number, node.branches[usize::from(!above)].0)));
+                    missed.push(Reverse((
+                        margin,
+                        number,
+                        node.branches[usize::from(!above)].0,
+                    )));
                 }
                 branch = node.branches[usize::from(above)];
             }
@@ -293,7 +392,14 @@ mod tests {
     fn the_nearest_are_kept_in_order() {
         let mut nearest = Vec::new();
         for squared_distance in [5u32, 3, 9, 1, 7, 2, 8, 6, 4, 11, 10, 15, 14, 13, 12, 0] {
-            insert(&mut nearest, Near { squared_distance, tree: 0, number: squared_distance });
+            insert(
+                &mut nearest,
+                Near {
+                    squared_distance,
+                    tree: 0,
+                    number: squared_distance,
+                },
+            );
         }
         let kept: Vec<u32> = nearest.iter().map(|near| near.squared_distance).collect();
         assert_eq!(kept, (0..12).collect::<Vec<u32>>());

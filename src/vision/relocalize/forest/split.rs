@@ -24,10 +24,17 @@ const VARIANCE_SAMPLES: usize = 64;
 const LEAST_SHARE: f64 = 0.3;
 
 /// The best of some random splits of the samples `at`; none if no byte drawn tells them apart.
-pub(super) fn choose_split(samples: &Samples, at: &[u32], options: &TrainOptions, rng: &mut Pcg64Mcg) -> Option<Split> {
+pub(super) fn choose_split(
+    samples: &Samples,
+    at: &[u32],
+    options: &TrainOptions,
+    rng: &mut Pcg64Mcg,
+) -> Option<Split> {
     match options.rule {
         SplitRule::WidestGap => widest_gap(samples, at, options, rng),
-        SplitRule::RayDeviation { thresholds } => least_deviation(samples, at, thresholds, options, rng),
+        SplitRule::RayDeviation { thresholds } => {
+            least_deviation(samples, at, thresholds, options, rng)
+        }
     }
 }
 
@@ -37,8 +44,14 @@ fn some(at: &[u32], count: usize) -> impl ExactSizeIterator<Item = u32> + Clone 
     (0..considered).map(move |i| at[i * at.len() / considered])
 }
 
-/// Of the bytes drawn the one that leaves each side its share, and of those the one with the widest gap.
-fn widest_gap(samples: &Samples, at: &[u32], options: &TrainOptions, rng: &mut Pcg64Mcg) -> Option<Split> {
+/// Of the bytes drawn the one that leaves each side its share, and of those the one with the widest
+/// gap.
+fn widest_gap(
+    samples: &Samples,
+    at: &[u32],
+    options: &TrainOptions,
+    rng: &mut Pcg64Mcg,
+) -> Option<Split> {
     let bytes = most_varying(samples, at);
     let chosen = some(at, options.node_samples.max(2) as usize);
     let least = (LEAST_SHARE * chosen.len() as f64).ceil() as u32;
@@ -63,13 +76,21 @@ fn widest_gap(samples: &Samples, at: &[u32], options: &TrainOptions, rng: &mut P
                 let (share, gap) = (smaller.min(least), value - last);
                 let enough = smaller >= options.min_leaf.max(1);
                 if enough && best.is_none_or(|(most, widest, _)| (share, gap) > (most, widest)) {
-                    best = Some((share, gap, Split { dimension, threshold: last + (value - 1 - last) / 2 }));
+                    best = Some((
+                        share,
+                        gap,
+                        Split {
+                            dimension,
+                            threshold: last + (value - 1 - last) / 2,
+                        },
+                    ));
                 }
             }
             below += here;
             last = Some(value);
         }
-        tried += u32::from(last.is_some_and(|last| counts[usize::from(last)] < chosen.len() as u32));
+        tried +=
+            u32::from(last.is_some_and(|last| counts[usize::from(last)] < chosen.len() as u32));
     }
     best.map(|(.., split)| split)
 }
@@ -96,8 +117,9 @@ fn most_varying(samples: &Samples, at: &[u32]) -> [u8; VARYING] {
     std::array::from_fn(|i| order[i].1)
 }
 
-/// Of the bytes and thresholds drawn those where |Σ r|² / n of the two sides' unit rays is largest in sum, which is where
-/// they deviate least from their means; among equals, where the gap between the two sides' bytes is widest.
+/// Of the bytes and thresholds drawn those where |Σ r|² / n of the two sides' unit rays is largest
+/// in sum, which is where they deviate least from their means; among equals, where the gap between
+/// the two sides' bytes is widest.
 fn least_deviation(
     samples: &Samples,
     at: &[u32],
@@ -130,8 +152,11 @@ fn least_deviation(
             wanted[usize::from(rng.random_range(low..high))] = true;
         }
         let range = || usize::from(low)..=usize::from(high);
-        let whole =
-            range().map(|value| bins[value]).fold((0, Vec3::zeros()), |sum, bin| (sum.0 + bin.0, sum.1 + bin.1));
+        let whole = range()
+            .map(|value| bins[value])
+            .fold((0, Vec3::zeros()), |sum, bin| {
+                (sum.0 + bin.0, sum.1 + bin.1)
+            });
         let (mut below, mut last) = ((0u32, Vec3::zeros()), low);
         for value in low..high {
             let bin = bins[usize::from(value)];
@@ -143,11 +168,23 @@ fn least_deviation(
             if !wanted[usize::from(value)] || below.0.min(above.0) < options.min_leaf.max(1) {
                 continue;
             }
-            let Some(next) = (value + 1..=high).find(|&next| bins[usize::from(next)].0 > 0) else { continue };
-            let score = [below, above].iter().map(|(count, sum)| sum.norm_squared() / f64::from(*count)).sum();
+            let Some(next) = (value + 1..=high).find(|&next| bins[usize::from(next)].0 > 0) else {
+                continue;
+            };
+            let score = [below, above]
+                .iter()
+                .map(|(count, sum)| sum.norm_squared() / f64::from(*count))
+                .sum();
             let gap = next - last;
             if best.is_none_or(|(most, widest, _)| (score, gap) > (most, widest)) {
-                best = Some((score, gap, Split { dimension, threshold: last + (gap - 1) / 2 }));
+                best = Some((
+                    score,
+                    gap,
+                    Split {
+                        dimension,
+                        threshold: last + (gap - 1) / 2,
+                    },
+                ));
             }
         }
     }

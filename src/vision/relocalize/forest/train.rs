@@ -58,8 +58,8 @@ pub fn train(
     train_without(samples, &BTreeSet::new(), options, progress)
 }
 
-/// Trains the forest of all samples but those of some frames, by their places: the same as of samples that never held them,
-/// without a copy of the others.
+/// Trains the forest of all samples but those of some frames, by their places: the same as of
+/// samples that never held them, without a copy of the others.
 ///
 /// # Errors
 /// No samples, too many with those that are left out, or `progress` cancelled it.
@@ -70,23 +70,36 @@ pub fn train_without(
     progress: &Progress<'_, TrainProgress>,
 ) -> Result<Forest, Stopped> {
     if samples.len() >= MAX_ITEMS {
-        return Err(Stopped::TooMany { samples: samples.len() });
+        return Err(Stopped::TooMany {
+            samples: samples.len(),
+        });
     }
     let used: Vec<usize> = (0..samples.frames())
         .filter(|frame| !left_out.contains(frame) && !samples.of_frame(*frame).is_empty())
         .collect();
     if used.is_empty() {
-        return Err(Stopped::NoSamples { frames: samples.frames() });
+        return Err(Stopped::NoSamples {
+            frames: samples.frames(),
+        });
     }
-    let drawn: Vec<Vec<u32>> =
-        (0..options.trees.max(1)).map(|tree| draw(samples, used.clone(), options, tree)).collect();
+    let drawn: Vec<Vec<u32>> = (0..options.trees.max(1))
+        .map(|tree| draw(samples, used.clone(), options, tree))
+        .collect();
     let total = drawn.iter().map(Vec::len).sum();
-    let watch = TrainWatch { placed: AtomicUsize::new(0), total, progress };
+    let watch = TrainWatch {
+        placed: AtomicUsize::new(0),
+        total,
+        progress,
+    };
     let trees: Option<Vec<Tree>> = drawn
         .into_par_iter()
         .enumerate()
         .map(|(tree, mut at)| {
-            let grower = Grower { samples, options, watch: &watch };
+            let grower = Grower {
+                samples,
+                options,
+                watch: &watch,
+            };
             let grown = grower.grow(&mut at, 0, mixed(options.seed, tree as u64))?;
             Some(flatten(&grown))
         })
@@ -104,7 +117,10 @@ fn draw(samples: &Samples, mut frames: Vec<usize>, options: &TrainOptions, tree:
         frames.truncate(count.max(1) as usize);
         frames.sort_unstable();
     }
-    frames.into_iter().flat_map(|frame| samples.of_frame(frame)).collect()
+    frames
+        .into_iter()
+        .flat_map(|frame| samples.of_frame(frame))
+        .collect()
 }
 
 /// A seed from a seed and a number (the finaliser of `SplitMix64`).
@@ -128,7 +144,10 @@ impl TrainWatch<'_> {
         let placed = before + count;
         if before / 1000 != placed / 1000 || placed == self.total {
             // The next node asks whether the training is cancelled.
-            let _ = self.progress.report(TrainProgress { placed, total: self.total });
+            let _ = self.progress.report(TrainProgress {
+                placed,
+                total: self.total,
+            });
         }
     }
 }
@@ -151,21 +170,38 @@ impl Grower<'_> {
         if self.watch.progress.is_cancelled() {
             return None;
         }
-        let unsplit = (self.options.leaf_samples as usize).max(2 * self.options.min_leaf.max(1) as usize - 1);
+        let unsplit =
+            (self.options.leaf_samples as usize).max(2 * self.options.min_leaf.max(1) as usize - 1);
         let splits = depth < self.options.max_depth && at.len() > unsplit;
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
-        let split = if splits { choose_split(self.samples, at, self.options, &mut rng) } else { None };
+        let split = if splits {
+            choose_split(self.samples, at, self.options, &mut rng)
+        } else {
+            None
+        };
         let Some(split) = split else {
             self.watch.placed(at.len());
-            return Some(Grown::Leaf(means(self.samples, at, self.options.merge_within)));
+            return Some(Grown::Leaf(means(
+                self.samples,
+                at,
+                self.options.merge_within,
+            )));
         };
-        let middle = partition(at, |sample| self.samples.byte(sample, split.dimension) <= split.threshold);
+        let middle = partition(at, |sample| {
+            self.samples.byte(sample, split.dimension) <= split.threshold
+        });
         let seeds: [u64; 2] = rng.random();
         let (below, above) = at.split_at_mut(middle);
         let (below, above) = if below.len().min(above.len()) >= PARALLEL_SAMPLES {
-            rayon::join(|| self.grow(below, depth + 1, seeds[0]), || self.grow(above, depth + 1, seeds[1]))
+            rayon::join(
+                || self.grow(below, depth + 1, seeds[0]),
+                || self.grow(above, depth + 1, seeds[1]),
+            )
         } else {
-            (self.grow(below, depth + 1, seeds[0]), self.grow(above, depth + 1, seeds[1]))
+            (
+                self.grow(below, depth + 1, seeds[0]),
+                self.grow(above, depth + 1, seeds[1]),
+            )
         };
         Some(Grown::Node(split, Box::new([below?, above?])))
     }
@@ -183,7 +219,8 @@ fn partition(at: &mut [u32], belongs_first: impl Fn(u32) -> bool) -> usize {
     middle
 }
 
-/// A grown tree in flat memory: nodes in depth-first order, so that a way down mostly walks forward.
+/// A grown tree in flat memory: nodes in depth-first order, so that a way down mostly walks
+/// forward.
 fn flatten(grown: &Grown) -> Tree {
     let mut tree = Tree {
         root: Branch::leaf(0),
@@ -201,7 +238,8 @@ fn add(grown: &Grown, tree: &mut Tree) -> Branch {
     match grown {
         Grown::Leaf(means) => {
             tree.descriptors.extend(means.iter().map(|mean| mean.0));
-            tree.sketches.extend(means.iter().map(|mean| Sketch::of(&mean.0)));
+            tree.sketches
+                .extend(means.iter().map(|mean| Sketch::of(&mean.0)));
             tree.rays.extend(means.iter().map(|mean| mean.1));
             tree.leaf_ends.push(tree.rays.len() as u32);
             Branch::leaf(tree.leaf_ends.len() - 1)
@@ -209,7 +247,11 @@ fn add(grown: &Grown, tree: &mut Tree) -> Branch {
         Grown::Node(split, children) => {
             let index = tree.nodes.len();
             let (dimension, threshold) = (split.dimension, split.threshold);
-            tree.nodes.push(Node { dimension, threshold, branches: [Branch::node(0); 2] });
+            tree.nodes.push(Node {
+                dimension,
+                threshold,
+                branches: [Branch::node(0); 2],
+            });
             let branches = [add(&children[0], tree), add(&children[1], tree)];
             tree.nodes[index].branches = branches;
             Branch::node(index)

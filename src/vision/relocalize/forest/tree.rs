@@ -30,7 +30,11 @@ impl Branch {
     }
 
     pub(super) const fn child(self) -> Child {
-        if self.0 & LEAF == 0 { Child::Node(self.0 as usize) } else { Child::Leaf((self.0 & !LEAF) as usize) }
+        if self.0 & LEAF == 0 {
+            Child::Node(self.0 as usize)
+        } else {
+            Child::Leaf((self.0 & !LEAF) as usize)
+        }
     }
 }
 
@@ -82,7 +86,11 @@ impl Tree {
     /// What a leaf holds: indices of `descriptors` and `rays`.
     #[inline]
     pub(super) fn held(&self, leaf: usize) -> Range<usize> {
-        let start = if leaf == 0 { 0 } else { self.leaf_ends[leaf - 1] as usize };
+        let start = if leaf == 0 {
+            0
+        } else {
+            self.leaf_ends[leaf - 1] as usize
+        };
         start..self.leaf_ends[leaf] as usize
     }
 
@@ -94,19 +102,25 @@ impl Tree {
         let place = |ray: &MeanRay| [ray.pan().turn_from(first).radians(), ray.tilt().radians()];
         let weight: f64 = held.iter().map(|ray| f64::from(ray.samples)).sum();
         let mean = |of: &dyn Fn(&MeanRay) -> f64| {
-            held.iter().map(|ray| f64::from(ray.samples) * of(ray)).sum::<f64>() / weight.max(1.0)
+            held.iter()
+                .map(|ray| f64::from(ray.samples) * of(ray))
+                .sum::<f64>()
+                / weight.max(1.0)
         };
         // A pan counts by the cosine of its tilt.
         let at = [0, 1].map(|axis| mean(&|ray| place(ray)[axis]));
         let squares = mean(&|ray| {
             let [pan, tilt] = place(ray);
-            ((pan - at[0]) * at[1].cos()).powi(2) + (tilt - at[1]).powi(2) + f64::from(ray.spread).powi(2)
+            ((pan - at[0]) * at[1].cos()).powi(2)
+                + (tilt - at[1]).powi(2)
+                + f64::from(ray.spread).powi(2)
         });
         squares.sqrt()
     }
 }
 
-/// A trained pan-tilt forest. It holds descriptors and rays, and nothing about where they came from.
+/// A trained pan-tilt forest. It holds descriptors and rays, and nothing about where they came
+/// from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forest {
     pub(super) trees: Vec<Tree>,
@@ -122,7 +136,9 @@ impl Forest {
     /// The first few of its trees, as if no more had been trained.
     #[must_use]
     pub fn first_trees(&self, trees: usize) -> Self {
-        Self { trees: self.trees.iter().take(trees).cloned().collect() }
+        Self {
+            trees: self.trees.iter().take(trees).cloned().collect(),
+        }
     }
 
     /// How many leaves all trees have.
@@ -142,16 +158,22 @@ impl Forest {
     pub fn memory_bytes(&self) -> usize {
         let mean = size_of::<Descriptor>() + size_of::<Sketch>() + size_of::<MeanRay>();
         let of_tree = |tree: &Tree| {
-            tree.rays.len() * mean + tree.nodes.len() * size_of::<Node>() + tree.leaf_ends.len() * size_of::<u32>()
+            tree.rays.len() * mean
+                + tree.nodes.len() * size_of::<Node>()
+                + tree.leaf_ends.len() * size_of::<u32>()
         };
         self.trees.iter().map(of_tree).sum()
     }
 
-    /// How many leaves mix rays that spread by more than an angle (rad, root mean square): different places that look
-    /// alike, or references that contradict each other.
+    /// How many leaves mix rays that spread by more than an angle (rad, root mean square):
+    /// different places that look alike, or references that contradict each other.
     #[must_use]
     pub fn mixed_leaves(&self, spread: f64) -> usize {
-        let mixed = |tree: &Tree| (0..tree.leaf_ends.len()).filter(|&leaf| tree.spread(leaf) > spread).count();
+        let mixed = |tree: &Tree| {
+            (0..tree.leaf_ends.len())
+                .filter(|&leaf| tree.spread(leaf) > spread)
+                .count()
+        };
         self.trees.iter().map(mixed).sum()
     }
 }

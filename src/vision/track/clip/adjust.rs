@@ -1,5 +1,5 @@
-//! One adjustment of a clip: pan, tilt and focal length of every frame and the direction of every followed point, from all
-//! sightings and pose priors at once.
+//! One adjustment of a clip: pan, tilt and focal length of every frame and the direction of every
+//! followed point, from all sightings and pose priors at once.
 
 use super::super::pose_prior::{PosePrior, PriorSource, by_focal_px, moved, offset};
 use super::super::pose_problem::{AdjustedFrame, PoseProblem, PoseState, Seen};
@@ -19,8 +19,8 @@ pub struct AdjustOptions {
     pub min_sigma_px: f64,
     /// Beyond so many sigmas a point hardly counts. 3 by default.
     pub loss_sigmas: f64,
-    /// A point's errors in neighbouring frames are alike, so that its sightings count for fewer than they are, by this factor. 4 by
-    /// default.
+    /// A point's errors in neighbouring frames are alike, so that its sightings count for fewer
+    /// than they are, by this factor. 4 by default.
     pub sightings_alike: f64,
     /// Steps at most. 15 by default.
     pub max_iterations: usize,
@@ -28,7 +28,13 @@ pub struct AdjustOptions {
 
 impl Default for AdjustOptions {
     fn default() -> Self {
-        Self { point_sigma_px: 0.3, min_sigma_px: 0.05, loss_sigmas: 3.0, sightings_alike: 4.0, max_iterations: 15 }
+        Self {
+            point_sigma_px: 0.3,
+            min_sigma_px: 0.05,
+            loss_sigmas: 3.0,
+            sightings_alike: 4.0,
+            max_iterations: 15,
+        }
     }
 }
 
@@ -39,7 +45,8 @@ pub struct AdjustedClip {
     pub frames: Vec<Option<AdjustedFrame>>,
     /// 1-σ of a followed point along one axis, as the clip itself tells it, px.
     pub sigma_px: f64,
-    /// By how much the points had to be taken as less exact than that, so that the priors hold; 1 where the two agree.
+    /// By how much the points had to be taken as less exact than that, so that the priors hold; 1
+    /// where the two agree.
     pub widened: f64,
 }
 
@@ -67,7 +74,12 @@ pub fn adjust_clip(
     let priors: Vec<PosePrior> = priors
         .iter()
         .filter(|prior| prior.is_informative())
-        .filter_map(|prior| Some(PosePrior { frame: row_of.get(prior.frame).copied().flatten()?, ..*prior }))
+        .filter_map(|prior| {
+            Some(PosePrior {
+                frame: row_of.get(prior.frame).copied().flatten()?,
+                ..*prior
+            })
+        })
         .collect();
     if priors.is_empty() {
         return None;
@@ -82,56 +94,100 @@ pub fn adjust_clip(
     let px = tracks.image_size.scale_from_1920();
     let alike = options.sightings_alike.sqrt();
     let mut problem = PoseProblem {
-        bases: frame_of.iter().map(|frame| camera.base_at(*frame).at_origin()).collect(),
-        known_focal_px: frame_of.iter().map(|frame| camera.focal_px_at(*frame)).collect(),
+        bases: frame_of
+            .iter()
+            .map(|frame| camera.base_at(*frame).at_origin())
+            .collect(),
+        known_focal_px: frame_of
+            .iter()
+            .map(|frame| camera.focal_px_at(*frame))
+            .collect(),
         points: &points,
         matches: None,
         priors,
         first: &first,
         sigma_px: vec![options.point_sigma_px * px * alike; start.len()],
-        loss: Loss::Cauchy { c: options.loss_sigmas / alike },
+        loss: Loss::Cauchy {
+            c: options.loss_sigmas / alike,
+        },
     };
-    let until = |max_iterations| Stopping { max_iterations, short_step: 1e-9, small_gain: 1e-8 };
-    let state = PoseState { directions: directions(&problem, &start), ptz: start };
+    let until = |max_iterations| Stopping {
+        max_iterations,
+        short_step: 1e-9,
+        small_gain: 1e-8,
+    };
+    let state = PoseState {
+        directions: directions(&problem, &start),
+        ptz: start,
+    };
     let rough = minimise(&problem, state, until(options.max_iterations));
-    let mut off: Vec<f64> = problem.residuals(&rough.state).filter_map(|(_, off)| Some(off?.norm_squared())).collect();
+    let mut off: Vec<f64> = problem
+        .residuals(&rough.state)
+        .filter_map(|(_, off)| Some(off?.norm_squared()))
+        .collect();
     let sigma_px = scatter_px(&mut off).max(options.min_sigma_px * px);
     let in_rows = row_sigmas(&problem, &rough.state, sigma_px);
-    // What the blur of a frame puts off, it puts off for all points of the frame alike: the more they scatter, the fewer they count
-    // for.
+    // What the blur of a frame puts off, it puts off for all points of the frame alike: the more
+    // they scatter, the fewer they count for.
     let counted_px = |in_row: f64| in_row * alike * (in_row / sigma_px);
-    let sigmas_px = |widened: f64| in_rows.iter().map(|in_row| counted_px(*in_row) * widened).collect();
+    let sigmas_px = |widened: f64| {
+        in_rows
+            .iter()
+            .map(|in_row| counted_px(*in_row) * widened)
+            .collect()
+    };
     problem.sigma_px = sigmas_px(1.0);
     let mut fine = minimise(&problem, rough.state, until(options.max_iterations));
     let straight = fine.state.ptz.clone();
     let mut widened = 1.0;
     for _ in 0..WIDENINGS {
-        let points = widening(&problem.priors, &fine.state, |source| source != PriorSource::Proposal);
-        let proposals = widening(&problem.priors, &fine.state, |source| source == PriorSource::Proposal);
+        let points = widening(&problem.priors, &fine.state, |source| {
+            source != PriorSource::Proposal
+        });
+        let proposals = widening(&problem.priors, &fine.state, |source| {
+            source == PriorSource::Proposal
+        });
         if points.is_none() && proposals.is_none() {
             break;
         }
         widened *= points.unwrap_or(1.0);
         problem.sigma_px = sigmas_px(widened);
-        problem.loss = Loss::Cauchy { c: options.loss_sigmas / (alike * widened) };
+        problem.loss = Loss::Cauchy {
+            c: options.loss_sigmas / (alike * widened),
+        };
         let of_proposals = proposals.unwrap_or(1.0).powi(-2);
-        for prior in problem.priors.iter_mut().filter(|prior| prior.source == PriorSource::Proposal) {
+        for prior in problem
+            .priors
+            .iter_mut()
+            .filter(|prior| prior.source == PriorSource::Proposal)
+        {
             prior.information *= of_proposals;
         }
         fine = minimise(&problem, fine.state, until(options.max_iterations));
     }
     let covariances = fine.equations.covariances()?;
-    let ptz = if widened > 1.0 { bent(&straight, &fine.state.ptz, &covariances) } else { fine.state.ptz };
+    let ptz = if widened > 1.0 {
+        bent(&straight, &fine.state.ptz, &covariances)
+    } else {
+        fine.state.ptz
+    };
     let frames = row_of.iter().enumerate().map(|(frame, row)| {
         let row = (*row)?;
         let ptz = camera.with_known_focal(frame, ptz[row]);
-        Some(AdjustedFrame { ptz, covariance: by_focal_px(&covariances[row], ptz.focal_px) })
+        Some(AdjustedFrame {
+            ptz,
+            covariance: by_focal_px(&covariances[row], ptz.focal_px),
+        })
     });
-    Some(AdjustedClip { frames: frames.collect(), sigma_px, widened })
+    Some(AdjustedClip {
+        frames: frames.collect(),
+        sigma_px,
+        widened,
+    })
 }
 
-/// 1-σ of a followed point along one axis in each row, px, as the row's own points tell it and never less than in the clip: a fast
-/// turn blurs what is followed.
+/// 1-σ of a followed point along one axis in each row, px, as the row's own points tell it and
+/// never less than in the clip: a fast turn blurs what is followed.
 fn row_sigmas(problem: &PoseProblem<'_>, at: &PoseState, of_clip_px: f64) -> Vec<f64> {
     let mut squares: Vec<Vec<f64>> = vec![Vec::new(); at.ptz.len()];
     // A point's direction is the mean of its sightings and takes its part of their scatter.
@@ -142,7 +198,10 @@ fn row_sigmas(problem: &PoseProblem<'_>, at: &PoseState, of_clip_px: f64) -> Vec
     for ((row, off), share) in problem.residuals(at).zip(shares) {
         squares[row].extend(off.map(|off| off.norm_squared() / share));
     }
-    squares.iter_mut().map(|squares| scatter_px(squares).max(of_clip_px)).collect()
+    squares
+        .iter_mut()
+        .map(|squares| scatter_px(squares).max(of_clip_px))
+        .collect()
 }
 
 /// 1-σ along one axis of what is off by some distances, of which these are the squares, px; robust.
@@ -151,19 +210,25 @@ fn scatter_px(squares: &mut [f64]) -> f64 {
     (median(squares).unwrap_or(0.0) / (2.0 * 2f64.ln())).sqrt()
 }
 
-/// The priors' mean square distance per number, in sigmas², from which on something is taken as less exact than it states.
+/// The priors' mean square distance per number, in sigmas², from which on something is taken as
+/// less exact than it states.
 const CONTRADICTED: f64 = 1.5;
 
 /// How often it is.
 const WIDENINGS: usize = 8;
 
-/// By how much something has to be taken as less exact, for priors of some sources contradict the points; none where they scatter
-/// as they state.
+/// By how much something has to be taken as less exact, for priors of some sources contradict the
+/// points; none where they scatter as they state.
 ///
-/// A lens or a base that is a little off bends all points alike, which is no scatter; only what people and paint say shows it, and
-/// then that holds against the points. What a forest answers does not: its errors are as large as they happen to be, and points that
-/// gave way to them would jump with each.
-fn widening(priors: &[PosePrior], at: &PoseState, is_asked: impl Fn(PriorSource) -> bool) -> Option<f64> {
+/// A lens or a base that is a little off bends all points alike, which is no scatter; only what
+/// people and paint say shows it, and then that holds against the points. What a forest answers
+/// does not: its errors are as large as they happen to be, and points that gave way to them would
+/// jump with each.
+fn widening(
+    priors: &[PosePrior],
+    at: &PoseState,
+    is_asked: impl Fn(PriorSource) -> bool,
+) -> Option<f64> {
     let squares = |prior: &PosePrior| {
         let offset = prior.offset(at.ptz[prior.frame]);
         is_asked(prior.source).then(|| offset.dot(&(prior.information * offset)) / 3.0)
@@ -174,24 +239,40 @@ fn widening(priors: &[PosePrior], at: &PoseState, is_asked: impl Fn(PriorSource)
     (contradiction > CONTRADICTED).then(|| contradiction.sqrt().clamp(1.5, 4.0))
 }
 
-/// Cameras as they follow from the points alone (`straight`), brought to where widened points leave them: what a lens or a base is
-/// off by changes as slowly as the camera moves, while points that give way leave a jump at every prior.
+/// Cameras as they follow from the points alone (`straight`), brought to where widened points leave
+/// them: what a lens or a base is off by changes as slowly as the camera moves, while points that
+/// give way leave a jump at every prior.
 fn bent(straight: &[Ptz], widened: &[Ptz], covariances: &[Mat3]) -> Vec<Ptz> {
     /// So many frames the bend takes to follow a step.
     const FRAMES: f64 = 15.0;
-    let by: Vec<Vec3> = straight.iter().zip(widened).map(|(from, to)| offset(*from, *to)).collect();
+    let by: Vec<Vec3> = straight
+        .iter()
+        .zip(widened)
+        .map(|(from, to)| offset(*from, *to))
+        .collect();
     let typical = |axis: usize| {
-        let mut variances: Vec<f64> = covariances.iter().map(|covariance| covariance[(axis, axis)]).collect();
+        let mut variances: Vec<f64> = covariances
+            .iter()
+            .map(|covariance| covariance[(axis, axis)])
+            .collect();
         median(&mut variances).unwrap_or(0.0)
     };
     let unrest = Vec3::from([0, 1, 2].map(typical)) / FRAMES.powi(4);
     let bend = smoothed_offsets(&by, covariances, &unrest);
-    straight.iter().zip(bend).map(|(ptz, by)| moved(*ptz, by)).collect()
+    straight
+        .iter()
+        .zip(bend)
+        .map(|(ptz, by)| moved(*ptz, by))
+        .collect()
 }
 
 /// The points that at least two of the reached frames show and that do not move.
 fn seen(tracks: &PointTracks, moving: &[bool], row_of: &[Option<usize>]) -> Vec<Seen> {
-    let still = tracks.tracks.iter().zip(moving).filter(|(_, moving)| !**moving);
+    let still = tracks
+        .tracks
+        .iter()
+        .zip(moving)
+        .filter(|(_, moving)| !**moving);
     let of_track = |(track, _): (&super::PointTrack, &bool)| {
         let sightings: Vec<_> = track
             .points
@@ -208,7 +289,10 @@ fn seen(tracks: &PointTracks, moving: &[bool], row_of: &[Option<usize>]) -> Vec<
 fn directions(problem: &PoseProblem<'_>, ptz: &[Ptz]) -> Vec<Vec3> {
     let cameras = problem.cameras(ptz);
     let of_point = |point: &Seen| {
-        let rays = point.sightings.iter().filter_map(|(row, at)| cameras[*row].ray_from_image(*at).ok());
+        let rays = point
+            .sightings
+            .iter()
+            .filter_map(|(row, at)| cameras[*row].ray_from_image(*at).ok());
         let sum: Vec3 = rays.map(PanTilt::direction).sum();
         sum.try_normalize(1e-9).unwrap_or_else(Vec3::z)
     };
@@ -233,15 +317,18 @@ mod tests {
     }
 
     fn pans(of: impl Fn(usize) -> f64) -> Vec<Ptz> {
-        (0..200).map(|frame| Ptz::from_degrees(of(frame), -10.0, 2000.0)).collect()
+        (0..200)
+            .map(|frame| Ptz::from_degrees(of(frame), -10.0, 2000.0))
+            .collect()
     }
 
     #[test]
     fn a_bend_that_changes_slowly_stays_and_jumps_at_anchors_go() {
         let straight = pans(|frame| 0.1 * frame as f64);
         let slow = |frame: usize| 0.2 * (frame as f64 / 60.0).sin();
-        let jumping =
-            pans(|frame| 0.1 * frame as f64 + slow(frame) + if frame.is_multiple_of(20) { 0.05 } else { 0.0 });
+        let jumping = pans(|frame| {
+            0.1 * frame as f64 + slow(frame) + if frame.is_multiple_of(20) { 0.05 } else { 0.0 }
+        });
         let bent = bent(&straight, &jumping, &vec![covariance(); 200]);
         let pan = |frame: usize| bent[frame].pan.degrees();
         for frame in 10..190 {
@@ -257,20 +344,31 @@ mod tests {
         const SHARP_PX: f64 = 0.15;
         const BLURRED_PX: f64 = 0.8;
         let ptz = pans(|frame| 0.1 * frame as f64)[..6].to_vec();
-        let base = CameraBase::new(Vec3::zeros(), Mat3::identity(), ImagePoint::new(640.0, 360.0));
+        let base = CameraBase::new(
+            Vec3::zeros(),
+            Mat3::identity(),
+            ImagePoint::new(640.0, 360.0),
+        );
         let mut random = Pcg64Mcg::seed_from_u64(7);
         let mut shaken = |px: f64| Normal::new(0.0, px).unwrap().sample(&mut random);
         let directions: Vec<Vec3> = (0..400)
             .map(|place| {
-                let at = ImagePoint::new(200.0 + 2.0 * f64::from(place), 100.0 + f64::from(place * 37 % 500));
-                PtzCamera::new(base, ptz[2]).ray_from_image(at).unwrap().direction()
+                let at = ImagePoint::new(
+                    200.0 + 2.0 * f64::from(place),
+                    100.0 + f64::from(place * 37 % 500),
+                );
+                PtzCamera::new(base, ptz[2])
+                    .ray_from_image(at)
+                    .unwrap()
+                    .direction()
             })
             .collect();
         let seen_from = |direction: &Vec3| Seen {
             sightings: (0..ptz.len())
                 .map(|row| {
-                    let at =
-                        PtzCamera::new(base, ptz[row]).image_from_ray(PanTilt::from_direction(*direction)).unwrap();
+                    let at = PtzCamera::new(base, ptz[row])
+                        .image_from_ray(PanTilt::from_direction(*direction))
+                        .unwrap();
                     let px = if row == 3 { BLURRED_PX } else { SHARP_PX };
                     (row, at.moved(Vec2::new(shaken(px), shaken(px))))
                 })
@@ -290,8 +388,12 @@ mod tests {
         let sigmas = row_sigmas(&problem, &PoseState { ptz, directions }, 0.1);
         for (row, sigma) in sigmas.into_iter().enumerate() {
             // The directions are exact here, so that nothing of the scatter went into them.
-            let expected = if row == 3 { BLURRED_PX } else { SHARP_PX } / (1.0f64 - 1.0 / 6.0).sqrt();
-            assert!((sigma / expected - 1.0).abs() < 0.15, "row {row}: {sigma} px, {expected} expected");
+            let expected =
+                if row == 3 { BLURRED_PX } else { SHARP_PX } / (1.0f64 - 1.0 / 6.0).sqrt();
+            assert!(
+                (sigma / expected - 1.0).abs() < 0.15,
+                "row {row}: {sigma} px, {expected} expected"
+            );
         }
     }
 
@@ -300,20 +402,34 @@ mod tests {
         const OFF_PX: f64 = 1.0;
         const CLICK_PX: f64 = 0.3;
         let ptz = pans(|frame| 0.1 * frame as f64)[..6].to_vec();
-        let base = CameraBase::new(Vec3::zeros(), Mat3::identity(), ImagePoint::new(640.0, 360.0));
+        let base = CameraBase::new(
+            Vec3::zeros(),
+            Mat3::identity(),
+            ImagePoint::new(640.0, 360.0),
+        );
         let mut random = Pcg64Mcg::seed_from_u64(7);
         let mut shaken = |px: f64| Normal::new(0.0, px).unwrap().sample(&mut random);
         let tracks = (0..400).map(|place| {
-            let at = ImagePoint::new(200.0 + 2.0 * f64::from(place), 100.0 + f64::from(place * 37 % 500));
+            let at = ImagePoint::new(
+                200.0 + 2.0 * f64::from(place),
+                100.0 + f64::from(place * 37 % 500),
+            );
             let ray = PtzCamera::new(base, ptz[2]).ray_from_image(at).unwrap();
             let seen_from = |(row, ptz): (usize, &Ptz)| {
                 let at = PtzCamera::new(base, *ptz).image_from_ray(ray).unwrap();
                 let (px, off) = if row == 3 { (0.8, OFF_PX) } else { (0.15, 0.0) };
                 at.moved(Vec2::new(off + shaken(px), shaken(px)))
             };
-            PointTrack { first: 0, points: ptz.iter().enumerate().map(seen_from).collect() }
+            PointTrack {
+                first: 0,
+                points: ptz.iter().enumerate().map(seen_from).collect(),
+            }
         });
-        let tracks = PointTracks { image_size: ImageSize::new(1280, 720), frames: 6, tracks: tracks.collect() };
+        let tracks = PointTracks {
+            image_size: ImageSize::new(1280, 720),
+            frames: 6,
+            tracks: tracks.collect(),
+        };
         let carried = Carried {
             ptz: ptz.iter().copied().map(Some).collect(),
             moving: vec![false; tracks.tracks.len()],
@@ -322,25 +438,45 @@ mod tests {
         };
         let turn = CLICK_PX / 2000.0;
         let covariance = Mat3::from_diagonal(&Vec3::new(turn * turn, turn * turn, 0.25));
-        let priors =
-            [0, 1, 3, 5].map(|frame| PosePrior::from_covariance(frame, ptz[frame], &covariance, PriorSource::Person));
-        let adjusted =
-            adjust_clip(&ClipCamera::new(base), &tracks, &carried, &priors, &AdjustOptions::default()).unwrap();
+        let priors = [0, 1, 3, 5].map(|frame| {
+            PosePrior::from_covariance(frame, ptz[frame], &covariance, PriorSource::Person)
+        });
+        let adjusted = adjust_clip(
+            &ClipCamera::new(base),
+            &tracks,
+            &carried,
+            &priors,
+            &AdjustOptions::default(),
+        )
+        .unwrap();
         let off_px = |frame: usize| {
-            let turned = adjusted.frames[frame].unwrap().ptz.pan.turn_from(ptz[frame].pan);
+            let turned = adjusted.frames[frame]
+                .unwrap()
+                .ptz
+                .pan
+                .turn_from(ptz[frame].pan);
             (turned.degrees().to_radians() * 2000.0).abs()
         };
         assert!(off_px(3) < 0.5 * OFF_PX, "{} px", off_px(3));
-        assert!(off_px(2) < 0.1 && off_px(4) < 0.1, "{} and {} px", off_px(2), off_px(4));
+        assert!(
+            off_px(2) < 0.1 && off_px(4) < 0.1,
+            "{} and {} px",
+            off_px(2),
+            off_px(4)
+        );
     }
 
     #[test]
     fn points_give_way_to_people_and_paint_and_not_to_proposals() {
         let ptz = Ptz::from_degrees(0.0, -10.0, 2000.0);
         let off = Ptz::from_degrees(20.0 * SIGMA_DEG, -10.0, 2000.0);
-        let at = PoseState { ptz: vec![ptz; 3], directions: Vec::new() };
-        let prior =
-            |frame: usize, ptz: Ptz, source: PriorSource| PosePrior::from_covariance(frame, ptz, &covariance(), source);
+        let at = PoseState {
+            ptz: vec![ptz; 3],
+            directions: Vec::new(),
+        };
+        let prior = |frame: usize, ptz: Ptz, source: PriorSource| {
+            PosePrior::from_covariance(frame, ptz, &covariance(), source)
+        };
         let of_points = |by: PriorSource| by != PriorSource::Proposal;
         let proposals = [0, 1].map(|frame| prior(frame, off, PriorSource::Proposal));
         assert_eq!(widening(&proposals, &at, of_points), None);

@@ -1,12 +1,14 @@
-//! The camera of a clip: one base, and the lens of each frame where it is known before the frame is reached.
+//! The camera of a clip: one base, and the lens of each frame where it is known before the frame is
+//! reached.
 
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::geometry::ImagePoint;
 
 /// The camera that takes a clip.
 ///
-/// Position and rotation of its base are those of all frames. Its lens is, too, except in frames of which a lens of their own is
-/// known: a zoom encoder or the provider of a recording states it frame by frame.
+/// Position and rotation of its base are those of all frames. Its lens is, too, except in frames of
+/// which a lens of their own is known: a zoom encoder or the provider of a recording states it
+/// frame by frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClipCamera {
     base: CameraBase,
@@ -28,10 +30,14 @@ impl ClipCamera {
     /// A camera with one lens for all frames.
     #[must_use]
     pub const fn new(base: CameraBase) -> Self {
-        Self { base, lenses: Vec::new() }
+        Self {
+            base,
+            lenses: Vec::new(),
+        }
     }
 
-    /// A camera with a lens a frame, by its place in the clip. Frames without one, and those beyond the list, have that of the base.
+    /// A camera with a lens a frame, by its place in the clip. Frames without one, and those beyond
+    /// the list, have that of the base.
     #[must_use]
     pub const fn with_lenses(base: CameraBase, lenses: Vec<Option<ClipLens>>) -> Self {
         Self { base, lenses }
@@ -44,8 +50,14 @@ impl ClipCamera {
     /// The base with the lens of a frame.
     #[must_use]
     pub fn base_at(&self, frame: usize) -> CameraBase {
-        let Some(lens) = self.lens_at(frame) else { return self.base };
-        CameraBase { principal_point: lens.principal_point, distortion: lens.distortion, ..self.base }
+        let Some(lens) = self.lens_at(frame) else {
+            return self.base;
+        };
+        CameraBase {
+            principal_point: lens.principal_point,
+            distortion: lens.distortion,
+            ..self.base
+        }
     }
 
     /// The focal length of a frame, where it is known, px.
@@ -57,7 +69,10 @@ impl ClipCamera {
     /// How a frame is pointed, with the frame's focal length where that is known.
     #[must_use]
     pub fn with_known_focal(&self, frame: usize, ptz: Ptz) -> Ptz {
-        Ptz { focal_px: self.focal_px_at(frame).unwrap_or(ptz.focal_px), ..ptz }
+        Ptz {
+            focal_px: self.focal_px_at(frame).unwrap_or(ptz.focal_px),
+            ..ptz
+        }
     }
 
     /// The camera of a frame in the origin, so that it sees directions.
@@ -75,19 +90,29 @@ mod tests {
     #[test]
     fn a_frame_has_its_own_lens_or_that_of_the_base() {
         let middle = ImagePoint::new(960.0, 540.0);
-        let base = CameraBase::new(Vec3::new(0.0, -70.0, 15.0), BaseAngles::default().base_from_world(), middle);
+        let base = CameraBase::new(
+            Vec3::new(0.0, -70.0, 15.0),
+            BaseAngles::default().base_from_world(),
+            middle,
+        );
         let lens = ClipLens {
             principal_point: ImagePoint::new(970.0, 530.0),
             distortion: FocalCurve::constant(0.3),
             focal_px: Some(3000.0),
         };
-        let sought = ClipLens { focal_px: None, ..lens };
+        let sought = ClipLens {
+            focal_px: None,
+            ..lens
+        };
         let camera = ClipCamera::with_lenses(base, vec![None, Some(lens), Some(sought)]);
         assert_eq!((camera.base_at(0), camera.base_at(7)), (base, base));
         assert_eq!(camera.base_at(1).principal_point, lens.principal_point);
         assert_eq!(camera.base_at(2), camera.base_at(1));
         let ptz = Ptz::from_degrees(3.0, -10.0, 2000.0);
         let focal_px = |frame| camera.with_known_focal(frame, ptz).focal_px;
-        assert_eq!([focal_px(0), focal_px(1), focal_px(2)], [2000.0, 3000.0, 2000.0]);
+        assert_eq!(
+            [focal_px(0), focal_px(1), focal_px(2)],
+            [2000.0, 3000.0, 2000.0]
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! The boundary to OpenCV's corners and optical flow, the only place where its pixel convention is seen.
+//! The boundary to OpenCV's corners and optical flow, the only place where its pixel convention is
+//! seen.
 
 use crate::media::GreyPicture;
 use opencv::core::{Mat, Point, Point2f, Rect, Scalar, Size, TermCriteria, Vector, no_array};
@@ -37,17 +38,31 @@ pub(super) struct FlowPicture {
 impl FlowPicture {
     pub fn of(grey: &GreyPicture) -> opencv::Result<Self> {
         let size = grey.size;
-        let rows = Mat::new_rows_cols_with_bytes::<u8>(size.height as i32, size.width as i32, &grey.values)?;
+        let rows = Mat::new_rows_cols_with_bytes::<u8>(
+            size.height as i32,
+            size.width as i32,
+            &grey.values,
+        )?;
         let grey = rows.try_clone()?;
         let mut levels = Vector::<Mat>::new();
         let patch = Size::new(PATCH_PX, PATCH_PX);
         let border = opencv::core::BORDER_REFLECT_101;
         let no_border = opencv::core::BORDER_CONSTANT;
-        opencv::video::build_optical_flow_pyramid(&grey, &mut levels, patch, LEVELS, true, border, no_border, false)?;
+        opencv::video::build_optical_flow_pyramid(
+            &grey,
+            &mut levels,
+            patch,
+            LEVELS,
+            true,
+            border,
+            no_border,
+            false,
+        )?;
         Ok(Self { grey, levels, size })
     }
 
-    /// The strongest corners of each part of the picture, `limit` less those taken, at least `distance_px` from each other and from all of `taken`, outside of the masks.
+    /// The strongest corners of each part of the picture, `limit` less those taken, at least
+    /// `distance_px` from each other and from all of `taken`, outside of the masks.
     pub fn corners(
         &self,
         limit: usize,
@@ -69,22 +84,41 @@ impl FlowPicture {
                 mask.height.ceil() as i32 + 1,
             );
             let filled = opencv::imgproc::FILLED;
-            opencv::imgproc::rectangle(&mut open, whole, Scalar::all(0.0), filled, opencv::imgproc::LINE_8, 0)?;
+            opencv::imgproc::rectangle(
+                &mut open,
+                whole,
+                Scalar::all(0.0),
+                filled,
+                opencv::imgproc::LINE_8,
+                0,
+            )?;
         }
         for point in taken {
             let centre = Point::new(point.x as i32, point.y as i32);
             let (radius, filled) = (distance_px as i32, opencv::imgproc::FILLED);
-            opencv::imgproc::circle(&mut open, centre, radius, Scalar::all(0.0), filled, opencv::imgproc::LINE_8, 0)?;
+            opencv::imgproc::circle(
+                &mut open,
+                centre,
+                radius,
+                Scalar::all(0.0),
+                filled,
+                opencv::imgproc::LINE_8,
+                0,
+            )?;
         }
-        let cell = |at: i32, of: i32, side: u32| (at * side as i32 / of, (at + 1) * side as i32 / of);
+        let cell =
+            |at: i32, of: i32, side: u32| (at * side as i32 / of, (at + 1) * side as i32 / of);
         let mut corners = Vec::new();
         for row in 0..ROWS {
             for column in 0..COLUMNS {
-                let ((left, right), (top, bottom)) =
-                    (cell(column, COLUMNS, self.size.width), cell(row, ROWS, self.size.height));
+                let ((left, right), (top, bottom)) = (
+                    cell(column, COLUMNS, self.size.width),
+                    cell(row, ROWS, self.size.height),
+                );
                 let area = Rect::new(left, top, right - left, bottom - top);
                 let inside = |at: &&ImagePoint| area.contains(Point::new(at.x as i32, at.y as i32));
-                let wanted = (limit / (ROWS * COLUMNS) as usize).saturating_sub(taken.iter().filter(inside).count());
+                let wanted = (limit / (ROWS * COLUMNS) as usize)
+                    .saturating_sub(taken.iter().filter(inside).count());
                 if wanted > 0 {
                     corners.extend(self.strongest(area, &open, wanted, distance_px)?);
                 }
@@ -93,8 +127,8 @@ impl FlowPicture {
         Ok(corners)
     }
 
-    /// The strongest open corners of a part of the picture. Graphics are crisper than anything else, so that the strongest corners
-    /// of the whole picture would all be theirs.
+    /// The strongest open corners of a part of the picture. Graphics are crisper than anything
+    /// else, so that the strongest corners of the whole picture would all be theirs.
     fn strongest(
         &self,
         area: Rect,
@@ -120,8 +154,8 @@ impl FlowPicture {
         Ok(found.into_iter().map(move |at| from_opencv(at + corner)))
     }
 
-    /// Where each point is in another picture, looked for around the second place given; none where it is not found there, or
-    /// does not lead back.
+    /// Where each point is in another picture, looked for around the second place given; none where
+    /// it is not found there, or does not lead back.
     pub fn followed(
         &self,
         into: &Self,
@@ -138,7 +172,10 @@ impl FlowPicture {
         let one = |at: usize| -> opencv::Result<Option<ImagePoint>> {
             let (start, end, again) = (from.get(at)?, there.get(at)?, back.get(at)?);
             let off = (start.x - again.x).hypot(start.y - again.y);
-            let good = found.get(at)? == 1 && returned.get(at)? == 1 && off <= THERE_AND_BACK_PX && inside(end);
+            let good = found.get(at)? == 1
+                && returned.get(at)? == 1
+                && off <= THERE_AND_BACK_PX
+                && inside(end);
             Ok(good.then(|| from_opencv(end)))
         };
         (0..points.len()).map(one).collect()
@@ -153,7 +190,11 @@ fn flow(
     guess: Vector<Point2f>,
 ) -> opencv::Result<(Vector<Point2f>, Vector<u8>)> {
     let (mut there, mut found) = (guess, Vector::<u8>::new());
-    let until = TermCriteria::new(opencv::core::TermCriteria_COUNT + opencv::core::TermCriteria_EPS, 20, 0.01)?;
+    let until = TermCriteria::new(
+        opencv::core::TermCriteria_COUNT + opencv::core::TermCriteria_EPS,
+        20,
+        0.01,
+    )?;
     let patch = Size::new(PATCH_PX, PATCH_PX);
     opencv::video::calc_optical_flow_pyr_lk(
         from,
@@ -172,9 +213,15 @@ fn flow(
 }
 
 fn to_opencv(at: ImagePoint) -> Point2f {
-    Point2f::new((at.x - CORNER_FROM_OPENCV) as f32, (at.y - CORNER_FROM_OPENCV) as f32)
+    Point2f::new(
+        (at.x - CORNER_FROM_OPENCV) as f32,
+        (at.y - CORNER_FROM_OPENCV) as f32,
+    )
 }
 
 fn from_opencv(at: Point2f) -> ImagePoint {
-    ImagePoint::new(f64::from(at.x) + CORNER_FROM_OPENCV, f64::from(at.y) + CORNER_FROM_OPENCV)
+    ImagePoint::new(
+        f64::from(at.x) + CORNER_FROM_OPENCV,
+        f64::from(at.y) + CORNER_FROM_OPENCV,
+    )
 }

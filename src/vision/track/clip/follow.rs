@@ -19,7 +19,8 @@ pub struct FollowOptions {
     pub points: usize,
     /// New points are looked for where fewer than this share of them is left. .8 by default.
     pub refill: f64,
-    /// A point is followed through at most so many frames, and then found anew: it may creep. 60 by default.
+    /// A point is followed through at most so many frames, and then found anew: it may creep. 60 by
+    /// default.
     pub longest: usize,
     /// Pictures wider than this are halved, px. 2000 by default.
     pub max_width: u32,
@@ -27,13 +28,21 @@ pub struct FollowOptions {
 
 impl Default for FollowOptions {
     fn default() -> Self {
-        Self { points: 320, refill: 0.8, longest: 60, max_width: 2000 }
+        Self {
+            points: 320,
+            refill: 0.8,
+            longest: 60,
+            max_width: 2000,
+        }
     }
 }
 
 /// Follows points through the pictures of a clip, given one after the other.
 pub struct PointFollower {
-    #[cfg_attr(not(feature = "opencv"), expect(dead_code, reason = "flow needs OpenCV"))]
+    #[cfg_attr(
+        not(feature = "opencv"),
+        expect(dead_code, reason = "flow needs OpenCV")
+    )]
     options: FollowOptions,
     tracks: PointTracks,
     #[cfg(feature = "opencv")]
@@ -65,7 +74,11 @@ impl PointFollower {
     pub const fn new(image_size: ImageSize, options: FollowOptions) -> Self {
         Self {
             options,
-            tracks: PointTracks { image_size, frames: 0, tracks: Vec::new() },
+            tracks: PointTracks {
+                image_size,
+                frames: 0,
+                tracks: Vec::new(),
+            },
             #[cfg(feature = "opencv")]
             last: None,
         }
@@ -77,7 +90,8 @@ impl PointFollower {
         self.tracks
     }
 
-    /// Follows the points into the next picture, none into or out of the masks; how many were found there.
+    /// Follows the points into the next picture, none into or out of the masks; how many were found
+    /// there.
     ///
     /// # Errors
     /// OpenCV refused; or the program was built without it.
@@ -93,18 +107,23 @@ const DISTANCE_SHARE: f64 = 0.016;
 
 #[cfg(feature = "opencv")]
 impl PointFollower {
-    /// Follows the points into the next picture, none into or out of the masks; how many were found there.
+    /// Follows the points into the next picture, none into or out of the masks; how many were found
+    /// there.
     ///
     /// # Errors
     /// OpenCV refused.
     pub fn add(&mut self, picture: &Picture, masks: &[PixelBox]) -> Result<usize, TrackError> {
-        self.follow(picture, masks).map_err(|error| TrackError::of_opencv(&error))
+        self.follow(picture, masks)
+            .map_err(|error| TrackError::of_opencv(&error))
     }
 
     fn follow(&mut self, picture: &Picture, masks: &[PixelBox]) -> opencv::Result<usize> {
         let factor = picture.size().width.div_ceil(self.options.max_width).max(1);
         let full_px = f64::from(factor);
-        let masks: Vec<PixelBox> = masks.iter().map(|mask| mask.scaled(1.0 / full_px)).collect();
+        let masks: Vec<PixelBox> = masks
+            .iter()
+            .map(|mask| mask.scaled(1.0 / full_px))
+            .collect();
         let mut grey = crate::media::grey_reduced(picture, factor);
         even_out(&mut grey);
         let picture = FlowPicture::of(&grey)?;
@@ -115,7 +134,9 @@ impl PointFollower {
             None => Vec::new(),
         };
         for point in &alive {
-            self.tracks.tracks[point.track].points.push(scaled(point.at, full_px));
+            self.tracks.tracks[point.track]
+                .points
+                .push(scaled(point.at, full_px));
         }
         let found = alive.len();
         alive.retain(|point| point.left > 0);
@@ -125,11 +146,19 @@ impl PointFollower {
             let corners = picture.corners(self.options.points, distance_px, &taken, &masks)?;
             for (place, at) in corners.into_iter().enumerate() {
                 let track = self.tracks.tracks.len();
-                self.tracks.tracks.push(PointTrack { first: frame, points: vec![scaled(at, full_px)] });
+                self.tracks.tracks.push(PointTrack {
+                    first: frame,
+                    points: vec![scaled(at, full_px)],
+                });
                 // Those that begin together end one after the other.
                 let longest = self.options.longest;
                 let left = (longest / 2 + (place * 7) % (longest / 2 + 1)).max(1);
-                alive.push(Alive { track, at, moved: None, left });
+                alive.push(Alive {
+                    track,
+                    at,
+                    moved: None,
+                    left,
+                });
             }
         }
         self.last = Some(Last { picture, alive });
@@ -142,7 +171,11 @@ impl Last {
     /// The points that are found in the next picture.
     fn followed(self, into: &FlowPicture, masks: &[PixelBox]) -> opencv::Result<Vec<Alive>> {
         let along = |axis: usize| {
-            let mut moved: Vec<f64> = self.alive.iter().filter_map(|point| Some(point.moved?[axis])).collect();
+            let mut moved: Vec<f64> = self
+                .alive
+                .iter()
+                .filter_map(|point| Some(point.moved?[axis]))
+                .collect();
             median(&mut moved).unwrap_or(0.0)
         };
         let usual = Vec2::new(along(0), along(1));
@@ -152,14 +185,19 @@ impl Last {
         let next = |(point, found): (&Alive, Option<ImagePoint>)| {
             let at = found.filter(|at| !masks.iter().any(|mask| mask.contains(*at)))?;
             let moved = Some(at.offset_from(point.at));
-            Some(Alive { at, moved, left: point.left - 1, ..*point })
+            Some(Alive {
+                at,
+                moved,
+                left: point.left - 1,
+                ..*point
+            })
         };
         Ok(self.alive.iter().zip(found).filter_map(next).collect())
     }
 }
 
-/// The mean and the scatter that every picture is given: flow takes it that a point keeps its brightness, and a camera that opens
-/// its iris changes that of all.
+/// The mean and the scatter that every picture is given: flow takes it that a point keeps its
+/// brightness, and a camera that opens its iris changes that of all.
 #[cfg(feature = "opencv")]
 const LEVEL: f64 = 110.0;
 #[cfg(feature = "opencv")]
@@ -174,11 +212,20 @@ fn even_out(grey: &mut crate::media::GreyPicture) {
         numbers[usize::from(*value)] += 1;
     }
     let weighted = |of: &dyn Fn(f64) -> f64| {
-        numbers.iter().enumerate().map(|(value, number)| of(value as f64) * f64::from(*number)).sum::<f64>() / count
+        numbers
+            .iter()
+            .enumerate()
+            .map(|(value, number)| of(value as f64) * f64::from(*number))
+            .sum::<f64>()
+            / count
     };
     let mean = weighted(&|value| value);
     let scatter = weighted(&|value| (value - mean).powi(2)).sqrt().max(1.0);
-    let level = |value: usize| ((value as f64 - mean) * (CONTRAST / scatter) + LEVEL).round().clamp(0.0, 255.0) as u8;
+    let level = |value: usize| {
+        ((value as f64 - mean) * (CONTRAST / scatter) + LEVEL)
+            .round()
+            .clamp(0.0, 255.0) as u8
+    };
     let levels: [u8; 256] = std::array::from_fn(level);
     for value in &mut grey.values {
         *value = levels[usize::from(*value)];

@@ -16,23 +16,32 @@ pub struct Jitter {
 }
 
 impl Jitter {
-    /// Of cameras in the order of their frames; frames without one interrupt. None without three in a row.
+    /// Of cameras in the order of their frames; frames without one interrupt. None without three in
+    /// a row.
     #[must_use]
     pub fn of(cameras: &[Option<Ptz>]) -> Option<Self> {
         let (mut squares, mut count) = ([0.0; 4], 0.0);
         for three in cameras.windows(3) {
-            let [Some(a), Some(b), Some(c)] = three else { continue };
+            let [Some(a), Some(b), Some(c)] = three else {
+                continue;
+            };
             let pan = (c.pan.turn_from(b.pan) - b.pan.turn_from(a.pan)).degrees();
             let tilt = (c.tilt - b.tilt - (b.tilt - a.tilt)).degrees();
             let focal = c.focal_px - 2.0 * b.focal_px + a.focal_px;
-            let centre = b.focal_px * (pan.to_radians() * b.tilt.radians().cos()).hypot(tilt.to_radians());
+            let centre =
+                b.focal_px * (pan.to_radians() * b.tilt.radians().cos()).hypot(tilt.to_radians());
             for (sum, value) in squares.iter_mut().zip([pan, tilt, focal, centre]) {
                 *sum += value * value;
             }
             count += 1.0;
         }
         let [pan_deg, tilt_deg, focal_px, centre_px] = squares.map(|sum: f64| (sum / count).sqrt());
-        (count > 0.0).then_some(Self { pan_deg, tilt_deg, focal_px, centre_px })
+        (count > 0.0).then_some(Self {
+            pan_deg,
+            tilt_deg,
+            focal_px,
+            centre_px,
+        })
     }
 }
 
@@ -42,15 +51,24 @@ mod tests {
 
     #[test]
     fn an_even_motion_has_none_and_a_jerk_is_measured() {
-        let even: Vec<_> = (0..9).map(|at| Some(Ptz::from_degrees(0.1 * f64::from(at), -10.0, 2000.0))).collect();
+        let even: Vec<_> = (0..9)
+            .map(|at| Some(Ptz::from_degrees(0.1 * f64::from(at), -10.0, 2000.0)))
+            .collect();
         let none = Jitter::of(&even).unwrap();
         assert!(none.pan_deg < 1e-12 && none.centre_px < 1e-9, "{none:?}");
         let mut jerk = even.clone();
         jerk[4] = Some(Ptz::from_degrees(0.5, -10.0, 2000.0));
         let jerk = Jitter::of(&jerk).unwrap();
         // .1 − 2 · .1 + .1: second differences of .1, −.2 and .1 among seven.
-        assert!((jerk.pan_deg - (0.06_f64 / 7.0).sqrt()).abs() < 1e-9, "{jerk:?}");
-        assert!((jerk.centre_px / jerk.pan_deg - 2000.0 * 1f64.to_radians() * 10f64.to_radians().cos()).abs() < 1e-6);
+        assert!(
+            (jerk.pan_deg - (0.06_f64 / 7.0).sqrt()).abs() < 1e-9,
+            "{jerk:?}"
+        );
+        assert!(
+            (jerk.centre_px / jerk.pan_deg - 2000.0 * 1f64.to_radians() * 10f64.to_radians().cos())
+                .abs()
+                < 1e-6
+        );
         let mut gap = even;
         gap[2] = None;
         assert!(Jitter::of(&gap[..5]).is_none() && Jitter::of(&gap).is_some());

@@ -23,11 +23,14 @@ pub struct PointTracks {
 }
 
 impl PointTracks {
-    /// The same without what masks cover: `masks` has those of each frame. A point that comes out of a mask is another one.
+    /// The same without what masks cover: `masks` has those of each frame. A point that comes out
+    /// of a mask is another one.
     #[must_use]
     pub fn outside(&self, masks: &[Vec<PixelBox>]) -> Self {
         let is_covered = |frame: usize, point: ImagePoint| {
-            masks.get(frame).is_some_and(|masks| masks.iter().any(|mask| mask.contains(point)))
+            masks
+                .get(frame)
+                .is_some_and(|masks| masks.iter().any(|mask| mask.contains(point)))
         };
         let mut tracks: Vec<PointTrack> = Vec::with_capacity(self.tracks.len());
         for track in &self.tracks {
@@ -36,7 +39,10 @@ impl PointTracks {
                 let is_open = !is_covered(frame, *point);
                 match tracks.last_mut().filter(|_| is_followed) {
                     Some(last) if is_open => last.points.push(*point),
-                    None if is_open => tracks.push(PointTrack { first: frame, points: vec![*point] }),
+                    None if is_open => tracks.push(PointTrack {
+                        first: frame,
+                        points: vec![*point],
+                    }),
                     _ => {}
                 }
                 is_followed = is_open;
@@ -64,12 +70,27 @@ mod tests {
 
     #[test]
     fn a_point_that_passes_under_a_mask_is_another_one_behind_it() {
-        let points = (0..6).map(|at| ImagePoint::new(10.0 * f64::from(at), 5.0)).collect();
+        let points = (0..6)
+            .map(|at| ImagePoint::new(10.0 * f64::from(at), 5.0))
+            .collect();
         let track = PointTrack { first: 2, points };
-        let tracks = PointTracks { image_size: ImageSize::new(64, 36), frames: 8, tracks: vec![track.clone()] };
-        let mask = PixelBox { x: 18.0, y: 0.0, width: 14.0, height: 20.0 };
+        let tracks = PointTracks {
+            image_size: ImageSize::new(64, 36),
+            frames: 8,
+            tracks: vec![track.clone()],
+        };
+        let mask = PixelBox {
+            x: 18.0,
+            y: 0.0,
+            width: 14.0,
+            height: 20.0,
+        };
         let left = tracks.outside(&vec![vec![mask]; 8]);
-        let lengths: Vec<_> = left.tracks.iter().map(|track| (track.first, track.points.len())).collect();
+        let lengths: Vec<_> = left
+            .tracks
+            .iter()
+            .map(|track| (track.first, track.points.len()))
+            .collect();
         assert_eq!(lengths, [(2, 2), (6, 2)]);
         assert_eq!(left.tracks[1].points[0], track.points[4]);
         assert_eq!(tracks.outside(&[]), tracks);

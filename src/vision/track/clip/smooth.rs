@@ -1,8 +1,8 @@
-//! Smoothing: the cameras of a clip as one motion, by a fixed-interval smoother (Rauch, Tung, Striebel: "Maximum likelihood estimates
-//! of linear dynamic systems", AIAA J. 3, 1965).
+//! Smoothing: the cameras of a clip as one motion, by a fixed-interval smoother (Rauch, Tung,
+//! Striebel: "Maximum likelihood estimates of linear dynamic systems", AIAA J. 3, 1965).
 //!
-//! Pan, tilt and the logarithm of the focal length each move at a speed that wanders. How fast it wanders, and how much the frames
-//! scatter about the motion, is what makes the clip most likely.
+//! Pan, tilt and the logarithm of the focal length each move at a speed that wanders. How fast it
+//! wanders, and how much the frames scatter about the motion, is what makes the clip most likely.
 
 use super::super::pose_prior::{by_log_focal, moved, offset};
 use nalgebra::{Matrix6, Vector6};
@@ -18,7 +18,9 @@ pub struct SmoothOptions {
 
 impl Default for SmoothOptions {
     fn default() -> Self {
-        Self { reference_sigmas: 1.0 }
+        Self {
+            reference_sigmas: 1.0,
+        }
     }
 }
 
@@ -36,7 +38,9 @@ pub struct Unsmoothed {
 /// Frames that follow each other without a gap, smoothed; as many as were given.
 #[must_use]
 pub fn smooth(frames: &[Unsmoothed], options: &SmoothOptions) -> Vec<Ptz> {
-    let Some(first) = frames.first().map(|frame| frame.ptz) else { return Vec::new() };
+    let Some(first) = frames.first().map(|frame| frame.ptz) else {
+        return Vec::new();
+    };
     if frames.len() < LEAST {
         return frames.iter().map(|frame| frame.ptz).collect();
     }
@@ -48,10 +52,16 @@ pub fn smooth(frames: &[Unsmoothed], options: &SmoothOptions) -> Vec<Ptz> {
             Some(*at)
         }))
         .collect();
-    let scatter: Vec<Mat3> = frames.iter().map(|frame| by_log_focal(&frame.covariance, frame.ptz.focal_px)).collect();
+    let scatter: Vec<Mat3> = frames
+        .iter()
+        .map(|frame| by_log_focal(&frame.covariance, frame.ptz.focal_px))
+        .collect();
     let axes = [0, 1, 2].map(|axis| {
         let values: Vec<f64> = seen.iter().map(|at| at[axis]).collect();
-        let variances: Vec<f64> = scatter.iter().map(|scatter| scatter[(axis, axis)]).collect();
+        let variances: Vec<f64> = scatter
+            .iter()
+            .map(|scatter| scatter[(axis, axis)])
+            .collect();
         Motion::likeliest(&values, &variances)
     });
     let share = Mat3::from_diagonal(&Vec3::from(axes.map(|axis| axis.scatter.sqrt())));
@@ -59,13 +69,18 @@ pub fn smooth(frames: &[Unsmoothed], options: &SmoothOptions) -> Vec<Ptz> {
     let mut weights = vec![1.0; frames.len()];
     let mut smoothed = Vec::new();
     for _ in 0..TRIES {
-        let measured: Vec<Mat3> =
-            scatter.iter().zip(&weights).map(|(scatter, weight)| share * scatter * share * *weight).collect();
+        let measured: Vec<Mat3> = scatter
+            .iter()
+            .zip(&weights)
+            .map(|(scatter, weight)| share * scatter * share * *weight)
+            .collect();
         smoothed = smoothed_offsets(&seen, &measured, &unrest);
         let mut moved_too_far = false;
         for place in (0..frames.len()).filter(|&place| frames[place].is_reference) {
             let by = smoothed[place] - seen[place];
-            let sigmas = scatter[place].try_inverse().map_or(0.0, |inverse| by.dot(&(inverse * by)).sqrt());
+            let sigmas = scatter[place]
+                .try_inverse()
+                .map_or(0.0, |inverse| by.dot(&(inverse * by)).sqrt());
             if sigmas > options.reference_sigmas {
                 weights[place] *= 0.1;
                 moved_too_far = true;
@@ -100,7 +115,10 @@ impl Motion {
     /// What makes the values most likely: a search in steps that halve.
     fn likeliest(values: &[f64], variances: &[f64]) -> Self {
         let typical = variances.iter().sum::<f64>() / variances.len() as f64;
-        let at = |log: [f64; 2]| Self { unrest: typical * log[0].exp(), scatter: log[1].exp() };
+        let at = |log: [f64; 2]| Self {
+            unrest: typical * log[0].exp(),
+            scatter: log[1].exp(),
+        };
         let surprise = |log: [f64; 2]| at(log).surprise(values, variances);
         let mut best = ([0.0, 0.0], f64::INFINITY);
         for unrest in -10..=6 {
@@ -116,9 +134,18 @@ impl Motion {
         while step > 0.05 {
             let around = [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]];
             // A clip without any scatter would lead ever further down.
-            let stepped = |by: [f64; 2]| [(best.0[0] + by[0]).max(LEAST_LOG), (best.0[1] + by[1]).max(LEAST_LOG)];
+            let stepped = |by: [f64; 2]| {
+                [
+                    (best.0[0] + by[0]).max(LEAST_LOG),
+                    (best.0[1] + by[1]).max(LEAST_LOG),
+                ]
+            };
             let tried = around.map(stepped).map(|log| (log, surprise(log)));
-            match tried.into_iter().filter(|(_, value)| *value < best.1).min_by(|a, b| a.1.total_cmp(&b.1)) {
+            match tried
+                .into_iter()
+                .filter(|(_, value)| *value < best.1)
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+            {
                 Some(better) => best = better,
                 None => step *= 0.5,
             }
@@ -128,7 +155,11 @@ impl Motion {
 
     /// Minus twice the logarithm of the likelihood, but for a constant.
     fn surprise(self, values: &[f64], variances: &[f64]) -> f64 {
-        let speed = values.windows(2).map(|two| (two[1] - two[0]).powi(2)).sum::<f64>() / values.len() as f64;
+        let speed = values
+            .windows(2)
+            .map(|two| (two[1] - two[0]).powi(2))
+            .sum::<f64>()
+            / values.len() as f64;
         let (mut at, mut moves) = (values[0], 0.0);
         // The variances of place and speed, and their covariance.
         let (mut place, mut both, mut pace) = (variances[0], 0.0, 10.0 * speed + self.unrest);
@@ -155,7 +186,8 @@ impl Motion {
 /// The smoother over (pan, tilt, log of the focal length) and their speeds.
 pub(super) fn smoothed_offsets(seen: &[Vec3], scatter: &[Mat3], unrest: &Vec3) -> Vec<Vec3> {
     let mut turn = Matrix6::identity();
-    turn.fixed_view_mut::<3, 3>(0, 3).copy_from(&Mat3::identity());
+    turn.fixed_view_mut::<3, 3>(0, 3)
+        .copy_from(&Mat3::identity());
     let mut noise = Matrix6::zeros();
     for axis in 0..3 {
         noise[(axis, axis)] = unrest[axis] / 3.0;
@@ -166,9 +198,15 @@ pub(super) fn smoothed_offsets(seen: &[Vec3], scatter: &[Mat3], unrest: &Vec3) -
     let mut state = Vector6::zeros();
     state.fixed_rows_mut::<3>(0).copy_from(&seen[0]);
     let mut covariance = Matrix6::zeros();
-    covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&(scatter[0] * 100.0));
+    covariance
+        .fixed_view_mut::<3, 3>(0, 0)
+        .copy_from(&(scatter[0] * 100.0));
     for axis in 0..3 {
-        let speed = seen.windows(2).map(|two| (two[1] - two[0])[axis].powi(2)).sum::<f64>() / seen.len() as f64;
+        let speed = seen
+            .windows(2)
+            .map(|two| (two[1] - two[0])[axis].powi(2))
+            .sum::<f64>()
+            / seen.len() as f64;
         covariance[(axis + 3, axis + 3)] = 100.0 * (speed + unrest[axis]);
     }
     // What is known of each frame before and after its own value.
@@ -191,7 +229,9 @@ pub(super) fn smoothed_offsets(seen: &[Vec3], scatter: &[Mat3], unrest: &Vec3) -
     for place in (0..seen.len() - 1).rev() {
         let (own, own_covariance) = passes[place][1];
         let (predicted, predicted_covariance) = passes[place + 1][0];
-        let gain = predicted_covariance.try_inverse().map(|inverse| own_covariance * turn.transpose() * inverse);
+        let gain = predicted_covariance
+            .try_inverse()
+            .map(|inverse| own_covariance * turn.transpose() * inverse);
         state = gain.map_or(own, |gain| own + gain * (state - predicted));
         smoothed[place] = state.fixed_rows::<3>(0).into_owned();
     }
@@ -206,7 +246,9 @@ mod tests {
     /// A camera that rests, pans and rests again, off by a pattern that repeats nowhere.
     fn frames(off_deg: f64) -> (Vec<Ptz>, Vec<Unsmoothed>) {
         let pan = |at: usize| 8.0 / (1.0 + (-(at as f64 - 60.0) / 8.0).exp());
-        let truth: Vec<Ptz> = (0..120).map(|at| Ptz::from_degrees(pan(at), -11.0, 2500.0)).collect();
+        let truth: Vec<Ptz> = (0..120)
+            .map(|at| Ptz::from_degrees(pan(at), -11.0, 2500.0))
+            .collect();
         let seen: Vec<_> = truth
             .iter()
             .enumerate()
@@ -214,8 +256,16 @@ mod tests {
                 let noise = off_deg * (1.3 * ((at * at * 31 + at * 17) % 1009) as f64).sin();
                 let sigma = off_deg.to_radians();
                 let covariance = Mat3::from_diagonal(&Vec3::new(sigma * sigma, sigma * sigma, 1.0));
-                let ptz = Ptz::from_degrees(ptz.pan.degrees() + noise, ptz.tilt.degrees() - 0.7 * noise, ptz.focal_px);
-                Unsmoothed { ptz, covariance, is_reference: at == 60 }
+                let ptz = Ptz::from_degrees(
+                    ptz.pan.degrees() + noise,
+                    ptz.tilt.degrees() - 0.7 * noise,
+                    ptz.focal_px,
+                );
+                Unsmoothed {
+                    ptz,
+                    covariance,
+                    is_reference: at == 60,
+                }
             })
             .collect();
         (truth, seen)
@@ -227,13 +277,25 @@ mod tests {
         let smoothed = smooth(&seen, &SmoothOptions::default());
         let some = |all: &[Ptz]| all.iter().copied().map(Some).collect::<Vec<_>>();
         let raw: Vec<Ptz> = seen.iter().map(|frame| frame.ptz).collect();
-        let [before, after, exact] = [&raw, &smoothed, &truth].map(|all| Jitter::of(&some(all)).unwrap().pan_deg);
-        assert!(after < 0.4 * before && after < exact + 0.1 * before, "{before} {after} {exact}");
+        let [before, after, exact] =
+            [&raw, &smoothed, &truth].map(|all| Jitter::of(&some(all)).unwrap().pan_deg);
+        assert!(
+            after < 0.4 * before && after < exact + 0.1 * before,
+            "{before} {after} {exact}"
+        );
         let off = |all: &[Ptz]| {
-            let squares = all.iter().zip(&truth).map(|(a, b)| (a.pan - b.pan).degrees().powi(2));
+            let squares = all
+                .iter()
+                .zip(&truth)
+                .map(|(a, b)| (a.pan - b.pan).degrees().powi(2));
             (squares.sum::<f64>() / truth.len() as f64).sqrt()
         };
-        assert!(off(&smoothed) < 0.7 * off(&raw), "{} {}", off(&raw), off(&smoothed));
+        assert!(
+            off(&smoothed) < 0.7 * off(&raw),
+            "{} {}",
+            off(&raw),
+            off(&smoothed)
+        );
     }
 
     #[test]
@@ -250,7 +312,11 @@ mod tests {
     fn a_few_frames_stay_as_they_are() {
         let (_, seen) = frames(0.01);
         let few = smooth(&seen[..3], &SmoothOptions::default());
-        assert!(few.iter().zip(&seen).all(|(smooth, seen)| *smooth == seen.ptz));
+        assert!(
+            few.iter()
+                .zip(&seen)
+                .all(|(smooth, seen)| *smooth == seen.ptz)
+        );
         assert!(smooth(&[], &SmoothOptions::default()).is_empty());
     }
 }

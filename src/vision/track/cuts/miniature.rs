@@ -8,7 +8,8 @@ pub const WIDTH: usize = 64;
 pub const HEIGHT: usize = 36;
 /// How many pixels of a cell are looked at along each side; the mean of these stands for the cell.
 const SAMPLES: usize = 6;
-/// The farthest shift that is tried, in halves of a cell's count: columns and rows of a picture of half the size.
+/// The farthest shift that is tried, in halves of a cell's count: columns and rows of a picture of
+/// half the size.
 const COARSE_SHIFT: (i32, i32) = (8, 4);
 
 /// A frame reduced to 64 × 36 cells of red, green and blue, whatever its shape.
@@ -22,13 +23,21 @@ impl Miniature {
     /// Reduces a picture.
     #[must_use]
     pub fn of(picture: &Picture) -> Self {
-        let (width, height) = (picture.size().width as usize, picture.size().height as usize);
+        let (width, height) = (
+            picture.size().width as usize,
+            picture.size().height as usize,
+        );
         let rgba = picture.rgba();
         // The middles of so many equal parts of a side.
         let places = |side: usize, parts: usize| -> Vec<usize> {
-            (0..parts).map(|part| (2 * part + 1) * side / (2 * parts)).collect()
+            (0..parts)
+                .map(|part| (2 * part + 1) * side / (2 * parts))
+                .collect()
         };
-        let (columns, rows) = (places(width, WIDTH * SAMPLES), places(height, HEIGHT * SAMPLES));
+        let (columns, rows) = (
+            places(width, WIDTH * SAMPLES),
+            places(height, HEIGHT * SAMPLES),
+        );
         let mut cells = Vec::with_capacity(WIDTH * HEIGHT);
         for rows in rows.chunks_exact(SAMPLES) {
             for columns in columns.chunks_exact(SAMPLES) {
@@ -36,7 +45,9 @@ impl Miniature {
                 for row in rows {
                     for column in columns {
                         let at = 4 * (row * width + column);
-                        for (sum, value) in sum.iter_mut().zip(rgba.get(at..at + 3).unwrap_or_default()) {
+                        for (sum, value) in
+                            sum.iter_mut().zip(rgba.get(at..at + 3).unwrap_or_default())
+                        {
                             *sum += u32::from(*value);
                         }
                     }
@@ -47,7 +58,8 @@ impl Miniature {
         Self { cells }
     }
 
-    /// How far two differ where one is shifted as fits best: the mean difference of a colour, 0 to 255.
+    /// How far two differ where one is shifted as fits best: the mean difference of a colour, 0 to
+    /// 255.
     ///
     /// A camera that turns shifts its picture, which is no cut; what differs then is little.
     #[must_use]
@@ -60,12 +72,15 @@ impl Miniature {
             .map(|shift| (shift, shifted_difference(&small, &small_other, half, shift)))
             .min_by(|(_, a), (_, b)| a.total_cmp(b))
             .map_or((0, 0), |(shift, _)| shift);
-        let fine = (-1..=1).flat_map(|right| (-1..=1).map(move |down| (2 * coarse.0 + right, 2 * coarse.1 + down)));
+        let fine = (-1..=1).flat_map(|right| {
+            (-1..=1).map(move |down| (2 * coarse.0 + right, 2 * coarse.1 + down))
+        });
         fine.map(|shift| shifted_difference(&self.cells, &other.cells, (WIDTH, HEIGHT), shift))
             .fold(f32::INFINITY, f32::min)
     }
 
-    /// How far it is from the mean of two others, none of them shifted: little where one fades into the other.
+    /// How far it is from the mean of two others, none of them shifted: little where one fades into
+    /// the other.
     #[must_use]
     pub fn difference_from_blend(&self, before: &Self, after: &Self) -> f32 {
         let blended = before.cells.iter().zip(&after.cells);
@@ -74,7 +89,9 @@ impl Miniature {
             .iter()
             .zip(blended)
             .map(|(cell, (a, b))| {
-                (0..3).map(|colour| (cell[colour] - 0.5 * (a[colour] + b[colour])).abs()).sum::<f32>()
+                (0..3)
+                    .map(|colour| (cell[colour] - 0.5 * (a[colour] + b[colour])).abs())
+                    .sum::<f32>()
             })
             .sum();
         sum / (3 * self.cells.len()) as f32
@@ -90,10 +107,14 @@ impl Miniature {
     #[must_use]
     pub fn contrast(&self) -> f32 {
         let count = self.cells.len() as f32;
-        let mean = (0..3).map(|colour| self.cells.iter().map(|cell| cell[colour]).sum::<f32>() / count);
-        let deviations = mean
-            .enumerate()
-            .map(|(colour, mean)| self.cells.iter().map(|cell| (cell[colour] - mean).abs()).sum::<f32>());
+        let mean =
+            (0..3).map(|colour| self.cells.iter().map(|cell| cell[colour]).sum::<f32>() / count);
+        let deviations = mean.enumerate().map(|(colour, mean)| {
+            self.cells
+                .iter()
+                .map(|cell| (cell[colour] - mean).abs())
+                .sum::<f32>()
+        });
         deviations.sum::<f32>() / (3.0 * count)
     }
 
@@ -101,15 +122,23 @@ impl Miniature {
         let mut half = Vec::with_capacity(self.cells.len() / 4);
         for rows in self.cells.chunks_exact(2 * WIDTH) {
             for column in (0..WIDTH).step_by(2) {
-                let four = [rows[column], rows[column + 1], rows[WIDTH + column], rows[WIDTH + column + 1]];
-                half.push([0, 1, 2].map(|colour| four.iter().map(|cell| cell[colour]).sum::<f32>() / 4.0));
+                let four = [
+                    rows[column],
+                    rows[column + 1],
+                    rows[WIDTH + column],
+                    rows[WIDTH + column + 1],
+                ];
+                half.push(
+                    [0, 1, 2].map(|colour| four.iter().map(|cell| cell[colour]).sum::<f32>() / 4.0),
+                );
             }
         }
         half
     }
 }
 
-/// The mean difference of a colour where cell (x, y) of one lies on (x + right, y + down) of the other.
+/// The mean difference of a colour where cell (x, y) of one lies on (x + right, y + down) of the
+/// other.
 fn shifted_difference(
     one: &[[f32; 3]],
     other: &[[f32; 3]],
@@ -125,9 +154,12 @@ fn shifted_difference(
     let mut sum = 0.0;
     for row in rows {
         let start = row * width + columns.start;
-        let beside =
-            row.saturating_add_signed(down as isize) * width + columns.start.saturating_add_signed(right as isize);
-        let (one, other) = (&one[start..start + columns.len()], &other[beside..beside + columns.len()]);
+        let beside = row.saturating_add_signed(down as isize) * width
+            + columns.start.saturating_add_signed(right as isize);
+        let (one, other) = (
+            &one[start..start + columns.len()],
+            &other[beside..beside + columns.len()],
+        );
         for (a, b) in one.iter().zip(other) {
             sum += (a[0] - b[0]).abs() + (a[1] - b[1]).abs() + (a[2] - b[2]).abs();
         }

@@ -1,8 +1,9 @@
 //! Where one shot of a video ends and the next begins.
 //!
-//! A hard cut is a frame that differs from the one before far more than neighbouring frames differ from each other, however
-//! the picture is shifted, and that stays different: a camera's flash lasts one frame, and the picture is back. A fade is a frame that
-//! looks like the mean of two frames that differ, or nearly empty frames in between. Fades are unsure and said to be.
+//! A hard cut is a frame that differs from the one before far more than neighbouring frames differ
+//! from each other, however the picture is shifted, and that stays different: a camera's flash
+//! lasts one frame, and the picture is back. A fade is a frame that looks like the mean of two
+//! frames that differ, or nearly empty frames in between. Fades are unsure and said to be.
 
 mod miniature;
 
@@ -10,7 +11,8 @@ pub use miniature::Miniature;
 
 use std::collections::VecDeque;
 
-/// The least difference of a cut, grey levels. Neighbouring frames of the fastest pans and zooms of two broadcasts differ by 5.3.
+/// The least difference of a cut, grey levels. Neighbouring frames of the fastest pans and zooms of
+/// two broadcasts differ by 5.3.
 const LEAST_CUT: f32 = 6.0;
 /// By how much a cut exceeds the differences around it.
 const CUT_OVER_MOTION: f32 = 2.5;
@@ -20,7 +22,8 @@ const AROUND: usize = 4;
 const HALF_FADE: usize = 8;
 /// The least difference between both ends of a fade, grey levels.
 const LEAST_FADE: f32 = 12.0;
-/// The largest difference of a frame within a fade from the mean of its ends, as a share of their difference.
+/// The largest difference of a frame within a fade from the mean of its ends, as a share of their
+/// difference.
 const MOST_OFF_BLEND: f32 = 0.35;
 /// Frames of less contrast than this are empty, grey levels.
 const EMPTY: f32 = 4.0;
@@ -49,7 +52,8 @@ pub struct CutFinder {
 struct Measured {
     /// The difference from the frame before.
     step: f32,
-    /// The smallest difference of the frames just before from the frame and the one behind: what a flash leaves is little.
+    /// The smallest difference of the frames just before from the frame and the one behind: what a
+    /// flash leaves is little.
     lasting: f32,
     /// How far it is from the mean of the ends of a fade around it, and how far these differ.
     fade: Option<(f32, f32)>,
@@ -59,7 +63,12 @@ struct Measured {
 impl CutFinder {
     /// Takes the next frame.
     pub fn push(&mut self, frame: Miniature) {
-        let from_end = |back: usize| self.latest.len().checked_sub(back).and_then(|at| self.latest.get(at));
+        let from_end = |back: usize| {
+            self.latest
+                .len()
+                .checked_sub(back)
+                .and_then(|at| self.latest.get(at))
+        };
         let step = from_end(1).map_or(0.0, |before| frame.difference(before));
         let over_two = from_end(2).map_or(f32::INFINITY, |before| frame.difference(before));
         let over_three = from_end(3).map_or(f32::INFINITY, |before| frame.difference(before));
@@ -68,14 +77,21 @@ impl CutFinder {
             last.lasting = last.lasting.min(over_two).min(over_three);
         }
         let contrast = frame.contrast();
-        self.measured.push(Measured { step, lasting: step.min(over_two), fade: None, contrast });
+        self.measured.push(Measured {
+            step,
+            lasting: step.min(over_two),
+            fade: None,
+            contrast,
+        });
         self.latest.push_back(frame);
         if self.latest.len() > 2 * HALF_FADE + 1 {
             self.latest.pop_front();
         }
-        if let (Some(first), Some(middle), Some(last)) =
-            (self.latest.front(), self.latest.get(HALF_FADE), self.latest.get(2 * HALF_FADE))
-        {
+        if let (Some(first), Some(middle), Some(last)) = (
+            self.latest.front(),
+            self.latest.get(HALF_FADE),
+            self.latest.get(2 * HALF_FADE),
+        ) {
             let off = middle.difference_from_blend(first, last);
             let place = self.measured.len() - 1 - HALF_FADE;
             self.measured[place].fade = Some((off, first.difference(last)));
@@ -92,17 +108,36 @@ impl CutFinder {
     #[must_use]
     pub fn cuts(&self) -> Vec<FoundCut> {
         let empty = self.empty_runs();
-        let mut cuts: Vec<FoundCut> = empty.iter().map(|&frame| FoundCut { frame, is_fade: true }).collect();
+        let mut cuts: Vec<FoundCut> = empty
+            .iter()
+            .map(|&frame| FoundCut {
+                frame,
+                is_fade: true,
+            })
+            .collect();
         // To and from an empty picture is one cut, and none to each side of it.
-        let is_apart = |cuts: &[FoundCut], frame: usize| cuts.iter().all(|cut| cut.frame.abs_diff(frame) > APART);
-        let hard = (1..self.measured.len()).filter(|&frame| self.is_cut(frame) && is_apart(&cuts, frame));
-        let hard: Vec<FoundCut> = hard.map(|frame| FoundCut { frame, is_fade: false }).collect();
+        let is_apart = |cuts: &[FoundCut], frame: usize| {
+            cuts.iter().all(|cut| cut.frame.abs_diff(frame) > APART)
+        };
+        let hard =
+            (1..self.measured.len()).filter(|&frame| self.is_cut(frame) && is_apart(&cuts, frame));
+        let hard: Vec<FoundCut> = hard
+            .map(|frame| FoundCut {
+                frame,
+                is_fade: false,
+            })
+            .collect();
         cuts.extend(hard);
-        let mut blends: Vec<(f32, usize)> = (1..self.measured.len()).filter_map(|frame| self.blend_at(frame)).collect();
+        let mut blends: Vec<(f32, usize)> = (1..self.measured.len())
+            .filter_map(|frame| self.blend_at(frame))
+            .collect();
         blends.sort_by(|(a, at), (b, before)| b.total_cmp(a).then(at.cmp(before)));
         for (_, frame) in blends {
             if is_apart(&cuts, frame) {
-                cuts.push(FoundCut { frame, is_fade: true });
+                cuts.push(FoundCut {
+                    frame,
+                    is_fade: true,
+                });
             }
         }
         cuts.sort_unstable_by_key(|cut| cut.frame);
@@ -111,7 +146,10 @@ impl CutFinder {
 
     fn is_cut(&self, frame: usize) -> bool {
         let lasting = self.measured[frame].lasting;
-        let (from, to) = (frame.saturating_sub(AROUND).max(1), (frame + AROUND).min(self.measured.len() - 1));
+        let (from, to) = (
+            frame.saturating_sub(AROUND).max(1),
+            (frame + AROUND).min(self.measured.len() - 1),
+        );
         let around = (from..=to).filter(|at| at.abs_diff(frame) > 1);
         // The median: another cut or a flash near by is no motion.
         let mut steps: Vec<f32> = around.map(|at| self.measured[at].step).collect();
@@ -129,7 +167,8 @@ impl CutFinder {
                 (None, true) => begun = Some(frame),
                 (Some(first), false) => {
                     begun = None;
-                    // A video that begins empty has no shot before, and a long run is a shot of its own.
+                    // A video that begins empty has no shot before, and a long run is a shot of its
+                    // own.
                     if first > 0 && frame - first <= 2 * APART {
                         runs.push(first.midpoint(frame));
                     }
@@ -140,7 +179,8 @@ impl CutFinder {
         runs
     }
 
-    /// How sure a fade of one picture into another is whose middle is a frame; none where there is none.
+    /// How sure a fade of one picture into another is whose middle is a frame; none where there is
+    /// none.
     fn blend_at(&self, frame: usize) -> Option<(f32, usize)> {
         let (off, ends) = self.measured[frame].fade?;
         (ends >= LEAST_FADE && off <= MOST_OFF_BLEND * ends).then_some((ends - off, frame))
@@ -158,14 +198,15 @@ mod tests {
     /// A scene of coloured blobs that a camera sees turned by some px; `seed` tells scenes apart.
     fn colour(seed: f64, x: f64, y: f64) -> [f64; 3] {
         [1.0, 2.0, 3.0].map(|colour| {
-            let wave =
-                (0.31 * x + seed * colour).sin() * (0.23 * y + 1.7 * seed).cos() + (0.07 * x * colour + y * 0.11).sin();
+            let wave = (0.31 * x + seed * colour).sin() * (0.23 * y + 1.7 * seed).cos()
+                + (0.07 * x * colour + y * 0.11).sin();
             127.0 + 60.0 * wave
         })
     }
 
     fn frame(shade: impl Fn(f64, f64) -> [f64; 3]) -> Miniature {
-        let pixels = (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (f64::from(x), f64::from(y))));
+        let pixels = (0..SIZE.height)
+            .flat_map(|y| (0..SIZE.width).map(move |x| (f64::from(x), f64::from(y))));
         let rgba = pixels.flat_map(|(x, y)| {
             let [red, green, blue] = shade(x, y).map(|value| value.clamp(0.0, 255.0) as u8);
             [red, green, blue, 255]
@@ -176,13 +217,21 @@ mod tests {
     fn found(frames: impl IntoIterator<Item = Miniature>) -> Vec<(usize, bool)> {
         let mut finder = CutFinder::default();
         frames.into_iter().for_each(|frame| finder.push(frame));
-        finder.cuts().into_iter().map(|cut| (cut.frame, cut.is_fade)).collect()
+        finder
+            .cuts()
+            .into_iter()
+            .map(|cut| (cut.frame, cut.is_fade))
+            .collect()
     }
 
     #[test]
     fn cuts_are_found_in_a_camera_that_turns_and_flashes_are_none() {
         let frames = (0..48).map(|at| {
-            let (seed, turned) = if at < 17 { (0.4, 3.0 * f64::from(at)) } else { (2.6, -2.0 * f64::from(at)) };
+            let (seed, turned) = if at < 17 {
+                (0.4, 3.0 * f64::from(at))
+            } else {
+                (2.6, -2.0 * f64::from(at))
+            };
             let flash = if at == 30 { 90.0 } else { 0.0 };
             frame(|x, y| colour(seed, x + turned, y).map(|value| value + flash))
         });
@@ -201,8 +250,11 @@ mod tests {
         let blends = found(blend);
         assert!(matches!(blends[..], [(28..=32, true)]), "{blends:?}");
         let black = (0..60).map(|at| {
-            let (seed, light) =
-                if at < 30 { (0.4, (28.0 - f64::from(at)) / 8.0) } else { (2.6, (f64::from(at) - 32.0) / 8.0) };
+            let (seed, light) = if at < 30 {
+                (0.4, (28.0 - f64::from(at)) / 8.0)
+            } else {
+                (2.6, (f64::from(at) - 32.0) / 8.0)
+            };
             frame(|x, y| colour(seed, x, y).map(|value| value * light.clamp(0.0, 1.0)))
         });
         let blacks = found(black);

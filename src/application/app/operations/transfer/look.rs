@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use touchline_documents::document::Document;
 use touchline_documents::exchange::{
-    DatasetOptions, DatasetPlan, ExportOptions, Exported, Format, ImportOptions, Imported, Joined, export, import,
-    join, plan_dataset,
+    DatasetOptions, DatasetPlan, ExportOptions, Exported, Format, ImportOptions, Imported, Joined,
+    export, import, join, plan_dataset,
 };
 use touchline_documents::store;
 
@@ -28,17 +28,25 @@ pub struct TransferLook {
 #[derive(Debug)]
 pub(super) enum LookAt {
     /// The document is made into a format and compared.
-    Export { format: Format, options: Box<ExportOptions> },
+    Export {
+        format: Format,
+        options: Box<ExportOptions>,
+    },
     /// A dataset is planned.
     Dataset(Box<DatasetOptions>),
     /// Files are read and joined with the document.
-    Import { from: PathBuf, format: Format, options: Box<ImportOptions> },
+    Import {
+        from: PathBuf,
+        format: Format,
+        options: Box<ImportOptions>,
+    },
 }
 
 /// What was found, for the document of a revision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The revision of the document that was looked at. A change since the order, also one from the background, makes it out of date.
+    /// The revision of the document that was looked at. A change since the order, also one from the
+    /// background, makes it out of date.
     pub revision: u64,
     /// What.
     pub look: Look,
@@ -65,13 +73,21 @@ impl Operation for TransferLook {
     fn run(&self, _: &Context<'_, Infallible>) -> Result<Look, Infallible> {
         let at = self.document.at(&self.folder);
         Ok(match &self.at {
-            LookAt::Export { format, options } => {
-                Look::Export(export(at, *format, options).map(Arc::new).map_err(|error| describe_error(&error)))
-            }
-            LookAt::Dataset(options) => {
-                Look::Dataset(plan_dataset(at, options).map(Arc::new).map_err(|error| describe_error(&error)))
-            }
-            LookAt::Import { from, format, options } => {
+            LookAt::Export { format, options } => Look::Export(
+                export(at, *format, options)
+                    .map(Arc::new)
+                    .map_err(|error| describe_error(&error)),
+            ),
+            LookAt::Dataset(options) => Look::Dataset(
+                plan_dataset(at, options)
+                    .map(Arc::new)
+                    .map_err(|error| describe_error(&error)),
+            ),
+            LookAt::Import {
+                from,
+                format,
+                options,
+            } => {
                 let imported = read_import(from, *format, options);
                 Look::Import(imported.map(|imported| Arc::new(join(at, &imported))))
             }
@@ -84,7 +100,10 @@ impl Operation for TransferLook {
 
     fn take_over(&self, app: &mut App, result: Result<Look, Failure<Infallible>>) {
         let look = result.unwrap_or_else(|failure| self.at.failed(sentence(&failure.to_string())));
-        app.operations.transfer.found = Some(Found { revision: self.revision, look });
+        app.operations.transfer.found = Some(Found {
+            revision: self.revision,
+            look,
+        });
     }
 }
 
@@ -104,7 +123,12 @@ fn read_import(from: &Path, format: Format, options: &ImportOptions) -> Result<I
     if format != Format::Json {
         return import(from, format, options).map_err(|error| describe_error(&error));
     }
-    let (location, document, recovery) = store::read(from).map_err(|error| sentence(&error.to_string()))?;
+    let (location, document, recovery) =
+        store::read(from).map_err(|error| sentence(&error.to_string()))?;
     let notes = recovery.message().into_iter().collect();
-    Ok(Imported { document, folder: location.folder().to_path_buf(), notes })
+    Ok(Imported {
+        document,
+        folder: location.folder().to_path_buf(),
+        notes,
+    })
 }

@@ -1,7 +1,9 @@
-//! Exporting and importing in the window: looked at in the background, written on request, taken over in one step of undo.
+//! Exporting and importing in the window: looked at in the background, written on request, taken
+//! over in one step of undo.
 //!
-//! Two operations: a [`TransferLook`] makes an export, plans a dataset or reads files, and changes nothing; a [`TransferWrite`]
-//! writes. A newer look replaces an older one; a write is replaced by nothing, and no look begins while it lasts.
+//! Two operations: a [`TransferLook`] makes an export, plans a dataset or reads files, and changes
+//! nothing; a [`TransferWrite`] writes. A newer look replaces an older one; a write is replaced by
+//! nothing, and no look begins while it lasts.
 
 mod look;
 mod words;
@@ -18,7 +20,9 @@ use crate::app::{App, Question};
 use look::LookAt;
 use std::path::PathBuf;
 use touchline_documents::document::{Document, Step};
-use touchline_documents::exchange::{DatasetOptions, ExportOptions, Format, FrameChoice, ImportOptions};
+use touchline_documents::exchange::{
+    DatasetOptions, ExportOptions, Format, FrameChoice, ImportOptions,
+};
 use words::describe_joined;
 use write::Writing;
 
@@ -62,7 +66,10 @@ impl Default for TransferState {
         Self {
             tab: TransferTab::default(),
             format: Format::Json,
-            export: ExportOptions { frames: FrameChoice::reviewed(), ..ExportOptions::default() },
+            export: ExportOptions {
+                frames: FrameChoice::reviewed(),
+                ..ExportOptions::default()
+            },
             dataset: DatasetOptions::default(),
             replace: false,
             import_format: Format::SoccerNet,
@@ -154,9 +161,10 @@ impl App {
             return;
         }
         let at = match transfer.tab {
-            TransferTab::Export => {
-                LookAt::Export { format: transfer.format, options: Box::new(transfer.export.clone()) }
-            }
+            TransferTab::Export => LookAt::Export {
+                format: transfer.format,
+                options: Box::new(transfer.export.clone()),
+            },
             TransferTab::Dataset => LookAt::Dataset(Box::new(transfer.dataset.clone())),
             TransferTab::Import => {
                 transfer.look.cancel();
@@ -168,15 +176,25 @@ impl App {
 
     fn start_look(&mut self, at: LookAt) {
         let Some(open) = &self.open else { return };
-        let (document, folder, revision) = ((*open.document).clone(), open.folder.clone(), open.revision);
-        self.start(TransferLook { document, folder, revision, at });
+        let (document, folder, revision) =
+            ((*open.document).clone(), open.folder.clone(), open.revision);
+        self.start(TransferLook {
+            document,
+            folder,
+            revision,
+            at,
+        });
     }
 
     fn start_write(&mut self, writing: Writing) {
         let Some(open) = &self.open else { return };
         self.operations.transfer.look.cancel();
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
-        self.start(TransferWrite { document, folder, writing });
+        self.start(TransferWrite {
+            document,
+            folder,
+            writing,
+        });
     }
 
     /// Asks where to write, or what to read.
@@ -192,11 +210,20 @@ impl App {
 
     /// Takes the place that was asked for. The dialog comes back: it says what became of it.
     /// `may_replace`: whether the user was asked about a file that is there.
-    pub(in crate::app) fn place_chosen(&mut self, question: Question, path: PathBuf, may_replace: bool) {
+    pub(in crate::app) fn place_chosen(
+        &mut self,
+        question: Question,
+        path: PathBuf,
+        may_replace: bool,
+    ) {
         self.session.dialog = Some(Dialog::Transfer);
         let transfer = &self.operations.transfer;
         let revision = self.open.as_ref().map(|open| open.revision);
-        let found = transfer.found.as_ref().filter(|found| Some(found.revision) == revision).map(|found| &found.look);
+        let found = transfer
+            .found
+            .as_ref()
+            .filter(|found| Some(found.revision) == revision)
+            .map(|found| &found.look);
         match question {
             Question::ExportAs(format) => {
                 let made = match found {
@@ -204,14 +231,24 @@ impl App {
                     _ => None,
                 };
                 let options = Box::new(transfer.export.clone());
-                self.start_write(Writing::Export { format, options, made, to: path, replace: may_replace });
+                self.start_write(Writing::Export {
+                    format,
+                    options,
+                    made,
+                    to: path,
+                    replace: may_replace,
+                });
             }
             Question::ImportFrom(format) => {
                 let mut options = transfer.import.clone();
                 if let Some(open) = &self.open {
                     options.field = open.document.field.clone();
                 }
-                self.start_look(LookAt::Import { from: path, format, options: Box::new(options) });
+                self.start_look(LookAt::Import {
+                    from: path,
+                    format,
+                    options: Box::new(options),
+                });
             }
             _ => {
                 let plan = match found {
@@ -219,7 +256,12 @@ impl App {
                     _ => None,
                 };
                 let options = Box::new(transfer.dataset.clone());
-                self.start_write(Writing::Dataset { plan, options, to: path, replace: transfer.replace });
+                self.start_write(Writing::Dataset {
+                    plan,
+                    options,
+                    to: path,
+                    replace: transfer.replace,
+                });
             }
         }
     }
@@ -227,7 +269,8 @@ impl App {
     fn stop_transfer(&mut self) {
         let transfer = &mut self.operations.transfer;
         if transfer.look.cancel() | transfer.write.cancel() {
-            self.session.notify(Level::Info, "Stopped; nothing was written.");
+            self.session
+                .notify(Level::Info, "Stopped; nothing was written.");
         }
     }
 
@@ -235,16 +278,27 @@ impl App {
     fn take_import(&mut self) {
         let revision = self.open.as_ref().map(|open| open.revision);
         let found = self.operations.transfer.found.take();
-        let Some(Found { revision: then, look: Look::Import(Ok(joined)) }) = found else { return };
+        let Some(Found {
+            revision: then,
+            look: Look::Import(Ok(joined)),
+        }) = found
+        else {
+            return;
+        };
         if Some(then) != revision {
-            self.session.notify(Level::Info, "The document changed in the meantime; choose the file again.");
+            self.session.notify(
+                Level::Info,
+                "The document changed in the meantime; choose the file again.",
+            );
             return;
         }
         if !self.begin_step(Step::on_document("Import labels")) {
             return;
         }
         if let Some(open) = &mut self.open {
-            let Document { cameras, frames, .. } = &joined.document;
+            let Document {
+                cameras, frames, ..
+            } = &joined.document;
             (open.document.cameras, open.document.frames) = (cameras.clone(), frames.clone());
         }
         self.commit();

@@ -4,9 +4,13 @@ use crate::app::sentence;
 use touchline_core::geometry::counted;
 use touchline_documents::exchange::{ExchangeError, Joined};
 
-/// Options of the command line, and what they are called in the dialog. The longer of two that begin alike comes first.
+/// Options of the command line, and what they are called in the dialog. The longer of two that
+/// begin alike comes first.
 const OPTIONS: [(&str, &str); 21] = [
-    ("give a --map file with them, or --skip-unmapped", "choose what labels are, or leave out others"),
+    (
+        "give a --map file with them, or --skip-unmapped",
+        "choose what labels are, or leave out others",
+    ),
     (" (--images FOLDER)", ""),
     ("; --size WIDTHxHEIGHT gives another", ""),
     ("--size WIDTHxHEIGHT or --images FOLDER", "the picture size"),
@@ -32,7 +36,9 @@ const OPTIONS: [(&str, &str); 21] = [
 /// An error in one line, with the dialog's words for the command line's options.
 pub(super) fn describe_error(error: &ExchangeError) -> String {
     match error {
-        ExchangeError::Exists { path } => format!("{} exists already; choose another place.", path.display()),
+        ExchangeError::Exists { path } => {
+            format!("{} exists already; choose another place.", path.display())
+        }
         ExchangeError::OtherDisk { .. } => {
             "The pictures lie on another disk and cannot be linked; copy them instead.".to_owned()
         }
@@ -40,10 +46,17 @@ pub(super) fn describe_error(error: &ExchangeError) -> String {
     }
 }
 
-/// What an export or import says, as a sentence with the dialog's words for the command line's options.
+/// What an export or import says, as a sentence with the dialog's words for the command line's
+/// options.
 #[must_use]
 pub fn in_dialog(text: &str) -> String {
-    sentence(&OPTIONS.iter().fold(text.to_owned(), |text, (option, words)| text.replace(option, words)))
+    sentence(
+        &OPTIONS
+            .iter()
+            .fold(text.to_owned(), |text, (option, words)| {
+                text.replace(option, words)
+            }),
+    )
 }
 
 /// Bytes for people: "34 MB".
@@ -56,7 +69,11 @@ pub fn describe_bytes(bytes: u64) -> String {
         value /= 1000.0;
         unit += 1;
     }
-    if value < 9.95 { format!("{value:.1} {}", UNITS[unit]) } else { format!("{value:.0} {}", UNITS[unit]) }
+    if value < 9.95 {
+        format!("{value:.1} {}", UNITS[unit])
+    } else {
+        format!("{value:.0} {}", UNITS[unit])
+    }
 }
 
 /// What was taken over, in words.
@@ -86,9 +103,22 @@ mod tests {
     #[test]
     fn errors_are_sentences_without_options() {
         let exists = ExchangeError::Exists { path: "out".into() };
-        assert_eq!(describe_error(&exists), "out exists already; choose another place.");
-        let needed = ExchangeError::ExportNeeds { format: Format::Cdf, what: "the frame rate", option: "--fps" };
-        assert_eq!(describe_error(&needed), "Cdf needs the frame rate; give frames a second.");
-        assert_eq!(describe_error(&ExchangeError::Stopped), "Stopped; nothing was written.");
+        assert_eq!(
+            describe_error(&exists),
+            "out exists already; choose another place."
+        );
+        let needed = ExchangeError::ExportNeeds {
+            format: Format::Cdf,
+            what: "the frame rate",
+            option: "--fps",
+        };
+        assert_eq!(
+            describe_error(&needed),
+            "Cdf needs the frame rate; give frames a second."
+        );
+        assert_eq!(
+            describe_error(&ExchangeError::Stopped),
+            "Stopped; nothing was written."
+        );
     }
 }

@@ -10,8 +10,8 @@ use touchline_core::geometry::counted;
 use touchline_core::progress::Share;
 use touchline_documents::document::Document;
 use touchline_documents::exchange::{
-    DatasetDone, DatasetOptions, DatasetPlan, ExchangeError, ExportOptions, Exported, Format, export, folder_for_new,
-    plan_dataset, write_dataset,
+    DatasetDone, DatasetOptions, DatasetPlan, ExchangeError, ExportOptions, Exported, Format,
+    export, folder_for_new, plan_dataset, write_dataset,
 };
 
 /// An export or a dataset is to be written.
@@ -56,27 +56,54 @@ impl Operation for TransferWrite {
 
     fn run(&self, context: &Context<'_, Share>) -> Result<String, ExchangeError> {
         match &self.writing {
-            Writing::Export { format, options, made, to, replace } => {
+            Writing::Export {
+                format,
+                options,
+                made,
+                to,
+                replace,
+            } => {
                 let exported = match made {
                     Some(made) => Arc::clone(made),
                     None => Arc::new(export(self.document.at(&self.folder), *format, options)?),
                 };
-                let to = if format.is_folder() { folder_for_new(to, format.name()) } else { to.clone() };
+                let to = if format.is_folder() {
+                    folder_for_new(to, format.name())
+                } else {
+                    to.clone()
+                };
                 // It may have been stopped while it was made.
                 if context.check().is_break() {
                     return Err(ExchangeError::Stopped);
                 }
                 exported.write(&to, *replace && !exported.is_folder())?;
-                Ok(format!("{} written as {format}: {}", counted(exported.frames, "frame"), to.display()))
+                Ok(format!(
+                    "{} written as {format}: {}",
+                    counted(exported.frames, "frame"),
+                    to.display()
+                ))
             }
-            Writing::Dataset { plan, options, to, replace } => {
+            Writing::Dataset {
+                plan,
+                options,
+                to,
+                replace,
+            } => {
                 let at = self.document.at(&self.folder);
                 let plan = match plan {
                     Some(plan) => Arc::clone(plan),
                     None => Arc::new(plan_dataset(at, options)?),
                 };
                 let (to, mut reader) = (folder_for_new(to, "dataset"), context.open_reader());
-                let done = write_dataset(at, &plan, options, &mut *reader, &to, *replace, &context.progress())?;
+                let done = write_dataset(
+                    at,
+                    &plan,
+                    options,
+                    &mut *reader,
+                    &to,
+                    *replace,
+                    &context.progress(),
+                )?;
                 Ok(describe_dataset(&done, &to))
             }
         }
@@ -96,7 +123,9 @@ impl Operation for TransferWrite {
                 app.tell_assumed_size();
             }
             Err(Failure::Failed(error)) => app.session.notify(Level::Error, describe_error(&error)),
-            Err(failure) => app.session.notify(Level::Error, sentence(&failure.to_string())),
+            Err(failure) => app
+                .session
+                .notify(Level::Error, sentence(&failure.to_string())),
         }
         let transfer = &app.operations.transfer;
         if transfer.found.is_none() && !transfer.is_looking() {
@@ -111,5 +140,9 @@ fn describe_dataset(done: &DatasetDone, to: &Path) -> String {
         0 => String::new(),
         count => format!(", {count} left out"),
     };
-    format!("Dataset of {}{left_out} written: {}", counted(done.frames, "frame"), to.display())
+    format!(
+        "Dataset of {}{left_out} written: {}",
+        counted(done.frames, "frame"),
+        to.display()
+    )
 }
