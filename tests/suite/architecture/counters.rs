@@ -31,8 +31,29 @@ pub const LONG_LINE: usize = 100;
 
 /// Words that the glossary replaces. `hold`, `place`, `row` and `spot` are left out: they are plain English too.
 const DIALECT: [&str; 24] = [
-    "rig", "rigs", "tie", "ties", "tied", "turns", "traces", "strokes", "sight", "sighting", "rival", "rivals",
-    "abstained", "told", "asked", "carried", "widened", "bent", "judged", "snapped", "thinned", "offer", "nobody",
+    "rig",
+    "rigs",
+    "tie",
+    "ties",
+    "tied",
+    "turns",
+    "traces",
+    "strokes",
+    "sight",
+    "sighting",
+    "rival",
+    "rivals",
+    "abstained",
+    "told",
+    "asked",
+    "carried",
+    "widened",
+    "bent",
+    "judged",
+    "snapped",
+    "thinned",
+    "offer",
+    "nobody",
     "somebody",
 ];
 
@@ -119,8 +140,11 @@ fn names_a_closure(line: &str) -> bool {
 /// The name of the function that a line begins.
 fn function_name(line: &str) -> Option<&str> {
     let (before, after) = line.split_once("fn ")?;
-    let is_declared = before.split_whitespace().all(|word| word.starts_with("pub") || word.starts_with("in ")
-        || ["const", "async", "unsafe", "crate::app)"].contains(&word));
+    let is_declared = before.split_whitespace().all(|word| {
+        word.starts_with("pub")
+            || word.starts_with("in ")
+            || ["const", "async", "unsafe", "crate::app)"].contains(&word)
+    });
     let end = after.find(|letter: char| !letter.is_alphanumeric() && letter != '_').unwrap_or(after.len());
     Some(&after[..end]).filter(|name| is_declared && !name.is_empty())
 }
@@ -142,16 +166,15 @@ fn words(line: &str) -> impl Iterator<Item = String> {
         was_small = letter.is_lowercase();
         separated.extend(letter.to_lowercase());
     }
-    let words: Vec<String> =
-        separated.split(|letter: char| !letter.is_alphabetic()).map(str::to_owned).collect();
+    let words: Vec<String> = separated.split(|letter: char| !letter.is_alphabetic()).map(str::to_owned).collect();
     words.into_iter().filter(|word| !word.is_empty())
 }
 
 /// The files that hold most of what is counted by `count`, the worst first.
 pub fn worst(sources: &[Source], count: impl Fn(&Counters) -> usize, most: usize) -> String {
-    let counted = sources.iter().map(|source| {
-        (count(&Counters::count(std::slice::from_ref(source))), source.0.display().to_string())
-    });
+    let counted = sources
+        .iter()
+        .map(|source| (count(&Counters::count(std::slice::from_ref(source))), source.0.display().to_string()));
     let by_count: BTreeMap<(usize, String), ()> = counted.map(|key| (key, ())).collect();
     let lines = by_count.keys().rev().take(most).map(|(count, file)| format!("{count} {file}"));
     lines.collect::<Vec<_>>().join("\n")
