@@ -31,6 +31,8 @@ const LONG_LEAD_FRAMES: usize = 640;
 const PREROLL_FRAMES: usize = 300;
 /// How far from the end the search for the last frame begins.
 const TAIL_FRAMES: usize = 64;
+/// A decoder holds back at most this many frames to show them in order (H.264, annex A.3.1: `MaxDpbFrames`).
+const REORDERED_FRAMES: usize = 16;
 /// How many frames are counted between two reports of progress.
 const COUNT_REPORT_FRAMES: usize = 100;
 /// Of the frames at the end, which are read to count them, every so many-th is looked at for combs.
@@ -203,17 +205,14 @@ fn add_notices(info: &mut VideoInfo, aspect: f64) {
     }
 }
 
-/// Whether frames come at an uneven rate. Where frames are missing and the others lie on the rate,
-/// their number says it all.
+/// Whether frames come at an uneven rate. Where a file was cut off, some of the last frames lack what they refer to and are missing:
+/// the number of frames says that already.
 fn is_uneven(info: &VideoInfo) -> bool {
-    let FrameClock::Listed(times_s) = &info.clock else {
-        return false;
-    };
-    let frames_off = |time_s: &f64| (time_s - times_s[0]) * info.fps;
-    let is_on_rate = |time_s: &f64| {
-        (frames_off(time_s) - frames_off(time_s).round()).abs() <= ROUNDED_S * info.fps
-    };
-    info.stated_frames <= info.decoded_frames || !times_s.iter().all(is_on_rate)
+    let FrameClock::Listed(times_s) = &info.clock else { return false };
+    let is_cut_off = info.decoded_frames < info.stated_frames;
+    let before_cut = times_s.len().saturating_sub(if is_cut_off { REORDERED_FRAMES } else { 0 });
+    let on_rate = |(index, time_s): (usize, &f64)| (time_s - times_s[0] - index as f64 / info.fps).abs() <= ROUNDED_S;
+    !times_s.iter().enumerate().take(before_cut).all(on_rate)
 }
 
 /// The first frames of a video.
