@@ -172,7 +172,9 @@ fn function_name(line: &str) -> Option<&str> {
             || word.starts_with("in ")
             || ["const", "async", "unsafe", "crate::app)"].contains(&word)
     });
-    let end = after.find(|letter: char| !letter.is_alphanumeric() && letter != '_').unwrap_or(after.len());
+    let end = after
+        .find(|letter: char| !letter.is_alphanumeric() && letter != '_')
+        .unwrap_or(after.len());
     Some(&after[..end]).filter(|name| is_declared && !name.is_empty())
 }
 
@@ -193,15 +195,21 @@ fn words(line: &str) -> impl Iterator<Item = String> {
         was_small = letter.is_lowercase();
         separated.extend(letter.to_lowercase());
     }
-    let words: Vec<String> = separated.split(|letter: char| !letter.is_alphabetic()).map(str::to_owned).collect();
+    let words: Vec<String> = separated
+        .split(|letter: char| !letter.is_alphabetic())
+        .map(str::to_owned)
+        .collect();
     words.into_iter().filter(|word| !word.is_empty())
 }
 
 /// The files that hold most of what is counted by `count`, the worst first.
 pub fn worst(sources: &[Source], count: impl Fn(&Counters) -> usize, most: usize) -> String {
-    let counted = sources
-        .iter()
-        .map(|source| (count(&Counters::count(std::slice::from_ref(source))), source.0.display().to_string()));
+    let counted = sources.iter().map(|source| {
+        (
+            count(&Counters::count(std::slice::from_ref(source))),
+            source.0.display().to_string(),
+        )
+    });
     let by_count: BTreeMap<(usize, String), ()> = counted.map(|key| (key, ())).collect();
     let lines = by_count
         .keys()

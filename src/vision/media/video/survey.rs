@@ -208,10 +208,16 @@ fn add_notices(info: &mut VideoInfo, aspect: f64) {
 /// Whether frames come at an uneven rate. Where a file was cut off, some of the last frames lack what they refer to and are missing:
 /// the number of frames says that already.
 fn is_uneven(info: &VideoInfo) -> bool {
-    let FrameClock::Listed(times_s) = &info.clock else { return false };
+    let FrameClock::Listed(times_s) = &info.clock else {
+        return false;
+    };
     let is_cut_off = info.decoded_frames < info.stated_frames;
-    let before_cut = times_s.len().saturating_sub(if is_cut_off { REORDERED_FRAMES } else { 0 });
-    let on_rate = |(index, time_s): (usize, &f64)| (time_s - times_s[0] - index as f64 / info.fps).abs() <= ROUNDED_S;
+    let before_cut = times_s
+        .len()
+        .saturating_sub(if is_cut_off { REORDERED_FRAMES } else { 0 });
+    let on_rate = |(index, time_s): (usize, &f64)| {
+        (time_s - times_s[0] - index as f64 / info.fps).abs() <= ROUNDED_S
+    };
     !times_s.iter().enumerate().take(before_cut).all(on_rate)
 }
 
