@@ -12,7 +12,7 @@
 use super::spread::spread;
 use super::{FramePictures, LearnOptions, Studied, study};
 use std::collections::BTreeSet;
-use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, median, subsample};
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{Camera, Clip, Document, Frame, FrameId};
@@ -351,19 +351,9 @@ fn groups(document: &Document, collected: &[usize]) -> (LeftOutBy, Vec<Group>) {
 #[must_use]
 pub fn overlay_error_px(truth: &PtzCamera, found: &PtzCamera, size: ImageSize) -> f64 {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
-    let grid = (0..5)
-        .flat_map(|column| (0..3).map(move |row| (f64::from(column) / 4.0, f64::from(row) / 2.0)));
-    let errors = grid.filter_map(|(x, y)| {
-        let point = ImagePoint::new(x * width, y * height);
-        // Beyond the fold of the lens a point shows nothing.
-        let ray = truth.ray_from_image(point).ok()?;
-        Some(
-            found
-                .image_from_ray(ray)
-                .map_or(f64::INFINITY, |image| image.distance_px(point)),
-        )
-    });
-    errors.fold(0.0, f64::max) / size.scale_from_1920()
+    let grid = (0..15).map(|index| (f64::from(index % 5) / 4.0, f64::from(index / 5) / 2.0));
+    let points = grid.map(|(x, y)| ImagePoint::new(x * width, y * height));
+    image_space_distances_px(truth, found, points).fold(0.0, f64::max) / size.scale_from_1920()
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 
 mod base;
 mod base_sigma;
+mod distance;
 mod distortion;
 mod jacobian;
 mod projection;
@@ -18,6 +19,7 @@ pub(crate) use base_sigma::SHARED_COLUMNS;
 pub use base_sigma::{
     BaseCorrelation, BaseSigma, SHARED_PARAMETERS, SharedCovariance, SharedError,
 };
+pub use distance::{AngularDistance, image_space_distances_px};
 pub use distortion::{FocalCurve, Radial, UndistortError, undistort};
 pub use jacobian::{DirectionJacobian, ProjectionJacobian};
 pub use projection::{MIN_DEPTH, ProjectError, PtzCamera};

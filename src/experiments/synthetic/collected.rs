@@ -1,6 +1,6 @@
 //! Errors of many trials with many cameras.
 
-use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::camera::{AngularDistance, PtzCamera};
 use touchline_core::score::camera_error;
 use touchline_documents::report::{Cell, Table};
 
@@ -20,15 +20,12 @@ impl Errors {
         let error = camera_error(truth, estimate);
         Self {
             rotation_deg: error.rotation.degrees(),
-            pan_tilt_deg: pan_tilt_apart_deg(truth.ptz(), estimate.ptz()),
+            pan_tilt_deg: AngularDistance::between(&truth.ptz(), &estimate.ptz())
+                .turn
+                .degrees(),
             focal_px: error.focal_px.abs(),
         }
     }
-}
-
-fn pan_tilt_apart_deg(truth: Ptz, estimate: Ptz) -> f64 {
-    let pan = estimate.pan.turn_from(truth.pan).degrees() * truth.tilt.radians().cos();
-    pan.hypot((estimate.tilt - truth.tilt).degrees())
 }
 
 /// Errors of many trials with some cameras.

@@ -5,7 +5,7 @@ use super::sightings::{Look, Seen};
 use super::unexplained::unexplained_share;
 use super::{GroundPicture, Sightings};
 use std::collections::BTreeMap;
-use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, median_high};
 use touchline_core::markings::LineVerdict;
@@ -211,22 +211,13 @@ pub fn overlays_apart_px(camera: &PtzCamera, other: Ptz, size: ImageSize) -> f64
     let other = PtzCamera::new(*camera.base(), other);
     let at =
         |index: u32, extent: u32| (f64::from(index) + 0.5) / f64::from(PLACES) * f64::from(extent);
-    let places = (0..PLACES * PLACES)
-        .map(|index| {
-            ImagePoint::new(
-                at(index % PLACES, size.width),
-                at(index / PLACES, size.height),
-            )
-        })
-        .filter_map(|place| {
-            let ray = camera.ray_from_image(place).ok()?;
-            Some(
-                other
-                    .image_from_ray(ray)
-                    .map_or(f64::INFINITY, |image| image.distance_px(place)),
-            )
-        });
-    median(places.collect())
+    let grid = (0..PLACES * PLACES).map(|index| {
+        ImagePoint::new(
+            at(index % PLACES, size.width),
+            at(index / PLACES, size.height),
+        )
+    });
+    median(image_space_distances_px(camera, &other, grid).collect())
 }
 
 /// The high median of some numbers; infinite where there is none.

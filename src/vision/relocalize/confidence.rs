@@ -19,9 +19,9 @@
 //! answer was certain and wrong.
 
 use super::SeenRange;
-use super::nearest_references::{apart, nearest};
+use super::nearest_references::nearest;
 use serde::Serialize;
-use touchline_core::camera::Ptz;
+use touchline_core::camera::{AngularDistance, Ptz};
 use touchline_core::geometry::ImageSize;
 
 /// What speaks for an answer. How many features agree says little: those of one advertising board,
@@ -83,10 +83,10 @@ impl FromReference {
 
     /// How far a camera is from a reference.
     pub(super) fn between(ptz: &Ptz, reference: &Ptz, image_size: ImageSize) -> Self {
-        let (turn, zoom) = apart(ptz, reference);
+        let AngularDistance { turn, log_zoom } = AngularDistance::between(ptz, reference);
         Self {
-            turn: turn * ptz.focal_px / f64::from(image_size.width),
-            zoom: zoom.abs(),
+            turn: turn.radians() * ptz.focal_px / f64::from(image_size.width),
+            zoom: log_zoom.abs(),
         }
     }
 }

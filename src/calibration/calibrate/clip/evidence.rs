@@ -2,7 +2,7 @@
 
 use super::paint::Painted;
 use std::collections::BTreeMap;
-use touchline_core::camera::Ptz;
+use touchline_core::camera::{AngularDistance, Ptz};
 use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_vision::media::FrameRef;
 use touchline_vision::track::{ClipCamera, FollowOptions, PointTracks};
@@ -119,10 +119,7 @@ impl ClipEvidence {
 /// About how far apart two cameras' pictures are, px: in the middle, or at the left and right
 /// border.
 pub(super) fn apart_px(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
-    let across = other.pan.turn_from(one.pan).radians() * one.tilt.radians().cos();
-    let turned_px = across.hypot((other.tilt - one.tilt).radians()) * one.focal_px;
-    let zoomed_px = 0.5 * f64::from(size.width) * (other.focal_px / one.focal_px).ln().abs();
-    turned_px.max(zoomed_px)
+    AngularDistance::between(&one, &other).in_image_px(one.focal_px, size)
 }
 
 #[cfg(test)]

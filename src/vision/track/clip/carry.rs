@@ -11,7 +11,7 @@ use super::camera::ClipCamera;
 use super::{PointTrack, PointTracks};
 use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeSet;
-use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::field::FieldElement;
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3, median};
 use touchline_core::solve::{
@@ -408,22 +408,15 @@ impl March<'_> {
     fn apart_px(&self, frame: usize, one: Ptz, other: Ptz) -> f64 {
         let [one, other] = [one, other].map(|ptz| self.camera.at_origin(frame, ptz));
         let size = self.tracks.image_size;
-        let places = size.corners().into_iter().chain([size.centre()]);
-        let apart = |at: ImagePoint| {
-            Some(
-                other
-                    .image_from_ray(one.ray_from_image(at).ok()?)
-                    .ok()?
-                    .distance_px(at),
-            )
-        };
-        let (sum, count) = places
-            .filter_map(apart)
-            .fold((0.0, 0.0), |(sum, count), px| (sum + px, count + 1.0));
-        if count > 0.0 {
-            sum / count
-        } else {
+        let points = size.corners().into_iter().chain([size.centre()]);
+        // A wide turn may take a corner out of the other camera's sight: the rest says enough.
+        let seen: Vec<f64> = image_space_distances_px(&one, &other, points)
+            .filter(|px| px.is_finite())
+            .collect();
+        if seen.is_empty() {
             f64::INFINITY
+        } else {
+            seen.iter().sum::<f64>() / seen.len() as f64
         }
     }
 }
