@@ -109,8 +109,8 @@ impl<'a> RidgeAlignment<'a> {
     /// `scale` is the width of the picture by 1920 px.
     pub fn new(around: &LinearisedCamera, sightings: &'a Sightings, scale: f64) -> Self {
         let by_step = sightings.samples.iter().map(|sample| {
-            // A sample that the linearised camera cannot see moves with no step, and so constrains
-            // none.
+            // A sample that the linearised camera cannot see gets a zero row and constrains
+            // nothing.
             let Ok((_, image_by_ptz)) = around.camera.image_from_world_by_ptz(sample.at) else {
                 return StepPx::zeros();
             };
@@ -209,8 +209,8 @@ impl<TakesPart: Fn(usize) -> bool> Problem for AlignmentAtScale<'_, TakesPart> {
     }
 }
 
-/// The ridge of a sample that is nearest to where a step has brought its line; a sample without
-/// ridges has no value.
+/// The residual of one sample: the ridge nearest to where the step so far has moved its line. It
+/// has no value if the sample has no ridges.
 struct NearestRidge<'a> {
     ridges: &'a RidgeAlignment<'a>,
     sample: usize,
