@@ -182,7 +182,8 @@ pub fn snap(
     if !options.own_k1 {
         return problem.accepted(best);
     }
-    // A new k₁ moves the ridges that are nearest to the lines, so the camera is aligned once more.
+    // A new k₁ moves the predicted lines, so the picture is read again and the camera aligned once
+    // more.
     let OwnLens { base, ptz } = own_lens(ground, field, &PtzCamera::new(*base, best.ptz), clicks)?;
     let problem = Problem {
         base: &base,
@@ -275,8 +276,8 @@ impl Problem<'_> {
 
     /// The middle and the fine stage. None if the camera diverges.
     fn refined(&self, start: Ptz) -> Option<Fit> {
-        // Middle stage. The linearisation of the coarse stage does not hold over its reach, so the
-        // picture is read again around the new camera, within a smaller reach.
+        // Middle stage. The picture is read again around the new camera, within a smaller reach,
+        // because the linearisation was exact at the old camera only.
         let (around, seen) = self.look(Some(start).filter(Ptz::is_finite)?, MIDDLE);
         let (ridges, clicks) = (
             RidgeAlignment::new(&around, &seen, self.scale),
@@ -317,7 +318,7 @@ impl Problem<'_> {
         })
     }
 
-    /// Tests a fit and computes its covariance. Cheap tests come first.
+    /// Tests a fit and computes its covariance.
     fn accepted(&self, fit: &Fit) -> Result<Snapped, SnapError> {
         let options = self.options;
         let ridges = RidgeAlignment::new(&fit.around, &fit.seen, self.scale);
@@ -345,8 +346,8 @@ impl Problem<'_> {
                 allowed_px,
             });
         }
-        // The robust loss may have dropped a click as an outlier; the user placed it, so that is an
-        // error.
+        // Huber's loss limits the influence of a click, so the paint can overrule one. Then either
+        // the alignment or the click is wrong.
         let camera = PtzCamera::new(*self.base, fit.ptz);
         for click in self.clicks.iter().filter(|click| !click.check) {
             let sigmas = click
