@@ -1,7 +1,7 @@
 //! Black bars along the borders of pictures: above and below a wide film, beside a narrow one.
 //!
 //! A bar consists of the rows (or columns) from a border on that are black in nearly all pictures.
-//! In most pictures it must end abruptly, and at the same row in all, which a dark sky does not.
+//! It must end abruptly, at the same row in most pictures, which a dark sky does not.
 
 use super::reduced::ReducedPicture;
 use super::standing_graphic::StandingGraphic;
@@ -17,7 +17,7 @@ const OF_ROW: f32 = 0.98;
 const OF_PICTURES: f64 = 0.95;
 
 /// and in this share of them the picture that follows the bar is brighter by [`EDGE`] grey levels.
-/// The upper end of a dark sky differs from picture to picture.
+/// A dark sky ends at another row in each picture.
 const EDGE_IN: f64 = 0.7;
 const EDGE: f32 = 12.0;
 

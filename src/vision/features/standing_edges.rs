@@ -42,8 +42,9 @@ const LEAST_VIEWS_IN_WINDOW: usize = 7;
 const LEAST_MEAN: f32 = 1.5;
 const LEAST_ERRORS: f32 = 7.0;
 
-/// In all pictures, which may be few, it is also enough that slopes of more than this strength
-/// agree in this share of them, each as far as this share of its strength.
+/// Alternative criterion for all pictures, which may be too few for the statistic: in at least the
+/// share [`AGREEING`] of them the gradient's component along the mean exceeds this, grey levels
+/// over two px, and the share [`ALONG`] of the gradient's strength.
 const LEAST_EDGE: f32 = 4.0;
 const AGREEING: f32 = 0.85;
 const ALONG: f32 = 0.7;
@@ -75,7 +76,7 @@ const MARGIN: f64 = 1.5;
 /// first.
 ///
 /// Returns nothing for fewer than six pictures, for pictures of different sizes, or if the camera
-/// turned by less than a degree or two in all. Black bars along the borders need only two pictures.
+/// turned by only a degree or two in all. Black bars along the borders need only two pictures.
 #[must_use]
 pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
     let Some(first) = pictures.first() else {
