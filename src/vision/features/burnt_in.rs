@@ -144,6 +144,7 @@ fn pairs(count: usize) -> Vec<(usize, usize)> {
     for one in 0..count {
         let following = 1..=FOLLOWING;
         let spread = (1..=SPREAD).map(|step| step * count / (SPREAD + 1));
+        // Indices wrap around, so that the last pictures have as many partners as the first.
         for other in following
             .chain(spread)
             .filter(|step| *step > 0)
@@ -163,6 +164,7 @@ fn graphics(pictures: &[&Features], burnt: &[BTreeSet<usize>]) -> Vec<BurntInGra
         return Vec::new();
     };
     let least_pictures = ((LEAST_PICTURES * pictures.len() as f64) as usize).max(2);
+    // All static features of all pictures, each with the index of its picture.
     let mut points: Vec<(ImagePoint, usize)> = Vec::new();
     for (picture, features) in burnt.iter().enumerate() {
         points.extend(
@@ -175,6 +177,7 @@ fn graphics(pictures: &[&Features], burnt: &[BTreeSet<usize>]) -> Vec<BurntInGra
         joined(&points, CELL_PX * size.scale_from_1920(), least_pictures)
             .into_iter()
             .filter_map(|members| boxed(&points, &members, size))
+            // A graphic that lasts for n pictures has at least n features.
             .filter(|graphic| {
                 graphic.features >= LEAST_FEATURES.max(graphic.last - graphic.first + 1)
             })
@@ -228,6 +231,7 @@ fn boxed(
     size: ImageSize,
 ) -> Option<BurntInGraphic> {
     let margin_px = MARGIN_PX * size.scale_from_1920();
+    // Extent along one axis, whole px.
     let along = |of: fn(&ImagePoint) -> f64, extent: u32| {
         let values = || members.iter().map(|&member| of(&points[member].0));
         let least = values().fold(f64::INFINITY, f64::min) - margin_px;

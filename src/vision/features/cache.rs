@@ -113,6 +113,7 @@ impl FeatureCache {
             .held_bytes
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
+        // The count may be wrong if other programs use the folder; measuring again corrects it.
         let total = match *held {
             Some(bytes) if bytes + more <= self.max_bytes => bytes,
             _ => self.make_room(more)?,
@@ -143,6 +144,7 @@ impl FeatureCache {
             }
         }
         let mut total: u64 = files.iter().map(|(.., bytes)| bytes).sum();
+        // By time, then by path.
         files.sort();
         for (_, path, bytes) in files {
             if total + more <= self.max_bytes {
@@ -173,6 +175,7 @@ fn encode(features: &Features) -> Vec<u8> {
         body.extend(keypoint.strength.to_le_bytes());
         body.extend(descriptor.0);
     }
+    // The checksum covers the body, so that a file cut short is recognised.
     let mut file = MAGIC.to_vec();
     file.extend(VERSION.to_le_bytes());
     file.extend(crc32fast::hash(&body).to_le_bytes());
@@ -192,6 +195,7 @@ fn decode(file: &[u8]) -> Option<Features> {
     let (header, rest) = body.split_first_chunk::<12>()?;
     let number = |at: usize| Some(u32::from_le_bytes(*header.get(at..)?.first_chunk()?));
     let (chunks, remainder) = rest.as_chunks::<FEATURE_BYTES>();
+    // The number of features must agree with the length of the file.
     if !remainder.is_empty() || chunks.len() != number(8)? as usize {
         return None;
     }

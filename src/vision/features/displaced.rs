@@ -72,6 +72,7 @@ impl CoarsePicture {
             moved += usize::from(far > near + CLEARER);
             stayed += usize::from(near > far + CLEARER);
         }
+        // Blocks without texture, and those that fit equally well at both, do not decide.
         let decided = moved + stayed;
         (decided >= FEWEST).then_some((stayed as f32) <= MOST_STAYING * decided as f32)
     }
@@ -117,6 +118,7 @@ impl Block {
         other: &CoarsePicture,
         kind: EdgeKind,
     ) -> Option<[f32; 2]> {
+        // Mean and contrast of the block itself, computed once for all displacements.
         let count = (self.width * self.height) as f32;
         let own = || {
             (0..self.height)

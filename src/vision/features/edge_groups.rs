@@ -72,6 +72,7 @@ impl EdgeGroup {
                 .iter()
                 .filter(|edge| edge.slope.kind() == EdgeKind::Level)
         };
+        // Distinct columns with a level edge near the box's upper or lower end.
         let rim = |end: usize| {
             let columns: BTreeSet<usize> = level()
                 .filter(|edge| edge.row.abs_diff(end) <= LEVEL_WITHIN)
@@ -84,6 +85,7 @@ impl EdgeGroup {
                 .iter()
                 .filter(|edge| edge.slope.kind() == EdgeKind::Upright)
         };
+        // Distinct rows with an upright edge near the box's left or right end.
         let side = |end: usize| {
             let rows: BTreeSet<usize> = upright()
                 .filter(|edge| edge.column.abs_diff(end) <= SIDE_WITHIN)
@@ -105,6 +107,7 @@ impl EdgeGroup {
         let apart = |one: usize, other: usize, length: usize, times: f64| {
             one.saturating_sub(other) as f64 <= times * length as f64
         };
+        // Upper and lower rim: the same columns, and near to each other for their length.
         let rims = near(left, other_left)
             && near(right, other_right)
             && apart(
@@ -113,6 +116,7 @@ impl EdgeGroup {
                 right - left,
                 RIMS_APART,
             );
+        // Sides: the same rows, upright edges only. A box is wide, so they may be far apart.
         let sides = near(top, other_top)
             && near(bottom, other_bottom)
             && self.is_upright()

@@ -109,6 +109,7 @@ fn bits(
 #[cfg(feature = "opencv")]
 fn open_share(masks: &[PixelBox], size: ImageSize) -> f64 {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
+    // Extent of a mask within the picture, along one axis.
     let side =
         |from: f64, extent: f64, limit: f64| ((from + extent).min(limit) - from.max(0.0)).max(0.0);
     let covered: f64 = masks

@@ -142,6 +142,7 @@ impl ReducedPicture {
 pub fn has_moved(one: &ReducedPicture, other: &ReducedPicture) -> Option<bool> {
     let [upright, level] = count_edges(one, other)?;
     let all = upright.all + level.all;
+    // Too few edges would make the share random.
     let tells = all > FEWEST * one.grey.len() as f32;
     tells.then_some(upright.standing + level.standing < MOVED * all)
 }

@@ -57,6 +57,7 @@ pub(super) fn sift(
     if keypoints.is_empty() {
         return Ok(Vec::new());
     }
+    // One row of 128 numbers for each keypoint.
     let (rows, _) = descriptors
         .data_typed::<f32>()?
         .as_chunks::<DESCRIPTOR_BYTES>();

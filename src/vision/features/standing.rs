@@ -54,7 +54,7 @@ impl<'a> Placed<'a> {
             };
             along(keypoint.point.y, rows) * columns + along(keypoint.point.x, columns)
         };
-        // Counting sort by cell: counts, then their running sum.
+        // Features per cell, then running sums: where each cell's features end in `order`.
         let mut ends = vec![0; columns * rows];
         for keypoint in &features.keypoints {
             ends[cell(keypoint)] += 1;
@@ -103,6 +103,7 @@ impl<'a> Placed<'a> {
     fn most_alike(&self, other: &Features, feature: usize) -> Option<(usize, f64)> {
         let keypoint = &other.keypoints[feature];
         let near_px = NEAR_PX * other.image_size.scale_from_1920();
+        // Position and size first: the descriptors' distance is the expensive part.
         let alike = self.around(keypoint.point).filter_map(|near| {
             let candidate = &self.features.keypoints[near];
             let ratio =
@@ -115,6 +116,7 @@ impl<'a> Placed<'a> {
                 self.features.descriptors[near].squared_distance(&other.descriptors[feature]);
             (unlike <= MAX_SQUARED_DISTANCE).then_some((unlike, near, distance_px))
         });
+        // Ties are broken by index, so that the result is the same in every run.
         let best = alike.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
         Some((best.1, best.2))
     }
@@ -170,6 +172,7 @@ pub fn place_share(
         };
         along(point.y, size.height, PLACES.1) * PLACES.0 + along(point.x, size.width, PLACES.0)
     };
+    // For each cell, whether it has points of `all`, and of `some`.
     let mut held = [(false, false); PLACES.0 * PLACES.1];
     for point in all {
         held[place(point)].0 = true;

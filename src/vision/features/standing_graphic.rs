@@ -54,6 +54,7 @@ impl StandingGraphic {
     pub fn is_shown_in(&self, picture: &ReducedPicture) -> bool {
         let (mut seen, mut mean) = (0.0, 0.0);
         for edge in &self.edges {
+            // An edge at the border has no gradient and counts as missing.
             let within = edge.column + 1 < picture.width && edge.row + 1 < picture.height;
             let slope = if within {
                 picture.slope(edge.column, edge.row).capped(CAP)
@@ -71,6 +72,7 @@ impl StandingGraphic {
     pub(super) fn is_also(&self, other: &Self) -> bool {
         let at_once = self.first <= other.last && other.first <= self.last;
         let (one, two) = (&self.pixel_box, &other.pixel_box);
+        // Length of the overlap of two intervals.
         let along = |a: f64, a_length: f64, b: f64, b_length: f64| {
             ((a + a_length).min(b + b_length) - a.max(b)).max(0.0)
         };

@@ -110,6 +110,8 @@ impl DirectedCells {
             directions: vec![0; columns * rows],
         };
         for (at, normal) in points {
+            // The direction and its neighbours, so that a look-up does not fail at the border of
+            // two bins.
             let bits = with_neighbours(direction_of(normal))
                 .into_iter()
                 .fold(0, |bits, direction| bits | (1 << direction));

@@ -67,6 +67,8 @@ pub(super) struct LinearisedCamera {
 }
 
 impl LinearisedCamera {
+    /// Near the centre of the picture, 1/f rad of pan or tilt move the image by 1 px. A factor
+    /// exp(2/width) of the focal length moves the borders, width/2 from the centre, by 1 px.
     pub fn new(base: &CameraBase, ptz: Ptz, width_px: u32) -> Self {
         let rad_per_px = 1.0 / ptz.focal_px;
         let log_focal_per_px = 2.0 / f64::from(width_px);
@@ -80,6 +82,7 @@ impl LinearisedCamera {
     /// the step leads.
     pub fn ptz_after(&self, step: &StepPx) -> Ptz {
         const MAX_LOG_FOCAL: f64 = std::f64::consts::LN_2;
+        // The focal length changes by its logarithm, so that it stays positive.
         let change = step.component_mul(&self.ptz_per_px);
         let ptz = self.camera.ptz();
         Ptz {
@@ -91,6 +94,7 @@ impl LinearisedCamera {
 
     /// Converts a derivative by (pan rad, tilt rad, focal length px) into one by a step.
     fn by_step_from_by_ptz(&self, by_ptz: Vec3) -> StepPx {
+        // Chain rule: ∂/∂(log f) = f · ∂/∂f.
         let by_log_focal = by_ptz.z * self.camera.ptz().focal_px;
         Vec3::new(by_ptz.x, by_ptz.y, by_log_focal).component_mul(&self.ptz_per_px)
     }
@@ -169,7 +173,7 @@ impl<'a> RidgeAlignment<'a> {
     }
 }
 
-/// The alignment under one scale of the robust loss.
+/// The alignment problem under one scale of the robust loss.
 struct AlignmentAtScale<'a, TakesPart> {
     ridges: &'a RidgeAlignment<'a>,
     clicks: Option<&'a ClickAlignment>,
@@ -185,9 +189,12 @@ impl<TakesPart: Fn(usize) -> bool> Problem for AlignmentAtScale<'_, TakesPart> {
     fn equations(&self, step: &StepPx) -> BlockEquations<0, 3> {
         let mut equations = BlockEquations::zero();
         equations.own += Mat3::identity() * DAMPING;
+        // Clicks: Huber's loss, so that even a wrong one keeps some influence.
         for click in self.clicks.iter().flat_map(|clicks| &clicks.rows) {
             equations.add(click, step, CLICK_LOSS);
         }
+        // Ridges: each is paired anew. The loss takes its scale in σ of the residual, hence the
+        // quotient.
         for sample in (0..self.ridges.num_samples()).filter(|sample| (self.takes_part)(*sample)) {
             let ridge = NearestRidge {
                 ridges: self.ridges,
@@ -252,6 +259,7 @@ pub(super) fn sample_sigmas_px(sightings: &Sightings, scale: f64) -> Vec<f64> {
         .map(|sample| sample.line + 1)
         .max()
         .unwrap_or(0);
+    // Count samples with ridges, not ridges: a sample contributes at most one residual.
     let mut ridges_of_line = vec![0_u32; num_lines];
     for (index, sample) in sightings.samples.iter().enumerate() {
         ridges_of_line[sample.line] += u32::from(!sightings.ridges_at(index).is_empty());
@@ -273,17 +281,17 @@ pub(super) fn ridge_sigma_px(count: u32, scale: f64) -> f64 {
     (RIDGE_SIGMA_PX.powi(2) + f64::from(count) * LINE_SIGMA_PX.powi(2)).sqrt() * scale
 }
 
-/// Clicks, linearised around a camera.
+/// The clicks, linearised around a camera.
 pub(super) struct ClickAlignment {
     rows: Vec<ClickRow>,
 }
 
-/// One equation of a click: two for a landmark, one for a line.
+/// One equation of a click: a landmark has two, a point on a line one.
 struct ClickRow {
-    /// What the click shows; none for a point that is no part of the field.
+    /// The element of the field that was clicked. None for a point that belongs to no element.
     element: Option<FieldElement>,
     by_step: StepPx,
-    /// From where the camera predicts the click to where it is.
+    /// From the predicted position to the click, px, along one axis or across the line.
     offset_px: f64,
     sigma_px: f64,
 }
@@ -328,6 +336,8 @@ impl ClickAlignment {
             else {
                 continue;
             };
+            // The residual of the click is prediction less click; a row stores its negative, as for
+            // ridges.
             for axis in 0..click.equations() {
                 rows.push(ClickRow {
                     element: click.element,
@@ -343,6 +353,8 @@ impl ClickAlignment {
     /// Whether a step takes no click farther from its landmark or line than `sigmas` beyond its
     /// present distance.
     pub fn allows(&self, step: &StepPx, sigmas: f64) -> bool {
+        // The present distance is added, because the camera may be far off before its first
+        // alignment.
         let is_allowed = |row: &ClickRow| {
             row.residual_px(step).abs() <= sigmas * row.sigma_px + row.offset_px.abs()
         };

@@ -171,6 +171,7 @@ fn emptiest_line(sightings: &Sightings) -> Option<f64> {
             Seen::Hidden => {}
         }
     }
+    // Hidden samples count for neither: they say nothing about the line.
     let long = lines
         .into_values()
         .filter(|(found, bare)| found + bare >= LONG_LINE);
@@ -198,7 +199,9 @@ const NEUTRAL_HALVES_PX: f64 = 2.0;
 /// The probability that a camera is right; see [`LOG_ODDS`].
 fn score(check: &LineCheck, scale: f64) -> f64 {
     let open = (check.found + check.bare) as f64;
+    // Shrinks the evidence towards the constant where few samples are open.
     let known = open / (open + FEW);
+    // The logarithm, because the halves' distance ranges over two orders of magnitude.
     let halves =
         ((check.halves_px / scale).clamp(HALVES_PX.0, HALVES_PX.1) / NEUTRAL_HALVES_PX).ln();
     let log_odds =
@@ -215,6 +218,7 @@ pub(super) fn halves_apart_px(
     scales_px: &[f64],
     size: ImageSize,
 ) -> f64 {
+    // Without clicks, which both halves would share.
     let half = |odd: usize| {
         around.ptz_after(&pull.align(from, scales_px, None, |sample| sample / BLOCK % 2 == odd))
     };

@@ -35,6 +35,7 @@ impl ColourProfile {
         reach_px: f64,
         step_px: f64,
     ) {
+        // An odd number of samples, so that one lies on the middle.
         let half = (reach_px / step_px).ceil() as usize;
         self.step_px = step_px;
         let along = Vec2::new(-normal.y, normal.x);

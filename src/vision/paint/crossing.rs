@@ -113,6 +113,7 @@ impl Problem for CrossingAtScale<'_> {
                 );
             }
         }
+        // Each sample of a line contributes the ridge nearest to where the state puts the line.
         for (line, course) in self.courses.iter().enumerate() {
             for place in &course.places {
                 let ridge = NearestRidge {
@@ -187,6 +188,7 @@ impl Residual<1, 0, PARAMETERS> for NearestRidge<'_> {
     }
 
     fn value(&self, state: &CrossingState) -> Option<Vector1<f64>> {
+        // Predicted less seen.
         Some(Vector1::new(-residual_px(self.place, self.line, state)?))
     }
 
@@ -203,6 +205,7 @@ impl Residual<1, 0, PARAMETERS> for NearestRidge<'_> {
 /// Where the two lines that cross at the widest angle meet: the solution t of n₁·t = d₁, n₂·t = d₂.
 /// None if they are nearly parallel.
 pub(super) fn meeting_point(courses: &[Course]) -> Option<Vec2> {
+    // Of three lines the two at the widest angle: their crossing is the best conditioned.
     let pairs = courses
         .iter()
         .enumerate()
@@ -224,6 +227,7 @@ pub(super) fn meeting_point(courses: &[Course]) -> Option<Vec2> {
 /// row that predicts it.
 fn offset_by_state(place: &Place, line: usize) -> CrossingState {
     let mut by_state = CrossingState::zeros();
+    // n·t + s α + d, as in the module's page.
     by_state.fixed_rows_mut::<2>(0).copy_from(&place.normal);
     by_state[2 + 2 * line] = place.along_px;
     by_state[3 + 2 * line] = 1.0;

@@ -1,4 +1,4 @@
-//! Pictures for the tests of this room: a field with its paint as an exact camera sees it.
+//! Synthetic pictures for the tests of this module: a field with its paint, drawn with a known camera.
 
 use crate::media::Picture;
 use std::collections::BTreeMap;
@@ -32,7 +32,7 @@ pub fn soccer() -> FieldModel {
         .unwrap()
 }
 
-/// A camera on the stand, with a lens that bends.
+/// A camera in the stand of a soccer pitch, with lens distortion.
 pub fn camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
     let base = CameraBase {
         distortion: FocalCurve {
@@ -62,7 +62,7 @@ pub fn court() -> FieldModel {
         .unwrap()
 }
 
-/// A camera in the stands of a hall.
+/// A camera in the stand of a sports hall.
 pub fn court_camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
     let base = CameraBase::new(
         Vec3::new(1.0, -24.0, 11.0),
@@ -101,12 +101,12 @@ fn court_colour(field: &FieldModel, at: Vec3) -> [f64; 3] {
     [214.0, 178.0, 132.0].map(|value| value * plank)
 }
 
-/// Turf with the field's paint on it, sky where no ground is seen.
+/// Turf with the field's paint, and sky where no ground is seen.
 pub fn drawn(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Picture {
     drawn_as(field, camera, size, colour)
 }
 
-/// Ground whose colours are given, sky where none is seen.
+/// Ground of the given colours, and sky where no ground is seen.
 fn drawn_as(
     field: &FieldModel,
     camera: &PtzCamera,
@@ -139,6 +139,8 @@ fn drawn_as(
     Picture::new(size, rgba).unwrap()
 }
 
+/// The point of the crowned ground that a point of the picture shows, m. Fixed-point iteration:
+/// intersects the ray with the horizontal plane at the height of the previous point.
 fn ground(field: &FieldModel, camera: &PtzCamera, point: ImagePoint) -> Option<Vec3> {
     let mut at = camera.plane_from_image(point, 0.0)?;
     for _ in 0..3 {
@@ -147,7 +149,7 @@ fn ground(field: &FieldModel, camera: &PtzCamera, point: ImagePoint) -> Option<V
     Some(at)
 }
 
-/// How far the edge of the nearest paint is, m; negative within it.
+/// Signed distance to the edge of the nearest paint, m; negative on paint.
 fn from_paint_m(field: &FieldModel, at: Vec3) -> f64 {
     let (painted, at) = (
         field.lines.iter().filter(|line| line.painted),
@@ -162,7 +164,7 @@ fn from_paint_m(field: &FieldModel, at: Vec3) -> f64 {
 }
 
 fn colour(field: &FieldModel, at: Vec3) -> [f64; 3] {
-    // Stripes of light and dark grass, 5 m wide; around the field it is not mown in stripes.
+    // Mowing stripes, 5 m wide, up to 4 m outside the side lines.
     let striped = at.y.abs() < field.width_m / 2.0 + 4.0;
     let light = if striped && (at.x / 5.0).floor() as i64 % 2 == 0 {
         1.0

@@ -117,6 +117,7 @@ fn blurred(sharp: &[f32], columns: usize) -> Vec<f32> {
         .collect();
     let sum: f32 = weights.iter().sum();
     let rows = sharp.len() / columns;
+    // One pass along rows, one along columns: a Gaussian is separable.
     let pass = |of: &[f32], along_rows: bool| -> Vec<f32> {
         let value = |row: usize, column: usize, by: isize| {
             let moved = |at: usize, count: usize| at.saturating_add_signed(by).min(count - 1);

@@ -30,6 +30,8 @@ impl Chains {
         let painted = field.lines.iter().filter(|line| line.painted);
         let chain = painted.map(|line| {
             let count = (line.paint_centre.length_m() / piece_m).ceil().max(1.0) as u32;
+            // Nominal points of the rule book are placed in `world` (crown included), then in
+            // `base`.
             let at = |step: u32| {
                 let nominal = line
                     .paint_centre
@@ -73,7 +75,7 @@ impl EvidenceMaps {
         let steps = (reach_px / cell_px).round().max(1.0) as i32;
         for stroke in &strokes.points {
             let direction = direction_of(stroke.normal);
-            // Across the stroke only: a stroke does not go on beyond its end.
+            // Along the normal only: a marking does not continue beyond its end.
             for step in -steps..=steps {
                 let at = stroke.at.moved(stroke.normal * (f64::from(step) * cell_px));
                 if !size.contains(at) {

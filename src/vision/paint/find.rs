@@ -170,6 +170,7 @@ pub fn find_camera(
 ) -> Result<Found, FindError> {
     let scale = ground.size().scale_from_1920();
     let strokes = Strokes::of(ground);
+    // A picture with little paint fits many cameras; the search would only take time.
     let (found_px, needed_px) = (strokes.points.len() as f64, LEAST_PAINT_PX * scale);
     if !(found_px >= needed_px) {
         return Err(FindError::TooLittlePaint {
@@ -228,6 +229,7 @@ impl Node {
     /// Approximate motion of the picture from one candidate to another, px: the inverse of
     /// [`Self::stepped`].
     fn apart_px(self, other: &Self, width_px: u32) -> f64 {
+        // Without the factor cos(tilt) of a pan: good enough for the small tilts of sports cameras.
         let across = self.ptz.pan.turn_from(other.ptz.pan).radians() * self.ptz.focal_px;
         let down = (self.ptz.tilt - other.ptz.tilt).radians() * self.ptz.focal_px;
         let zoom = (self.ptz.focal_px / other.ptz.focal_px).ln() * f64::from(width_px) / 2.0;
@@ -325,12 +327,14 @@ impl Search<'_> {
     /// Focal lengths, in a geometric sequence: neighbours move the left and right border by one
     /// grid step.
     fn focals_px(&self) -> Vec<f64> {
+        // A field far away for its length appears small and needs longer focal lengths.
         let lengths_away = self.base.position_m.norm() / self.field.length_m;
         let longer = (lengths_away / USUAL_LENGTHS).max(1.0) * self.scale;
         let (least_px, most_px) = (
             self.options.focal_px.0 * longer,
             self.options.focal_px.1 * longer,
         );
+        // A factor 1 + 2 d / width moves the borders, width/2 from the centre, by d px.
         let ratio = 1.0 + 2.0 * GRID_PX * self.scale / f64::from(self.size().width);
         let mut focals_px = Vec::new();
         let mut focal_px = least_px;
@@ -451,6 +455,7 @@ struct Region {
 impl Region {
     /// None if the field has no lines.
     fn of(chains: &Chains) -> Option<Self> {
+        // The smallest arc, because pan may cross ±180°.
         let rays = || chains.directions().map(PanTilt::from_direction);
         Some(Self {
             pan: AngleRange::smallest(rays().map(|ray| ray.pan))?,
@@ -461,6 +466,7 @@ impl Region {
     /// Cameras that look into the region at one focal length, at most `step_px` apart in the
     /// picture.
     fn grid(&self, focal_px: f64, step_px: f64) -> Vec<Ptz> {
+        // An angle times the focal length is its length in px, at the centre of the picture.
         let steps = |range: &AngleRange| {
             (range.width().radians() * focal_px / step_px)
                 .ceil()

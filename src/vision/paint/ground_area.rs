@@ -206,6 +206,7 @@ pub(super) fn parts(set: &[bool], columns: usize) -> Vec<Vec<usize>> {
         }
         let (mut part, mut next) = (vec![start], 0);
         reached[start] = true;
+        // Breadth first; the component's own list serves as the queue.
         while next < part.len() {
             let (row, column) = (part[next] / columns, part[next] % columns);
             next += 1;

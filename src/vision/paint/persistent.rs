@@ -56,6 +56,7 @@ pub fn persistent_paint(frames: &[(PtzCamera, Strokes)]) -> Vec<PersistentPoint>
                     Shown::Other => {}
                 }
             }
+            // The absolute minimum guards against chance in directions that few frames show.
             let stays = painted >= needed && painted as f64 >= MIN_SHARE * seen as f64;
             stays.then_some(PersistentPoint {
                 direction,
@@ -91,12 +92,14 @@ fn shown((camera, strokes): &(PtzCamera, Strokes), point_in_world: Vec3) -> Show
 /// The indices of the other frames, those with the nearest optical axes first, at most
 /// [`MAX_FRAMES`].
 fn others_of(frames: &[(PtzCamera, Strokes)], frame: usize) -> Vec<usize> {
+    // The third row of cam_from_world is the optical axis in `world`.
     let ahead = |of: &PtzCamera| of.cam_from_world().row(2).transpose();
     let here = ahead(&frames[frame].0);
     let mut others: Vec<(usize, f64)> = (0..frames.len())
         .filter(|other| *other != frame)
         .map(|other| (other, 1.0 - here.dot(&ahead(&frames[other].0))))
         .collect();
+    // Ties are broken by index, so that the result is the same in every run.
     others.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
     others.truncate(MAX_FRAMES);
     others.into_iter().map(|(other, _)| other).collect()
@@ -134,6 +137,7 @@ impl SeenGround {
             let cell = |at| Self::cell(columns, rows, camera.world_direction_from_image(at).ok()?);
             places.filter(is_ground).filter_map(cell).collect()
         };
+        // Number of frames that show ground in each cell.
         let of_frames: Vec<BTreeSet<usize>> = frames.par_iter().map(cells_of).collect();
         let mut counts = vec![0_usize; columns * rows];
         for cell in of_frames.into_iter().flatten() {
@@ -149,6 +153,7 @@ impl SeenGround {
 
     /// The cell of a direction below the horizon; none above it.
     fn cell(columns: usize, rows: usize, direction: Vec3) -> Option<usize> {
+        // z is up, and pan is measured from +y, as in the conventions.
         let down = (-direction.z)
             .atan2(direction.x.hypot(direction.y))
             .to_degrees();

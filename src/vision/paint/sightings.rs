@@ -124,6 +124,7 @@ fn is_bare(ground: &GroundPicture, across: &Across, reach_px: f64) -> bool {
     const STEP_PX: usize = 2;
     let reach = (reach_px + across.width_px).ceil() as i32;
     let (mut all, mut bare, mut areas) = (0_u32, 0_u32, 0_u32);
+    // Every other px over the reach of the search and the width of the line.
     for offset in (-reach..=reach).step_by(STEP_PX) {
         all += 1;
         match ground.part(across.point(f64::from(offset))) {

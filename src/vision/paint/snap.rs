@@ -399,8 +399,7 @@ impl Problem<'_> {
         taking_part: &[(usize, f64)],
     ) -> Result<Uncertainty, SolveError> {
         let sigmas_px = sample_sigmas_px(&fit.seen, self.scale);
-        // Each sample of a subsample by a stride s stands for s samples: σ / √s keeps the
-        // information.
+        // Every s-th sample stands for s samples: dividing its σ by √s keeps the total information.
         let stands_for =
             (stride_of_subsample(taking_part.len(), UNCERTAINTY_SAMPLES) as f64).sqrt();
         let of_paint = subsample(taking_part, UNCERTAINTY_SAMPLES).filter_map(|(index, _)| {

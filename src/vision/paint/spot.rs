@@ -146,6 +146,8 @@ impl Look {
         for row in -reach..=reach {
             for column in -reach..=reach {
                 let shift = Vec2::new(f64::from(column), f64::from(row));
+                // Only where no pixel is hidden: otherwise the sums of different offsets are not
+                // comparable.
                 let whole = look.pixels(ground, shift);
                 if let Some(seen) = look
                     .is_whole(&whole)
@@ -189,10 +191,11 @@ impl Look {
 
     /// Fits grey = level + contrast · coverage to some pixels, with the template moved by `by`.
     ///
-    /// Ordinary least squares for a line: contrast = S_cg / S_cc, with the sums of squares and
-    /// products about the means.
+    /// Ordinary least squares for a line: contrast = Σ(c − c̄)(g − ḡ) / Σ(c − c̄)², with the
+    /// coverage c and the grey level g of each pixel.
     fn explained(&self, pixels: &[(Vec2, f64)], by: Vec2) -> Explained {
         let count = pixels.len() as f64;
+        // Sums of coverage c and grey level g: Σc, Σg, Σc², Σcg, Σg².
         let [mut covers, mut greys, mut covers_2, mut both, mut greys_2] = [0.0; 5];
         for (off, grey) in pixels {
             let here = self.shape.covers(off - by);
@@ -203,6 +206,7 @@ impl Look {
                 greys_2 + grey * grey,
             );
         }
+        // About the means. A template that covers all pixels alike has no contrast.
         let of_covers = covers_2 - covers * covers / count;
         let together = both - covers * greys / count;
         let contrast = if of_covers > 0.0 {

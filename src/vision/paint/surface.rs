@@ -87,6 +87,7 @@ fn bin([red, green, blue]: [u8; 3]) -> Option<usize> {
     if sum < DARK {
         return None;
     }
+    // The shares of red and green; blue's is the rest.
     let step = |channel: u8| {
         let share = f64::from(channel) / f64::from(sum);
         let at = (share - SHARES.0) / (SHARES.1 - SHARES.0) * BINS as f64;
@@ -275,6 +276,7 @@ fn connected_to_the_peak(counts: &[f64], least_common: f64) -> Vec<bool> {
     let mut reached = vec![false; counts.len()];
     let peak = peak_of(counts);
     let least = counts[peak] * least_common;
+    // Bins are tested when they leave the stack; neighbours are pushed without a test.
     let mut open = vec![peak];
     while let Some(bin) = open.pop() {
         if reached[bin] || !(counts[bin] > least) {

@@ -129,6 +129,7 @@ struct Explained {
 
 impl Explained {
     fn by(samples: &[LineSample], ground: &GroundPicture, near_px: f64) -> Self {
+        // A coarse raster instead of distances to all samples: it is looked up for every ridge.
         let cell_px = near_px.max(1.0);
         let count = |extent: u32| (f64::from(extent) / cell_px) as usize + 1;
         let (columns, rows) = (count(ground.size().width), count(ground.size().height));
