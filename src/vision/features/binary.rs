@@ -102,6 +102,7 @@ pub fn extract_binary(
     max_count: usize,
 ) -> Result<BinaryFeatures, FeatureError> {
     let image_size = picture.size();
+    // A surplus, so that masks and spreading can choose.
     let found = opencv_calls::detect(&crate::media::grey_reduced(picture, 1), kind, 3 * max_count)
         .map_err(|error| FeatureError::OpenCv {
             width: image_size.width,
@@ -116,6 +117,7 @@ pub fn extract_binary(
         .into_iter()
         .filter(|(keypoint, _)| !masks.iter().any(|mask| mask.contains(keypoint.point)));
     let (keypoints, descriptors): (Vec<Keypoint>, Vec<BinaryDescriptor>) = open.unzip();
+    // Masked features are dropped before spreading, so that they take no other feature's share.
     let kept = super::spread::spread(&keypoints, image_size, max_count);
     Ok(BinaryFeatures {
         image_size,

@@ -36,6 +36,7 @@ pub(super) fn spread(keypoints: &[Keypoint], size: ImageSize, max_count: usize) 
             surplus.push(index);
         }
     }
+    // Surplus features fill what the quota has left empty.
     kept.extend(surplus);
     kept.truncate(max_count);
     kept

@@ -85,6 +85,7 @@ pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
     if pictures.iter().any(|picture| picture.size != first.size) {
         return Vec::new();
     }
+    // Black bars first: they need no motion of the camera.
     let width = first.width;
     let mut found = black_bars(pictures);
     let views = camera_views(pictures);

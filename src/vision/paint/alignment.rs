@@ -131,15 +131,15 @@ impl<'a> RidgeAlignment<'a> {
         self.by_step.len()
     }
 
-    /// The signed distance from a sample's line, after a step, to the ridge nearest to it, px; none
-    /// for a sample without ridges.
+    /// Signed distance from a sample's line, after a step, to the ridge nearest to it, px. None for
+    /// a sample without ridges.
     pub fn residual_px(&self, sample: usize, step: &StepPx) -> Option<f64> {
         let line_moved_px = self.by_step[sample].dot(step);
         let ridge = self.sightings.nearest(sample, line_moved_px)?;
         Some(ridge.offset_px - line_moved_px)
     }
 
-    /// How many samples have a ridge on their line after a step. Each counts by its distance: 1 on
+    /// Number of samples with a ridge on their line after a step. Each counts by its distance: 1 on
     /// the line, 0 from `within_px` on.
     pub fn votes(&self, step: &StepPx, within_px: f64) -> f64 {
         let residuals_px =

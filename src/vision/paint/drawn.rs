@@ -1,4 +1,4 @@
-//! Synthetic pictures for the tests of this module: a field with its paint, drawn with a known camera.
+//! Synthetic pictures for the tests of this module: a field with its paint, seen by a known camera.
 
 use crate::media::Picture;
 use std::collections::BTreeMap;
@@ -7,7 +7,7 @@ use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera}
 use touchline_core::field::{FieldModel, builtin};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 
-/// The size of the pictures.
+/// Size of the pictures, px.
 pub const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 /// The camera of [`PICTURE`].
@@ -18,10 +18,10 @@ pub fn truth() -> PtzCamera {
 /// The soccer field as [`truth`] sees it, drawn once for all tests.
 pub static PICTURE: LazyLock<Picture> = LazyLock::new(|| drawn(&soccer(), &truth(), SIZE));
 
-/// Pixels farther than this from all paint show none, m.
+/// Pixels whose centre is farther than this from all paint are drawn with one sample, m.
 const NO_PAINT_M: f64 = 1.0;
 
-/// Sub-pixels along each side of a pixel.
+/// Samples along each side of a pixel near paint.
 const SUBPIXELS: u32 = 3;
 
 /// A crowned soccer field.
@@ -117,11 +117,13 @@ fn drawn_as(
     for row in 0..size.height {
         for column in 0..size.width {
             let middle = ImagePoint::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+            // Antialiasing only near paint: everywhere else the colour is constant within a pixel.
             let far =
                 ground(field, camera, middle).is_none_or(|at| from_paint_m(field, at) > NO_PAINT_M);
             let each = if far { 1 } else { SUBPIXELS };
             let mut sums = [0.0; 3];
             for sub in 0..each * each {
+                // Centres of the sub-pixels, corner convention.
                 let at = |pixel: u32, sub: u32| {
                     f64::from(pixel) + (f64::from(sub) + 0.5) / f64::from(each)
                 };

@@ -166,6 +166,8 @@ impl Problem for SpotProblem<'_> {
 
     fn equations(&self, spot: &DrawnSpot) -> BlockEquations<0, 4> {
         let mut equations = BlockEquations::zero();
+        // All residuals have σ = 1 grey level; the caller scales the covariance by the noise it
+        // measures.
         for &(off, grey) in self.pixels {
             equations.add(
                 &SpotPixel {

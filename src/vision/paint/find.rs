@@ -350,6 +350,7 @@ impl Search<'_> {
     fn distinct(&self, mut nodes: Vec<Node>, most: usize, same_px: f64) -> Vec<Node> {
         nodes.sort_by(|a, b| b.score.total_cmp(&a.score));
         let mut kept: Vec<Node> = Vec::new();
+        // A zero score means that no marking is explained.
         for node in nodes.into_iter().take_while(|node| node.score > 0.0) {
             if kept.len() >= most {
                 break;
@@ -424,6 +425,7 @@ impl Search<'_> {
         let rival = others.max_by(|a, b| a.0.total_cmp(&b.0));
         let score = snapped.check.score;
         let both = agreement.both();
+        // Written so that a score that is not a number is rejected.
         if !(score >= self.options.min_score && both >= self.options.min_agreement) {
             return Err(FindError::NotBorneOut {
                 score,

@@ -151,7 +151,7 @@ impl SeenGround {
         }
     }
 
-    /// The cell of a direction below the horizon; none above it.
+    /// The cell of a direction below the horizon. None above it.
     fn cell(columns: usize, rows: usize, direction: Vec3) -> Option<usize> {
         // z is up, and pan is measured from +y, as in the conventions.
         let down = (-direction.z)

@@ -34,6 +34,7 @@ impl RidgeFinder {
         step_px: f64,
         found: &mut Vec<Ridge>,
     ) {
+        // On floors, lines may be darker than the ground.
         if !ground.surface().is_turf() {
             self.on_floors
                 .find(ground, across, reach_px, step_px, found);

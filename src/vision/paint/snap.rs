@@ -259,6 +259,7 @@ impl Problem<'_> {
         let clicks = ClickAlignment::new(&around, self.clicks);
         let mut fits: Vec<Fit> = Vec::new();
         for step in likely_steps(&ridges, &clicks, self.options.reach_px * self.scale) {
+            // The loss scales of the coarse stage, on the ridges of the coarse observations.
             let step = ridges.align(step, &self.scales_px(0), Some(&clicks), |_| true);
             let Some(fit) = self.refined(around.ptz_after(&step)) else {
                 continue;

@@ -67,6 +67,7 @@ pub(super) fn unexplained_share(
                     width_px,
                     outward: 0.0,
                 };
+                // Along the piece itself: its direction is the normal of the paint that is sought.
                 finder.find(
                     ground,
                     &place,
