@@ -89,11 +89,10 @@ pub struct BinaryFeatures {
 }
 
 /// At most `max_count` binary features of a picture whose centres lie in none of the `masks` (px),
-/// spread over it as
-/// [`extract`](super::extract) spreads SIFT.
+/// spread over it as [`extract`](super::extract) spreads SIFT.
 ///
 /// # Errors
-/// The program was built without OpenCV, or OpenCV refused.
+/// The program was built without OpenCV, or OpenCV reported an error.
 #[cfg(feature = "opencv")]
 pub fn extract_binary(
     picture: &Picture,
@@ -126,7 +125,7 @@ pub fn extract_binary(
     })
 }
 
-/// The binary features of a picture; this program was built without OpenCV and has none.
+/// Without OpenCV there are no binary features.
 ///
 /// # Errors
 /// Always [`FeatureError::WithoutOpenCv`].

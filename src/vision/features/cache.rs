@@ -2,8 +2,8 @@
 //!
 //! The cache is a folder with one file per picture, named by a hash of everything that determines
 //! the features: the picture's own hash, the settings, the masks and the version of this code. The
-//! folder may be deleted at any time. A file that is damaged or of another version counts as absent.
-//! The folder's size is limited; the oldest files are deleted first.
+//! folder may be deleted at any time. A file that is damaged or of another version counts as
+//! absent. The folder's size is limited; the oldest files are deleted first.
 
 use super::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions, Features, Keypoint};
 use sha2::{Digest, Sha256};

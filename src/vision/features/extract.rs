@@ -128,7 +128,7 @@ pub fn opencv_version() -> Option<String> {
     return None;
 }
 
-/// The features of a picture; this program was built without OpenCV and has none.
+/// Without OpenCV there are no features.
 ///
 /// # Errors
 /// Always [`FeatureError::WithoutOpenCv`].

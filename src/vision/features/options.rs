@@ -36,9 +36,9 @@ impl Detector {
 pub struct FeatureOptions {
     /// Maximum number of features: the strongest, spread over the picture. 1000 by default.
     pub max_count: u32,
-    /// Wider pictures are reduced by the smallest whole factor that brings them to this width, px.
-    /// 1280 by default: 1080p is halved, which costs a quarter of the time and no accuracy that
-    /// could be measured.
+    /// Wider pictures are reduced by the smallest whole factor that brings them to this width or
+    /// less, px. 1280 by default: 1080p is halved, which takes a quarter of the time and costs no
+    /// measurable accuracy.
     pub max_width_px: u32,
     /// `RootSIFT`: the square root of the histograms' shares, so that Euclidean distances are
     /// Hellinger distances (Arandjelović and Zisserman, CVPR 2012). Plain by default, as in the

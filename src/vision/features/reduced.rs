@@ -136,7 +136,8 @@ impl ReducedPicture {
     }
 }
 
-/// Whether the camera moved between two pictures: if so, less than half of the edges are static. None for pictures of different sizes or with too few edges.
+/// Whether the camera moved between two pictures: if so, less than half of the edges are static.
+/// None for pictures of different sizes or with too few edges.
 #[must_use]
 pub fn has_moved(one: &ReducedPicture, other: &ReducedPicture) -> Option<bool> {
     let [upright, level] = count_edges(one, other)?;

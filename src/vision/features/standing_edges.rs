@@ -1,5 +1,5 @@
-//! Finds burnt-in graphics by their edges: an edge that keeps its pixels and its direction while the
-//! camera moves belongs to the screen and not to the stadium.
+//! Finds burnt-in graphics by their edges: an edge that keeps its pixels and its direction while
+//! the camera moves belongs to the screen and not to the stadium.
 //!
 //! This finds graphics with few features (watermarks, even faint ones, black boxes, the rims of a
 //! ticker whose letters move) and graphics that are shown in some of the pictures only.

@@ -21,14 +21,14 @@
 //! in point-to-line ICP (Chen and Medioni, 1992). With three unknowns each Gauss–Newton step
 //! ([`gauss_newton_step`]) solves a 3 × 3 system. Two things make it robust:
 //!
-//! * A sample may have several ridges: its own line, a parallel one, a board. It is paired with the ridge nearest to its line *after
-//!   the step so far*, chosen anew in every iteration.
-//! * Geman–McClure weights nearly ignore ridges farther off than the scale of the loss, and that scale shrinks from iteration to
-//!   iteration (graduated non-convexity).
+//! * A sample may have several ridges: its own line, a parallel one, a board. It is paired with the
+//!   ridge nearest to its line *after the step so far*, chosen anew in every iteration.
+//! * Geman–McClure weights nearly ignore ridges farther off than the scale of the loss, and that
+//!   scale shrinks from iteration to iteration (graduated non-convexity).
 //!
 //! The picture is not read again between iterations. The linearisation therefore has to hold over
-//! the reach of the search; `snap.rs` repeats search and alignment with a smaller reach around the
-//! result.
+//! the reach of the search. `snap.rs` reads the picture again around the result, within a smaller
+//! reach, and repeats the alignment.
 
 use super::Sightings;
 use nalgebra::{SMatrix, Vector1};
@@ -39,23 +39,23 @@ use touchline_core::solve::{
     BlockEquations, Linearised, Loss, Observation, Problem, Residual, gauss_newton_step,
 };
 
-/// 1-σ of a ridge's offset on its own, px at 1920 px width.
+/// 1-σ of the independent part of a ridge's error, px at 1920 px width.
 const RIDGE_SIGMA_PX: f64 = 0.5;
 
-/// 1-σ of what all samples of a line have in common, px at 1920 px width: paint that does not lie
-/// where the rules put it, a base that is slightly wrong.
+/// 1-σ of the error that all samples of a line have in common, px at 1920 px width: the paint is
+/// not where the rules put it, or the base is slightly wrong.
 const LINE_SIGMA_PX: f64 = 0.16;
 
 /// The influence of a click stops growing beyond 2 σ.
 const CLICK_LOSS: Loss = Loss::Huber { k: 2.0 };
 
-/// Damping of the normal equations, 1/px²: keeps the step finite where neither ridges nor clicks
-/// say anything.
+/// Damping of the normal equations, 1/px²: keeps the step finite if neither ridges nor clicks
+/// constrain it.
 const DAMPING: f64 = 1e-9;
 
-/// A change of a camera in px: by how much pan and tilt move the centre of the picture, and the
-/// focal length its left and right border. So scaled, the three numbers are of one size, and one
-/// distance between steps makes sense.
+/// A change of a camera in px: pan and tilt as motion of the picture's centre, focal length as
+/// motion of its left and right border. In these units all three numbers have the same scale, so
+/// the Euclidean distance between steps is meaningful.
 pub(super) type StepPx = Vec3;
 
 /// A camera, and the scale of steps around it.
@@ -100,7 +100,7 @@ impl LinearisedCamera {
     }
 }
 
-/// The ridges seen around a camera, ready to be aligned with.
+/// The ridges observed around a camera, with the derivatives of their samples.
 pub(super) struct RidgeAlignment<'a> {
     sightings: &'a Sightings,
     /// n·∂p/∂u of each sample; zero where the sample cannot be seen.
@@ -177,7 +177,7 @@ impl<'a> RidgeAlignment<'a> {
 struct AlignmentAtScale<'a, TakesPart> {
     ridges: &'a RidgeAlignment<'a>,
     clicks: Option<&'a ClickAlignment>,
-    /// Which samples take part.
+    /// Whether a sample is used.
     takes_part: &'a TakesPart,
     loss_scale_px: f64,
 }

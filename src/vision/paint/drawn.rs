@@ -117,7 +117,7 @@ fn drawn_as(
     for row in 0..size.height {
         for column in 0..size.width {
             let middle = ImagePoint::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
-            // Antialiasing only near paint: everywhere else the colour is constant within a pixel.
+            // Antialiasing only near paint: elsewhere the colour hardly changes within a pixel.
             let far =
                 ground(field, camera, middle).is_none_or(|at| from_paint_m(field, at) > NO_PAINT_M);
             let each = if far { 1 } else { SUBPIXELS };

@@ -59,7 +59,7 @@ impl Default for FindOptions {
     }
 }
 
-/// Why no camera is found.
+/// Why no camera was found.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum FindError {
     /// The picture shows too few marking pixels.
@@ -79,7 +79,7 @@ pub enum FindError {
     /// The best camera explains too little of the paint.
     #[error("the painted lines do not decide (line check {score:.2}, agreement {agreement:.2})")]
     NotBorneOut {
-        /// The line check's score, 0 to 1.
+        /// Score of the line check, 0 to 1.
         score: f64,
         /// Share of the marking pixels that are explained, times the share of the predicted lines
         /// that are seen.

@@ -38,12 +38,12 @@ impl GroundPicture {
         &self.surface
     }
 
-    /// The picture.
+    /// The picture in colour.
     pub(super) const fn picture(&self) -> &Picture {
         &self.picture
     }
 
-    /// The brightness.
+    /// The brightness at full resolution.
     pub(super) const fn grey(&self) -> &GreyPicture {
         &self.grey
     }

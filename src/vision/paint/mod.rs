@@ -7,7 +7,7 @@
 //! | [`check_lines`], [`LineCheck`] | a test of a camera against the paint that it predicts |
 //! | [`snap`], [`Snapped`] | pan, tilt and focal length aligned to the paint, or the reason why not |
 //! | [`paint_places`], [`PaintPlace`] | where a picture shows the paint that a camera predicts, for the joint adjustment of many frames |
-//! | [`find_camera`], [`Found`] | a camera found in one picture by its lines alone, its base known |
+//! | [`find_camera`], [`Found`] | the camera of one picture from its lines alone, with a known base |
 //! | [`Strokes`] | marking pixels of a picture, found without any camera |
 //! | [`snap_point`], [`SnappedPoint`] | a placed point moved to the painted corner, crossing or point marking that it names |
 //!

@@ -32,7 +32,7 @@ pub struct Sightings {
     pub samples: Vec<LineSample>,
     /// What is seen at each sample.
     pub seen: Vec<Seen>,
-    /// All ridges, those of one sample in order of their offset.
+    /// All ridges; those of one sample are consecutive and in order of their offset.
     pub ridges: Vec<Ridge>,
 }
 

@@ -1,23 +1,23 @@
-//! A camera aligned to the painted lines of one picture, or the reason why not. Users know it as
+//! Aligns a camera to the painted lines of one picture, or says why it cannot. Users know this as
 //! *snapping*.
 //!
 //! # Problem
 //!
-//! A base is known, and a camera that is right within some 50 px. Find pan, tilt and focal length
-//! that put the field's lines on their paint, and refuse wherever the paint does not decide: a
-//! wrong camera that is sure of itself costs more than none.
+//! Given: the base, and a camera that is right within some 50 px. Wanted: pan, tilt and focal length
+//! that put the field's lines on their paint, or an error if the paint does not determine them. A
+//! wrong camera with a small covariance does more harm than none.
 //!
 //! # Method
 //!
 //! 1. **Observations** (`sightings.rs`): the field's lines are sampled as the camera predicts them,
-//!    and the picture is searched across each sample for ridges of paint: narrow, brighter than the
-//!    ground on both sides, of no other colour.
+//!    and the picture is searched across each sample for ridges of paint: as narrow as predicted,
+//!    brighter than both sides, with ground beside them (`ridge.rs`; for floors `floor_ridge.rs`).
 //! 2. **Grid search** (`search.rs`): every change of the camera within reach is scored by the
 //!    number of samples that then find a ridge. Several are kept, because a parallel line may be as
 //!    near as the right one.
 //! 3. **Alignment** (`alignment.rs`) from each: Gauss–Newton on distances across the lines, with
-//!    Geman–McClure weights whose scale shrinks. Search and alignment are repeated with a smaller
-//!    reach: 48, 16 and 8 px at 1920 px width.
+//!    Geman–McClure weights whose scale shrinks. Steps 1 and 3 are repeated with a smaller reach:
+//!    48, 16 and 8 px at 1920 px width.
 //! 4. **Acceptance**. The best fit is rejected if another one more than 10 px away has 90 % of its
 //!    agreement (ambiguous); if fewer than 40 samples show paint; if two halves of the samples give
 //!    cameras more than 1.5 px apart; if a click is more than 6 σ from where the result puts it; if

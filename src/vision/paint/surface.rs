@@ -67,7 +67,7 @@ pub struct Surface {
     share: f64,
 }
 
-/// What a pixel of the ground belongs to.
+/// The part of the ground that a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum GroundPart {
     /// Turf, or the floor's own colour.
