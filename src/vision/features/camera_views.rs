@@ -10,7 +10,7 @@ use rayon::prelude::*;
 const MOVED_OF_KIND: [f32; 2] = [0.36, 0.45];
 
 /// For each kind of edge, the indices of pictures such that the camera moved from each to the next.
-/// The motion must be so large that a camera which turns by only a degree or two in all has too few
+/// The motion must be so large that a camera which pans by only a degree or two in all has too few
 /// of them for anything to be found.
 pub(super) fn camera_views(pictures: &[ReducedPicture]) -> [Vec<usize>; 2] {
     let coarse: Vec<CoarsePicture> = pictures.par_iter().map(CoarsePicture::new).collect();
@@ -18,7 +18,7 @@ pub(super) fn camera_views(pictures: &[ReducedPicture]) -> [Vec<usize>; 2] {
         let mut views: Vec<usize> = Vec::new();
         for (place, picture) in pictures.iter().enumerate() {
             // Few static edges, and no block match that says otherwise: edges alone are unreliable
-            // while a camera turns slowly along boards. Undecided blocks (None) are no objection.
+            // while a camera pans slowly along boards. Undecided blocks (None) are no objection.
             let has_moved = |&before: &usize| {
                 count_edges(&pictures[before], picture).is_some_and(|counts| {
                     let count = &counts[kind as usize];

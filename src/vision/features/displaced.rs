@@ -1,6 +1,6 @@
 //! Whether the content of two pictures is displaced between them, by block matching.
 //!
-//! Edges alone do not show this: those of long lines and boards stay in place while a camera turns
+//! Edges alone do not show this: those of long lines and boards stay in place while a camera pans
 //! slowly along them. Blocks of the first picture are searched in the second by normalised cross
 //! correlation, around their own position. Each block compares the best correlation near its
 //! position with the best one farther off.

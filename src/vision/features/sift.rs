@@ -22,7 +22,7 @@ const CONTRAST: f64 = 0.04;
 const EDGE: f64 = 10.0;
 const SIGMA: f64 = 1.6;
 
-/// Turns off OpenCV's own threads. Frames are processed in parallel, so its threads would compete
+/// Disables OpenCV's own threads. Frames are processed in parallel, so its threads would compete
 /// with them.
 pub(super) fn use_one_thread() {
     static ONE_THREAD: Once = Once::new();

@@ -116,7 +116,7 @@ impl<'a> Placed<'a> {
                 self.features.descriptors[near].squared_distance(&other.descriptors[feature]);
             (unlike <= MAX_SQUARED_DISTANCE).then_some((unlike, near, distance_px))
         });
-        // Ties are broken by index, so that the result is the same in every run.
+        // Equal ones are ordered by index, so that the result is the same in every run.
         let best = alike.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
         Some((best.1, best.2))
     }

@@ -99,7 +99,7 @@ fn others_of(frames: &[(PtzCamera, Strokes)], frame: usize) -> Vec<usize> {
         .filter(|other| *other != frame)
         .map(|other| (other, 1.0 - here.dot(&ahead(&frames[other].0))))
         .collect();
-    // Ties are broken by index, so that the result is the same in every run.
+    // Equal ones are ordered by index, so that the result is the same in every run.
     others.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
     others.truncate(MAX_FRAMES);
     others.into_iter().map(|(other, _)| other).collect()

@@ -221,7 +221,7 @@ impl Crossing<'_> {
     /// The landmark's shift from the placed point, px, on which the ridges of all lines agree, and
     /// its covariance, px². None if the lines do not cross or their ridges do not agree.
     fn solved(&self, courses: &[Course]) -> Option<(Vec2, Matrix2<f64>)> {
-        // Turns and offsets of the lines start at zero, the shift at the crossing.
+        // Rotations and offsets of the lines start at zero, the shift at the crossing.
         let mut state = CrossingState::zeros();
         state
             .fixed_rows_mut::<2>(0)
@@ -245,7 +245,7 @@ impl Crossing<'_> {
             }
         }
         // Covariance: the shift's block of the inverse normal matrix, which marginalises over the
-        // turns and offsets of the lines.
+        // rotations and offsets of the lines.
         let equations = CrossingAtScale::new(courses, SCALES_PX[SCALES_PX.len() - 1], self.scale)
             .equations(&state);
         let covariance = equations

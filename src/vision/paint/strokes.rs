@@ -44,7 +44,7 @@ const MAX_BEND_ALONG: f32 = 0.6;
 /// adds at its ends.
 const MIN_LENGTH_PX: f64 = 28.0;
 
-/// Lower limit of the minimum extent in small pictures, px. The blur has a fixed width and turns
+/// Lower limit of the minimum extent in small pictures, px. The blur has a fixed width and makes
 /// the grain of the turf into components of about this extent at any resolution.
 const GRAIN_PX: f64 = 20.0;
 
@@ -192,7 +192,7 @@ enum Tone {
 }
 
 impl Tone {
-    /// Factor that turns the marking into a maximum of brightness.
+    /// Factor that makes the marking a maximum of brightness.
     const fn sign(self) -> f32 {
         match self {
             Self::Bright => 1.0,
