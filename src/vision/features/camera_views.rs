@@ -10,7 +10,7 @@ use rayon::prelude::*;
 const MOVED_OF_KIND: [f32; 2] = [0.36, 0.45];
 
 /// For each kind of edge, the indices of pictures such that the camera moved from each to the next.
-/// The motion must be so large that a camera which pans by only a degree or two in all has too few
+/// The motion must be so large that a camera which moves by only a degree or two in all has too few
 /// of them for anything to be found.
 pub(super) fn camera_views(pictures: &[ReducedPicture]) -> [Vec<usize>; 2] {
     let coarse: Vec<CoarsePicture> = pictures.par_iter().map(CoarsePicture::new).collect();

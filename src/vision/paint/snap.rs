@@ -3,9 +3,9 @@
 //!
 //! # Problem
 //!
-//! Given: the base, and a camera that is right within some 50 px. Wanted: pan, tilt and focal length
-//! that put the field's lines on their paint, or an error if the paint does not determine them. A
-//! wrong camera with a small covariance does more harm than none.
+//! Given: the base, and a camera that is right within some 50 px. Wanted: pan, tilt and focal
+//! length that put the field's lines on their paint, or an error if the paint does not determine
+//! them. A wrong camera with a small covariance does more harm than none.
 //!
 //! # Method
 //!
