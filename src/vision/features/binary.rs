@@ -1,11 +1,10 @@
-//! ORB and AKAZE, used only for comparison with SIFT. The boundary to OpenCV's detectors of this
-//! kind.
+//! ORB and AKAZE, used only for comparison with SIFT, and the boundary to OpenCV's detectors.
 
 use super::{DESCRIPTOR_BYTES, Descriptor, FeatureError, Keypoint};
 use crate::media::Picture;
 use touchline_core::geometry::{ImageSize, PixelBox};
 
-/// Bits of a descriptor at most, in words of 64.
+/// Maximum length of a descriptor, in words of 64 bits.
 const WORDS: usize = 8;
 
 /// A kind of binary features.
@@ -17,14 +16,14 @@ pub enum BinaryKind {
     Akaze,
 }
 
-/// A descriptor of bits.
+/// A descriptor of bits, compared by Hamming distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BinaryDescriptor {
     bits: [u64; WORDS],
 }
 
 impl BinaryDescriptor {
-    /// A descriptor from its bytes, at most 64 of them.
+    /// A descriptor from at most 64 bytes, least significant bit first.
     #[must_use]
     pub fn from_bytes(bytes: &[u8]) -> Self {
         let mut words = [0u64; WORDS];
@@ -34,9 +33,11 @@ impl BinaryDescriptor {
         Self { bits: words }
     }
 
-    /// 128 of its bits as bytes, so that one forest serves all features: ORB's first, which are
-    /// those that its authors found to vary most, and AKAZE's evenly. What a bit counts makes a
-    /// quarter of them the gate of SIFT (0.2).
+    /// 128 of its bits as bytes, so that one forest serves all kinds of features.
+    ///
+    /// Of ORB the first 128 bits are taken, which its authors found to vary most; of AKAZE every
+    /// 3.8th. A set bit has the value 40, so that a quarter of the bits differing, 32 · 40² / 512²,
+    /// is about the gate on SIFT's squared distances (0.2).
     #[must_use]
     pub fn as_bytes(&self, kind: BinaryKind) -> Descriptor {
         const SET: u8 = 40;
@@ -54,7 +55,7 @@ impl BinaryDescriptor {
         }))
     }
 
-    /// How many bits differ.
+    /// Hamming distance: the number of bits that differ.
     #[must_use]
     pub fn distance(&self, other: &Self) -> u32 {
         self.bits
@@ -66,7 +67,7 @@ impl BinaryDescriptor {
 }
 
 impl BinaryKind {
-    /// How many bits its descriptors have.
+    /// Number of bits of a descriptor.
     #[must_use]
     pub const fn bits(self) -> u32 {
         match self {
@@ -81,18 +82,17 @@ impl BinaryKind {
 pub struct BinaryFeatures {
     /// The size of the picture, px.
     pub image_size: ImageSize,
-    /// Where they are.
+    /// Positions, sizes and strengths.
     pub keypoints: Vec<Keypoint>,
-    /// What they look like, one for each keypoint.
+    /// One descriptor for each keypoint.
     pub descriptors: Vec<BinaryDescriptor>,
 }
 
 /// At most `max_count` binary features of a picture whose centres lie in none of the `masks` (px),
-/// spread over it as
-/// [`extract`](super::extract) spreads SIFT.
+/// spread over it as [`extract`](super::extract) spreads SIFT.
 ///
 /// # Errors
-/// The program was built without OpenCV, or OpenCV refused.
+/// The program was built without OpenCV, or OpenCV reported an error.
 #[cfg(feature = "opencv")]
 pub fn extract_binary(
     picture: &Picture,
@@ -101,6 +101,7 @@ pub fn extract_binary(
     max_count: usize,
 ) -> Result<BinaryFeatures, FeatureError> {
     let image_size = picture.size();
+    // A surplus, so that masks and spreading can choose.
     let found = opencv_calls::detect(&crate::media::grey_reduced(picture, 1), kind, 3 * max_count)
         .map_err(|error| FeatureError::OpenCv {
             width: image_size.width,
@@ -115,6 +116,7 @@ pub fn extract_binary(
         .into_iter()
         .filter(|(keypoint, _)| !masks.iter().any(|mask| mask.contains(keypoint.point)));
     let (keypoints, descriptors): (Vec<Keypoint>, Vec<BinaryDescriptor>) = open.unzip();
+    // Masked features are dropped before spreading, so that they take no other feature's share.
     let kept = super::spread::spread(&keypoints, image_size, max_count);
     Ok(BinaryFeatures {
         image_size,
@@ -123,7 +125,7 @@ pub fn extract_binary(
     })
 }
 
-/// The binary features of a picture; this program was built without OpenCV and has none.
+/// Without OpenCV there are no binary features.
 ///
 /// # Errors
 /// Always [`FeatureError::WithoutOpenCv`].
@@ -149,17 +151,18 @@ pub(super) mod opencv_calls {
     use opencv::prelude::*;
     use touchline_core::geometry::ImagePoint;
 
-    /// From OpenCV's keypoint, which counts from the first pixel's centre, to corner coordinates.
+    /// OpenCV's keypoints count from the first pixel's centre; in corner coordinates it is at 0.5
+    /// px.
     const CORNER_FROM_OPENCV: f64 = 0.5;
 
-    /// ORB's pyramid shrinks by this factor a level. A level's coordinates are multiplied by its
-    /// scale without the half pixel, so that the half pixel grows with the level.
+    /// Factor between levels of ORB's pyramid. OpenCV multiplies a level's coordinates by its scale
+    /// without regard to the half pixel, so the half pixel grows with the level.
     const ORB_SCALE: f32 = 1.2;
 
-    /// Pictures with a shorter side give no features: the patches are larger.
+    /// Minimum shorter side, px. Smaller pictures give no features, because the patches are larger.
     const MIN_SIDE_PX: u32 = 64;
 
-    /// All features with OpenCV's own settings; of ORB's at most `limit`, which it asks for.
+    /// All features with OpenCV's own settings; for ORB at most `limit`, which it requires.
     pub fn detect(
         grey: &GreyPicture,
         kind: BinaryKind,
@@ -216,6 +219,7 @@ pub(super) mod opencv_calls {
         let mut found = Vec::with_capacity(keypoints.len());
         for (row, keypoint) in keypoints.iter().enumerate() {
             let at = keypoint.pt();
+            // See [`ORB_SCALE`]: ORB's offset from corner coordinates depends on the level.
             let half_px = match kind {
                 BinaryKind::Orb => {
                     CORNER_FROM_OPENCV * f64::from(ORB_SCALE).powi(keypoint.octave())

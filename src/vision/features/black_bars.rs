@@ -1,25 +1,28 @@
 //! Black bars along the borders of pictures: above and below a wide film, beside a narrow one.
+//!
+//! A bar consists of the rows (or columns) from a border on that are black in nearly all pictures.
+//! It must end abruptly, at the same row in most pictures, which a dark sky does not.
 
 use super::reduced::ReducedPicture;
 use super::standing_graphic::StandingGraphic;
 use touchline_core::geometry::PixelBox;
 
-/// Black after compression, grey levels.
+/// Upper limit of black after compression, grey levels.
 const BLACK: f32 = 24.0;
 
-/// As much of a row of a bar is black, and a picture that is black all over tells nothing.
+/// Minimum share of a row's pixels that are black.
 const OF_ROW: f32 = 0.98;
 
-/// A row is of a bar in this share of the pictures,
+/// A row belongs to a bar if it is black in this share of the pictures,
 const OF_PICTURES: f64 = 0.95;
 
-/// and in this share of them the picture that follows is brighter by so many grey levels: a dark
-/// sky ends elsewhere in each.
+/// and in this share of them the picture that follows the bar is brighter by [`EDGE`] grey levels.
+/// A dark sky ends at another row in each picture.
 const EDGE_IN: f64 = 0.7;
 const EDGE: f32 = 12.0;
 
-/// A bar takes at most this share of the height or width; a thinner one than this many px of the
-/// reduced picture is the border of the picture.
+/// Maximum share of the height or width that a bar takes. Bars of fewer than [`THIN`] px of the
+/// reduced picture are the picture's own border.
 const LARGEST: f64 = 0.3;
 const THIN: usize = 2;
 
@@ -32,15 +35,16 @@ enum Border {
     Right,
 }
 
-/// A row beside a border, or a column.
+/// A row parallel to a border, or a column: share of black pixels, and mean brightness.
 #[derive(Clone, Copy, Default)]
 struct Row {
     black: f32,
     mean: f32,
 }
 
-/// The bars of some pictures of one size, as boxes that are there throughout.
+/// The black bars of pictures of one size, as boxes that all pictures show.
 pub(super) fn black_bars(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
+    // Pictures that are mostly black, such as fades, say nothing; two others are needed.
     let lit: Vec<&ReducedPicture> = pictures.iter().filter(|picture| is_lit(picture)).collect();
     let [first, _, ..] = lit[..] else {
         return Vec::new();
@@ -51,7 +55,7 @@ pub(super) fn black_bars(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
         let Some(rows) = depth(&lit, border) else {
             continue;
         };
-        // The row of reduced pixels that the bar ends in is partly black.
+        // One row more: the reduced row in which the bar ends is partly black.
         let deep = (first.step * (rows + 1)) as f64;
         let pixel_box = match border {
             Border::Top => PixelBox {
@@ -90,13 +94,14 @@ pub(super) fn black_bars(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
     bars
 }
 
+/// Whether more than half of a picture is not black.
 fn is_lit(picture: &ReducedPicture) -> bool {
     let black = picture.grey.iter().filter(|grey| **grey < BLACK).count();
     2 * black < picture.grey.len()
 }
 
-/// How many rows from a border on are black in nearly all pictures and end alike in most; none
-/// where there is no bar.
+/// Number of rows from a border on that are black in nearly all pictures, with an abrupt end in
+/// most. None if there is no bar.
 fn depth(pictures: &[&ReducedPicture], border: Border) -> Option<usize> {
     let first = pictures.first()?;
     let all = match border {
@@ -114,6 +119,7 @@ fn depth(pictures: &[&ReducedPicture], border: Border) -> Option<usize> {
     let deep = (0..=most)
         .take_while(|&at| share(&|rows| rows[at].black >= OF_ROW) >= OF_PICTURES)
         .count();
+    // Row `deep` is a mixture of bar and picture, so its two neighbours are compared.
     let ends = share(&|rows| deep > 0 && rows[deep + 1].mean > rows[deep - 1].mean + EDGE);
     (deep >= THIN && deep <= most && ends >= EDGE_IN).then_some(deep)
 }
@@ -121,6 +127,7 @@ fn depth(pictures: &[&ReducedPicture], border: Border) -> Option<usize> {
 /// The `at`-th row, or column, from a border.
 fn row(picture: &ReducedPicture, border: Border, at: usize) -> Row {
     let (width, height) = (picture.width, picture.height);
+    // Index of the first pixel, distance between pixels, and their number, in row-major order.
     let (start, step, count) = match border {
         Border::Top => (at.min(height - 1) * width, 1, width),
         Border::Bottom => (height.saturating_sub(at + 1) * width, 1, width),

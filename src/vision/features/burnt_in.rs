@@ -1,34 +1,33 @@
-//! Graphics that are burnt into the pictures of a camera: their features, and the boxes that hold
-//! them.
+//! Finds graphics that are burnt into the pictures of a camera: their features and their boxes.
 //!
 //! # Problem
 //!
 //! A score bug, a watermark or a black box lies at the same pixels whatever the camera does. Its
-//! features agree perfectly with each other and outvote the stadium: a forest learns them, a pose
-//! is found from them, a clip seems to stand still. They have to be found without knowing the
-//! camera, and without taking a camera that stands still for a graphic.
+//! features match perfectly and outvote the stadium: a forest learns them, a pose is computed from
+//! them, a clip seems not to move. They must be found without knowing the camera, and a camera that
+//! does not move must not be mistaken for a graphic.
 //!
 //! # Method
 //!
-//! Two ways see two kinds of graphic, and `proposals::find_burnt_in` joins them.
+//! Two detectors find two kinds of graphic, and `proposals::find_burnt_in` combines them.
 //!
-//! * **By features** (this file, `standing.rs`): a pair of pictures tells something only if the rest of the picture moved between them. Features
-//!   that look alike at the same place in such a pair stand still. Those of all pairs are counted
-//!   in cells of 48 px; cells in which features stand in enough pictures are joined to boxes. A
-//!   single box has to hold six features.
-//! * **By edges** (`standing_edges.rs`): an edge that has the same place and direction in all pictures. What counts at a pixel is how far the mean of its
-//!   slopes is from zero, in standard errors, so that a faint watermark over a changing background
-//!   shows after enough pictures. Windows of 32, 16 and 8 neighbouring pictures find what is shown
-//!   for a while. Upright and level edges count apart, since level edges of boards stand while a
-//!   camera pans. Whether the camera moved is said by blocks that are found elsewhere
-//!   (`displaced.rs`), or by known cameras.
+//! * **By features** (this file, `standing.rs`): a pair of pictures is used only if the rest of the
+//!   picture moved between them. Features that look alike at the same position in such a pair are
+//!   static. Those of all pairs are counted in cells of 48 px; cells with static features in enough
+//!   pictures are joined to boxes. A box has at least six features.
+//! * **By edges** (`standing_edges.rs`): an edge that has the same position and direction in all
+//!   pictures. The mean of its gradients is tested against zero in units of its standard error, so
+//!   that a faint watermark over a changing background appears after enough pictures. Windows of
+//!   32, 16 and 8 consecutive pictures find what is shown for a while. Upright and level edges are
+//!   tested separately, because level edges of boards stay in place while a camera pans. Block
+//!   matching (`displaced.rs`), or known cameras, decide whether the camera moved.
 //!
-//! # What it is proof against
+//! # Robustness
 //!
-//! A still camera (what stands in 30 % of the places that have features is the picture), boards
-//! that a slow pan moves along themselves, letters that change within a ticker (its rim is found),
-//! a crowd by chance. It needs two pictures between which the camera moved; else nothing is
-//! reported.
+//! Robust against a still camera (static features in 30 % of the cells that have features are the
+//! picture itself), boards that a slow pan moves along themselves, letters that change within a
+//! ticker (its rim is found), and chance in a crowd. Needs two pictures between which the camera
+//! moved; otherwise nothing is reported.
 
 use super::Features;
 use super::standing::{Placed, standing_pair};
@@ -36,51 +35,55 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
 
-/// Each picture is compared with this many that follow it, and with this many spread over all.
+/// Each picture is compared with this many that follow it, and with [`SPREAD`] ones spread over
+/// all.
 const FOLLOWING: usize = 4;
 const SPREAD: usize = 8;
 
-/// The side of the cells by which features are joined to graphics, px at 1920 px width: a gap of
-/// less never parts one.
+/// Side of the cells by which features are joined to graphics, px at 1920 px width. Smaller gaps
+/// never separate a graphic.
 const CELL_PX: f64 = 48.0;
 
-/// A graphic reaches beyond its features' centres, px at 1920 px width: letters are as large.
+/// Margin of a box around the centres of its features, px at 1920 px width: about the size of
+/// letters.
 const MARGIN_PX: f64 = 14.0;
 
-/// A cell belongs to a graphic if features stand still there in two pictures at least, and in this
-/// share of all: with many pictures some coincide by chance anywhere.
+/// Minimum share of the pictures with static features in a cell of a graphic, and at least two
+/// pictures. Among many pictures some features coincide by chance anywhere.
 const LEAST_PICTURES: f64 = 0.05;
 
-/// A box with fewer features in all pictures together, or with less than one in each picture that
-/// it lasts for, may be a coincidence.
+/// Minimum number of features of a graphic in all pictures together; also at least one per picture
+/// that it lasts for. Fewer may be chance.
 const LEAST_FEATURES: usize = 6;
 
-/// What is burnt into a set of pictures.
+/// The graphics in a set of pictures.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BurntIn {
-    /// The features of each picture that belong to a graphic, ascending.
+    /// For each picture, the indices of its features that belong to a graphic, ascending.
     pub features: Vec<Vec<usize>>,
-    /// The graphics, from the top left to the bottom right.
+    /// The graphics, from top left to bottom right.
     pub graphics: Vec<BurntInGraphic>,
 }
 
-/// A graphic: where it is, and in which pictures of the set.
+/// A graphic: its box, and the pictures that show it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BurntInGraphic {
-    /// The box that holds it, px.
+    /// Its box, px.
     pub pixel_box: PixelBox,
-    /// The first picture of the set with it.
+    /// Index of the first picture that shows it.
     pub first: usize,
-    /// The last one.
+    /// Index of the last one.
     pub last: usize,
-    /// How many features of all pictures together stand still there.
+    /// Number of static features in it, over all pictures.
     pub features: usize,
 }
 
-/// Finds the graphics burnt into pictures of one camera, which stand in the order of time as far as
-/// they have one. A pair of pictures counts only as far as `moved` says that what is at a point of
-/// the first lies elsewhere in the second: it knows more where the cameras are known, and else says
-/// yes throughout.
+/// Finds the graphics burnt into pictures of one camera, which are in order of time as far as they
+/// have one.
+///
+/// `moved(one, other, point)` says whether the content at a point of the first picture lies
+/// elsewhere in the second; static features are evidence only there. With known cameras it is
+/// computed from them, without cameras it is always true.
 ///
 /// Two pictures are enough. If the camera hardly moved between the pictures, nothing is reported.
 #[must_use]
@@ -93,6 +96,7 @@ pub fn burnt_in(
         .map(|features| Placed::new(features))
         .collect();
     let pairs = pairs(pictures.len());
+    // Static features of all pairs in which the camera moved.
     let standing: Vec<(usize, usize)> = pairs
         .par_iter()
         .flat_map_iter(|&(one, other)| {
@@ -103,13 +107,14 @@ pub fn burnt_in(
             elsewhere.flat_map(move |(feature, found)| [(one, feature), (other, found)])
         })
         .collect();
+    // A feature may be static in several pairs; it counts once.
     let mut features = vec![BTreeSet::new(); pictures.len()];
     for (picture, feature) in standing {
         features[picture].insert(feature);
     }
     let graphics = graphics(pictures, &features);
-    // What lies in the box of a graphic while it is shown belongs to it: digits that change,
-    // letters found once.
+    // All features in the box of a graphic, while it is shown, belong to it: digits that change,
+    // letters found only once.
     for (picture, burnt) in features.iter_mut().enumerate() {
         for graphic in graphics
             .iter()
@@ -132,12 +137,14 @@ pub fn burnt_in(
     }
 }
 
-/// The pairs of pictures that are compared.
+/// The pairs of pictures that are compared. Near ones find graphics that are shown for a short
+/// time, far ones find them in slow shots.
 fn pairs(count: usize) -> Vec<(usize, usize)> {
     let mut pairs = BTreeSet::new();
     for one in 0..count {
         let following = 1..=FOLLOWING;
         let spread = (1..=SPREAD).map(|step| step * count / (SPREAD + 1));
+        // Indices wrap around, so that the last pictures have as many partners as the first.
         for other in following
             .chain(spread)
             .filter(|step| *step > 0)
@@ -151,12 +158,13 @@ fn pairs(count: usize) -> Vec<(usize, usize)> {
     pairs.into_iter().collect()
 }
 
-/// Boxes of features that lie together.
+/// The graphics: boxes of static features that lie together in enough pictures.
 fn graphics(pictures: &[&Features], burnt: &[BTreeSet<usize>]) -> Vec<BurntInGraphic> {
     let Some(size) = pictures.first().map(|features| features.image_size) else {
         return Vec::new();
     };
     let least_pictures = ((LEAST_PICTURES * pictures.len() as f64) as usize).max(2);
+    // All static features of all pictures, each with the index of its picture.
     let mut points: Vec<(ImagePoint, usize)> = Vec::new();
     for (picture, features) in burnt.iter().enumerate() {
         points.extend(
@@ -169,6 +177,7 @@ fn graphics(pictures: &[&Features], burnt: &[BTreeSet<usize>]) -> Vec<BurntInGra
         joined(&points, CELL_PX * size.scale_from_1920(), least_pictures)
             .into_iter()
             .filter_map(|members| boxed(&points, &members, size))
+            // A graphic that lasts for n pictures has at least n features.
             .filter(|graphic| {
                 graphic.features >= LEAST_FEATURES.max(graphic.last - graphic.first + 1)
             })
@@ -181,8 +190,8 @@ fn graphics(pictures: &[&Features], burnt: &[BTreeSet<usize>]) -> Vec<BurntInGra
     found
 }
 
-/// Groups of points whose cells of a grid touch, corners included; cells with points of fewer
-/// pictures are left out.
+/// Groups of points in touching cells of a grid, diagonals included, as lists of indices. Cells
+/// with points of fewer than `least_pictures` pictures are left out.
 fn joined(points: &[(ImagePoint, usize)], cell_px: f64, least_pictures: usize) -> Vec<Vec<usize>> {
     let mut cells = BTreeMap::<(i64, i64), Vec<usize>>::new();
     for (at, (point, _)) in points.iter().enumerate() {
@@ -196,6 +205,7 @@ fn joined(points: &[(ImagePoint, usize)], cell_px: f64, least_pictures: usize) -
         let pictures: BTreeSet<usize> = members.iter().map(|&member| points[member].1).collect();
         pictures.len() >= least_pictures
     });
+    // Flood fill over the cells.
     let mut groups = Vec::new();
     while let Some((first, members)) = cells.pop_first() {
         let (mut group, mut open) = (members, vec![first]);
@@ -214,13 +224,14 @@ fn joined(points: &[(ImagePoint, usize)], cell_px: f64, least_pictures: usize) -
     groups
 }
 
-/// The box of some points of a picture with a margin.
+/// The box of some points, with a margin, clipped to the picture, and the pictures that they span.
 fn boxed(
     points: &[(ImagePoint, usize)],
     members: &[usize],
     size: ImageSize,
 ) -> Option<BurntInGraphic> {
     let margin_px = MARGIN_PX * size.scale_from_1920();
+    // Extent along one axis, whole px.
     let along = |of: fn(&ImagePoint) -> f64, extent: u32| {
         let values = || members.iter().map(|&member| of(&points[member].0));
         let least = values().fold(f64::INFINITY, f64::min) - margin_px;

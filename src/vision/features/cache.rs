@@ -1,9 +1,9 @@
 //! A cache of features on disk.
 //!
-//! A folder of files, one a picture, named by a hash of everything that decides the features: the
-//! picture's own hash, the settings, the masks and the version of this code. The folder may be
-//! deleted at any time; a file that is damaged or of another version counts as absent. It is
-//! limited in size; the oldest files are deleted first.
+//! The cache is a folder with one file per picture, named by a hash of everything that determines
+//! the features: the picture's own hash, the settings, the masks and the version of this code. The
+//! folder may be deleted at any time. A file that is damaged or of another version counts as
+//! absent. The folder's size is limited; the oldest files are deleted first.
 
 use super::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions, Features, Keypoint};
 use sha2::{Digest, Sha256};
@@ -14,12 +14,12 @@ use std::time::SystemTime;
 use touchline_core::files::{read_regular, remove_stray_files, temporary_file_in};
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, hex};
 
-/// Changes whenever the same picture and settings would give other features, or the files read
-/// differently.
+/// Changes whenever the same picture and settings would give other features, or the file format
+/// changes.
 const VERSION: u32 = 1;
 const MAGIC: &[u8; 8] = b"TLFEATS\0";
 const EXTENSION: &str = "features";
-/// A keypoint and its descriptor in a file.
+/// Bytes of a keypoint and its descriptor in a file.
 const FEATURE_BYTES: usize = 24 + DESCRIPTOR_BYTES;
 
 /// A folder of features.
@@ -27,18 +27,18 @@ const FEATURE_BYTES: usize = 24 + DESCRIPTOR_BYTES;
 pub struct FeatureCache {
     folder: PathBuf,
     max_bytes: u64,
-    /// What the folder held when it was counted last and what was put there since; none before the
-    /// first count.
+    /// Size of the folder when it was last measured, plus what was added since. None before the
+    /// first measurement.
     held_bytes: Arc<Mutex<Option<u64>>>,
 }
 
-/// What decides the features of a picture.
+/// A hash of everything that determines the features of a picture.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FeatureKey(String);
 
 impl FeatureKey {
-    /// From the hash of the picture's file (its SHA-256, as documents keep it), the settings and
-    /// the masks.
+    /// Combines the SHA-256 of the picture's file, as documents store it, with the settings and the
+    /// masks.
     #[must_use]
     pub fn new(picture_sha256: &str, options: &FeatureOptions, masks: &[PixelBox]) -> Self {
         let mut digest = Sha256::new();
@@ -68,8 +68,8 @@ impl FeatureKey {
 }
 
 impl FeatureCache {
-    /// A cache in a folder, which is made when something is first put there, of at most
-    /// `max_bytes`.
+    /// A cache of at most `max_bytes` in a folder, which is created when the first features are
+    /// stored.
     #[must_use]
     pub fn new(folder: &Path, max_bytes: u64) -> Self {
         Self {
@@ -79,21 +79,23 @@ impl FeatureCache {
         }
     }
 
-    /// The features of a picture, if they are there and whole.
+    /// The stored features of a picture, if there are any and the file is intact.
     #[must_use]
     pub fn get(&self, key: &FeatureKey) -> Option<Features> {
         decode(&read_regular(&self.file(key)).ok()?)
     }
 
-    /// Keeps features; older files make room.
+    /// Stores features and deletes the oldest files if there is not enough room.
     ///
     /// # Errors
-    /// The folder cannot be made or written to. Nothing depends on it: the features are found
-    /// again.
+    ///
+    /// The folder cannot be created or written to. The caller may ignore this: the features can be
+    /// computed again.
     pub fn put(&self, key: &FeatureKey, features: &Features) -> io::Result<()> {
         let bytes = encode(features);
         std::fs::create_dir_all(&self.folder)?;
         self.make_room_if_needed(bytes.len() as u64)?;
+        // Written under a temporary name and renamed, so that readers never see half a file.
         let mut file = temporary_file_in(&self.folder)?;
         file.as_file_mut().write_all(&bytes)?;
         file.persist(self.file(key)).map_err(|error| error.error)?;
@@ -104,13 +106,14 @@ impl FeatureCache {
         self.folder.join(&key.0).with_extension(EXTENSION)
     }
 
-    /// Makes room for `more` bytes. The folder is counted at first and when it is full, not for
-    /// every file.
+    /// Makes room for `more` bytes. The folder is measured the first time and when it seems full,
+    /// not for every file.
     fn make_room_if_needed(&self, more: u64) -> io::Result<()> {
         let mut held = self
             .held_bytes
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
+        // The count may be wrong if other programs use the folder; measuring again corrects it.
         let total = match *held {
             Some(bytes) if bytes + more <= self.max_bytes => bytes,
             _ => self.make_room(more)?,
@@ -119,7 +122,7 @@ impl FeatureCache {
         Ok(())
     }
 
-    /// Deletes the oldest files until `more` bytes fit; what is left.
+    /// Deletes the oldest files until `more` bytes fit. Returns the size of what is left.
     fn make_room(&self, more: u64) -> io::Result<u64> {
         remove_stray_files(&self.folder);
         let mut files: Vec<(SystemTime, PathBuf, u64)> = Vec::new();
@@ -141,6 +144,7 @@ impl FeatureCache {
             }
         }
         let mut total: u64 = files.iter().map(|(.., bytes)| bytes).sum();
+        // By time, then by path.
         files.sort();
         for (_, path, bytes) in files {
             if total + more <= self.max_bytes {
@@ -171,6 +175,7 @@ fn encode(features: &Features) -> Vec<u8> {
         body.extend(keypoint.strength.to_le_bytes());
         body.extend(descriptor.0);
     }
+    // The checksum covers the body, so that a file cut short is recognised.
     let mut file = MAGIC.to_vec();
     file.extend(VERSION.to_le_bytes());
     file.extend(crc32fast::hash(&body).to_le_bytes());
@@ -178,7 +183,7 @@ fn encode(features: &Features) -> Vec<u8> {
     file
 }
 
-/// The features in a file; none if it is not whole.
+/// The features in a file. None if it is damaged or of another version.
 fn decode(file: &[u8]) -> Option<Features> {
     let body = file
         .strip_prefix(MAGIC)?
@@ -190,6 +195,7 @@ fn decode(file: &[u8]) -> Option<Features> {
     let (header, rest) = body.split_first_chunk::<12>()?;
     let number = |at: usize| Some(u32::from_le_bytes(*header.get(at..)?.first_chunk()?));
     let (chunks, remainder) = rest.as_chunks::<FEATURE_BYTES>();
+    // The number of features must agree with the length of the file.
     if !remainder.is_empty() || chunks.len() != number(8)? as usize {
         return None;
     }

@@ -1,32 +1,31 @@
 //! SIFT descriptors as 128 bytes.
 
-/// How many numbers a SIFT descriptor has, a byte each.
+/// Number of elements of a SIFT descriptor, one byte each.
 pub const DESCRIPTOR_BYTES: usize = 128;
 
-/// The Euclidean length of a descriptor, up to rounding: OpenCV scales SIFT to it before it rounds
-/// to bytes.
+/// Euclidean norm of a descriptor, up to rounding. OpenCV scales SIFT to it before it rounds to
+/// bytes.
 pub const DESCRIPTOR_NORM: f32 = 512.0;
 
-/// The square of the largest distance of two descriptors, for descriptors of unit length: those
-/// that share no entry.
+/// Maximum squared distance of two descriptors of unit norm: that of descriptors without a common
+/// non-zero element.
 pub const MAX_SQUARED_DISTANCE: f32 = 2.0;
 
-/// A SIFT descriptor, as bytes; its length is `DESCRIPTOR_NORM`. It begins where a line of the
-/// processor's memory does.
+/// A SIFT descriptor, as bytes, of norm [`DESCRIPTOR_NORM`]. Aligned to cache lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(align(64))]
 pub struct Descriptor(pub [u8; DESCRIPTOR_BYTES]);
 
 impl Descriptor {
-    /// The squared distance of two descriptors, each taken as of unit length: 0 to
-    /// `MAX_SQUARED_DISTANCE`.
+    /// Squared distance of two descriptors, each scaled to unit norm: 0 to
+    /// [`MAX_SQUARED_DISTANCE`].
     #[must_use]
     pub fn squared_distance(&self, other: &Self) -> f32 {
         self.squared_byte_distance(other) as f32 / (DESCRIPTOR_NORM * DESCRIPTOR_NORM)
     }
 
-    /// The squared distance of two descriptors as they are, in bytes: a shape that compilers turn
-    /// into SIMD.
+    /// Squared distance of two descriptors in bytes, written in a form that compilers turn into
+    /// SIMD.
     #[must_use]
     #[inline(always)]
     #[allow(
@@ -42,13 +41,14 @@ impl Descriptor {
         sum.unsigned_abs()
     }
 
-    /// A descriptor from OpenCV's numbers (0 to 255, whole).
+    /// Converts OpenCV's numbers (0 to 255, whole).
     #[must_use]
     pub fn plain(values: &[f32; DESCRIPTOR_BYTES]) -> Self {
         Self(values.map(|value| value.round().clamp(0.0, 255.0) as u8))
     }
 
-    /// The square roots of the shares of OpenCV's numbers, scaled to `DESCRIPTOR_NORM`.
+    /// Converts OpenCV's numbers to `RootSIFT`: the square roots of the L1-normalised elements,
+    /// scaled to [`DESCRIPTOR_NORM`] (Arandjelović and Zisserman, CVPR 2012).
     #[must_use]
     pub fn root(values: &[f32; DESCRIPTOR_BYTES]) -> Self {
         let sum: f32 = values.iter().map(|value| value.max(0.0)).sum();
@@ -63,21 +63,25 @@ impl Descriptor {
 
 /// Bytes of a [`Sketch`].
 const SKETCH_BYTES: usize = DESCRIPTOR_BYTES / GROUP;
-/// Bytes of a descriptor that a byte of its sketch stands for.
+/// Number of bytes of a descriptor that one byte of its sketch represents.
 const GROUP: usize = 4;
 
-/// A quarter of a descriptor: the means of groups of four bytes. Two patches of one place differ in
-/// single cells, outliers in whole regions: how far two sketches are apart tells most outliers by a
-/// quarter of the memory.
+/// A quarter of a descriptor: the means of groups of four bytes.
+///
+/// Descriptors of the same patch differ in single cells, outliers in whole regions. The distance of
+/// two sketches therefore excludes most outliers with a quarter of the memory traffic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(align(32))]
 pub struct Sketch([u8; SKETCH_BYTES]);
 
 impl Sketch {
-    /// The sketch of a descriptor. A group is one direction in four cells of the patch, two by two.
+    /// The sketch of a descriptor. A group is one gradient direction in a 2 × 2 block of cells.
     #[must_use]
     pub fn of(descriptor: &Descriptor) -> Self {
         Self(std::array::from_fn(|at| {
+            // A descriptor has 4 × 4 cells of 8 directions, index = (row · 4 + column) · 8 +
+            // direction. `corner` is a direction in the top left cell of a block; the others are
+            // one column (8), one row (32) and both (40) away.
             let corner = at / 16 * 64 + at / 8 % 2 * 16 + at % 8;
             let sum: u16 = [0, 8, 32, 40]
                 .iter()
@@ -87,9 +91,11 @@ impl Sketch {
         }))
     }
 
-    /// The part of the squared distance of two descriptors, in bytes, that their groups' means
-    /// tell: four values whose sums differ by d differ by d² / 4 at least in sum of squares. The
-    /// means are rounded, so that each group may seem one more apart than it is.
+    /// Lower bound, but for rounding, of the squared distance of the two descriptors in bytes.
+    ///
+    /// Four differences with the sum d have a sum of squares of at least d² / 4 (Cauchy–Schwarz).
+    /// With the difference of means m = d / 4 this is 4 m², summed over all groups. Means are
+    /// rounded, so a group may appear one further apart than it is.
     #[must_use]
     #[inline(always)]
     #[allow(
@@ -97,7 +103,7 @@ impl Sketch {
         reason = "searches are compiled for the processor at hand, with all they inline"
     )]
     pub fn squared_byte_distance(&self, other: &Self) -> u32 {
-        // Two steps, as SIMD has differences of bytes.
+        // Two loops, because SIMD has an absolute difference of bytes.
         let differences: [u8; SKETCH_BYTES] =
             std::array::from_fn(|at| self.0[at].abs_diff(other.0[at]));
         let mut sum = 0i32;
@@ -108,7 +114,7 @@ impl Sketch {
         GROUP as u32 * sum.unsigned_abs()
     }
 
-    /// Its first byte.
+    /// The first byte.
     #[must_use]
     pub const fn first(&self) -> u8 {
         self.0[0]

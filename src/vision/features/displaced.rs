@@ -1,36 +1,38 @@
-//! Whether what two pictures show is displaced between them, by blocks that are looked for around
-//! their places: edges alone do not tell, since those of long lines and boards stand while a camera
-//! turns slowly along them.
+//! Whether the content of two pictures is displaced between them, by block matching.
+//!
+//! Edges alone do not show this: those of long lines and boards stay in place while a camera pans
+//! slowly along them. Blocks of the first picture are searched in the second by normalised cross
+//! correlation, around their own position. Each block compares the best correlation near its
+//! position with the best one farther off.
 
 use super::reduced::{EdgeKind, ReducedPicture};
 
-/// Blocks are compared in pictures that are reduced once more, by this factor.
+/// Further reduction of the pictures in which blocks are compared.
 const STEP: usize = 4;
 
 /// Columns and rows of blocks.
 const BLOCKS: (usize, usize) = (8, 5);
 
-/// A block is looked for as far off as this, px of the picture reduced twice.
+/// Maximum displacement that is searched, px of the coarse picture.
 const REACH: isize = 10;
 
-/// A block that lies elsewhere by less has not moved, px of the picture reduced twice: a sixtieth
-/// of its width.
+/// Smaller displacements count as none, px of the coarse picture: a sixtieth of its width.
 const LEAST: isize = 2;
 
-/// What a block shows lies elsewhere, or where it was, if its correlation there is greater by this.
+/// A block decides if one of its two correlations exceeds the other by this.
 const CLEARER: f32 = 0.05;
 
-/// A block of less contrast shows nothing, grey levels (standard deviation).
+/// Minimum standard deviation of a block's brightness, grey levels.
 const LEAST_CONTRAST: f32 = 2.0;
 
-/// Fewer blocks than this do not decide.
+/// Minimum number of blocks that decide.
 const FEWEST: usize = 4;
 
-/// Of the blocks that decide at most this share has not moved where the camera has: those of
-/// graphics, and what lies around the point that a zoom leaves in its place.
+/// Maximum share of the deciding blocks that have not moved although the camera has: those of
+/// graphics, and those around the fixed point of a zoom.
 const MOST_STAYING: f32 = 1.0 / 3.0;
 
-/// The brightness of a picture reduced twice.
+/// The brightness of a picture that is reduced twice.
 #[derive(Clone, Debug)]
 pub(super) struct CoarsePicture {
     width: usize,
@@ -58,8 +60,8 @@ impl CoarsePicture {
         }
     }
 
-    /// Whether what it shows lies elsewhere in another picture of the same size: to the side for
-    /// upright edges, up or down for level ones. None where too few blocks tell, as after a wide
+    /// Whether the content lies elsewhere in another picture of the same size: displaced sideways
+    /// for upright edges, vertically for level ones. None if too few blocks decide, as after a wide
     /// turn.
     pub fn is_displaced(&self, other: &Self, kind: EdgeKind) -> Option<bool> {
         let (mut moved, mut stayed) = (0_usize, 0_usize);
@@ -70,6 +72,7 @@ impl CoarsePicture {
             moved += usize::from(far > near + CLEARER);
             stayed += usize::from(near > far + CLEARER);
         }
+        // Blocks without texture, and those that fit equally well at both, do not decide.
         let decided = moved + stayed;
         (decided >= FEWEST).then_some((stayed as f32) <= MOST_STAYING * decided as f32)
     }
@@ -85,8 +88,8 @@ impl CoarsePicture {
         })
     }
 
-    /// The part of a row that a block displaced by some px covers; none where it reaches beyond the
-    /// picture.
+    /// The part of a row that a block covers when displaced by some px. None if it reaches beyond
+    /// the picture.
     fn row_of(&self, block: &Block, row: usize, (right, down): (isize, isize)) -> Option<&[f32]> {
         let left = block.left.checked_add_signed(right)?;
         let row = (block.top + row)
@@ -97,7 +100,7 @@ impl CoarsePicture {
     }
 }
 
-/// A part of a picture reduced twice.
+/// A rectangle of the coarse picture.
 struct Block {
     left: usize,
     top: usize,
@@ -106,14 +109,16 @@ struct Block {
 }
 
 impl Block {
-    /// The greatest correlation with another picture about its place and farther off along the axis
-    /// that moves edges of a kind; none where it shows nothing.
+    /// The best correlation with another picture near the block's own position, and the best one
+    /// farther off along the axis that moves edges of this kind. None if the block has too little
+    /// contrast.
     fn correlations(
         &self,
         one: &CoarsePicture,
         other: &CoarsePicture,
         kind: EdgeKind,
     ) -> Option<[f32; 2]> {
+        // Mean and contrast of the block itself, computed once for all displacements.
         let count = (self.width * self.height) as f32;
         let own = || {
             (0..self.height)
@@ -125,6 +130,8 @@ impl Block {
         if count == 0.0 || contrast < LEAST_CONTRAST {
             return None;
         }
+        // Both axes are searched, since a pan is seldom level in the picture; only the displacement
+        // along one axis decides which of the two a correlation counts for.
         let mut best = [0.0_f32; 2];
         for down in -REACH..=REACH {
             for right in -REACH..=REACH {
@@ -143,6 +150,8 @@ impl Block {
         Some(best)
     }
 
+    /// Normalised cross correlation, −1 to 1, with the block displaced by `by` in the other
+    /// picture. None outside it, or if there is too little contrast there.
     fn correlation(
         &self,
         one: &CoarsePicture,
@@ -155,7 +164,8 @@ impl Block {
         for row in 0..self.height {
             let (own, there) = (one.row_of(self, row, (0, 0))?, other.row_of(self, row, by)?);
             for (own, there) in own.iter().zip(there) {
-                // About one mean: differences of large squares would be lost.
+                // Subtracting a common mean keeps the sums small; the difference of large squares
+                // would lose digits in f32.
                 let there = there - mean;
                 sum += there;
                 squares += there * there;

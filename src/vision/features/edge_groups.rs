@@ -1,39 +1,40 @@
-//! Edges that lie together on the screen.
+//! Groups of static edges that lie together on the screen, and whether such a group is a graphic.
 
 use super::reduced::EdgeKind;
 use super::standing_graphic::StandingEdge;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Edges are joined by cells of this side, px of the reduced picture.
+/// Side of the cells by which edges are joined, px of the reduced picture.
 const CELL: usize = 6;
 
-/// A cell counts from this many edges on.
+/// Minimum number of edges in a cell.
 const IN_CELL: usize = 3;
 
-/// What is thinner than this is a line and no box, px of the reduced picture.
+/// Minimum width and height of a box, px of the reduced picture. Anything thinner is a line.
 const THIN: usize = 3;
 
 /// Two rims of one box end within this of each other, px of the reduced picture,
 const RIMS_END_WITHIN: usize = 3;
 
-/// and are at most this many times their length apart: upper and lower rim, left and right side.
+/// and their distance is at most this many times their length: for upper and lower rim, and for
+/// left and right side.
 const RIMS_APART: f64 = 0.25;
 const SIDES_APART: f64 = 8.0;
 
-/// Letters have this share of upright edges.
+/// Minimum share of upright edges in a group with letters.
 const LETTERS: f64 = 0.25;
 
-/// The side of a box has upright edges along this share of its height, this close to the end of the
-/// box, px of the reduced picture.
+/// A side of a box has upright edges along this share of the box's height, within [`SIDE_WITHIN`]
+/// px of the reduced picture from the box's end.
 const SIDE: f64 = 0.5;
 const SIDE_WITHIN: usize = 2;
 
-/// A band across the picture has a level rim in this share of the columns, at most this far off one
-/// row, px of the reduced picture.
+/// A band across the whole picture has a level rim in this share of the columns, within
+/// [`LEVEL_WITHIN`] px of the reduced picture from one row.
 const ACROSS: f64 = 0.9;
 const LEVEL_WITHIN: usize = 1;
 
-/// Edges that lie together.
+/// Static edges that lie together.
 #[derive(Clone, Debug)]
 pub(super) struct EdgeGroup {
     /// Left, top, right, bottom, both ends included, px of the reduced picture.
@@ -58,9 +59,9 @@ impl EdgeGroup {
         }
     }
 
-    /// Whether it has letters, or a side at its left and its right end, or both rims across a
-    /// picture of this width. A board's rim has none of these: it stands while the camera pans
-    /// along it.
+    /// Whether the group looks like a graphic: it has letters, or sides at its left and right end,
+    /// or both rims across a picture of this width. The rim of a board has none of these; it stays
+    /// in place while the camera pans along it.
     pub(super) fn is_a_box(&self, width: usize) -> bool {
         let [left, top, right, bottom] = self.extents;
         if right - left < THIN || bottom - top < THIN {
@@ -71,6 +72,7 @@ impl EdgeGroup {
                 .iter()
                 .filter(|edge| edge.slope.kind() == EdgeKind::Level)
         };
+        // Distinct columns with a level edge near the box's upper or lower end.
         let rim = |end: usize| {
             let columns: BTreeSet<usize> = level()
                 .filter(|edge| edge.row.abs_diff(end) <= LEVEL_WITHIN)
@@ -83,6 +85,7 @@ impl EdgeGroup {
                 .iter()
                 .filter(|edge| edge.slope.kind() == EdgeKind::Upright)
         };
+        // Distinct rows with an upright edge near the box's left or right end.
         let side = |end: usize| {
             let rows: BTreeSet<usize> = upright()
                 .filter(|edge| edge.column.abs_diff(end) <= SIDE_WITHIN)
@@ -95,8 +98,8 @@ impl EdgeGroup {
             || (rim(top) && rim(bottom))
     }
 
-    /// Whether two groups are the upper and the lower rim of one box, or its sides: where a camera
-    /// only pans level edges tell nothing.
+    /// Whether two groups are the upper and lower rim of one box, or its two sides. They are not
+    /// connected if the camera only pans, because level edges are then not tested.
     fn is_rim_beside(&self, other: &Self) -> bool {
         let ([left, top, right, bottom], [other_left, other_top, other_right, other_bottom]) =
             (self.extents, other.extents);
@@ -104,6 +107,7 @@ impl EdgeGroup {
         let apart = |one: usize, other: usize, length: usize, times: f64| {
             one.saturating_sub(other) as f64 <= times * length as f64
         };
+        // Upper and lower rim: the same columns, and near to each other for their length.
         let rims = near(left, other_left)
             && near(right, other_right)
             && apart(
@@ -112,6 +116,7 @@ impl EdgeGroup {
                 right - left,
                 RIMS_APART,
             );
+        // Sides: the same rows, upright edges only. A box is wide, so they may be far apart.
         let sides = near(top, other_top)
             && near(bottom, other_bottom)
             && self.is_upright()
@@ -132,8 +137,8 @@ impl EdgeGroup {
     }
 }
 
-/// Groups of edges whose cells touch, corners included, the topmost first; the two rims of a box
-/// are one.
+/// Groups of edges whose cells touch, diagonals included, topmost first. The rims of a box are one
+/// group.
 pub(super) fn joined(edges: &[StandingEdge]) -> Vec<EdgeGroup> {
     let mut cells = BTreeMap::<(usize, usize), Vec<StandingEdge>>::new();
     for &edge in edges {
@@ -142,9 +147,11 @@ pub(super) fn joined(edges: &[StandingEdge]) -> Vec<EdgeGroup> {
             .or_default()
             .push(edge);
     }
+    // Cells are numbered from 1, so that the neighbours of a cell never have negative numbers.
     cells.retain(|_, edges| edges.len() >= IN_CELL);
     let mut found: Vec<EdgeGroup> = Vec::new();
     while let Some((first, mut edges)) = cells.pop_first() {
+        // Flood fill over the cells.
         let mut open = vec![first];
         while let Some((row, column)) = open.pop() {
             for near in (row - 1..=row + 1)
@@ -157,6 +164,7 @@ pub(super) fn joined(edges: &[StandingEdge]) -> Vec<EdgeGroup> {
             }
         }
         let mut group = EdgeGroup::of(edges);
+        // A merged group may be a rim of yet another one, so this repeats until nothing merges.
         while let Some(rim) = found.iter().position(|known| known.is_rim_beside(&group)) {
             group.edges.splice(0..0, found.remove(rim).edges);
             group = EdgeGroup::of(group.edges);

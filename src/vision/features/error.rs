@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Why the features of a picture could not be found.
+/// Why the features of a picture could not be computed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum FeatureError {
@@ -11,14 +11,14 @@ pub enum FeatureError {
         "this touchline was built without OpenCV and finds no image features; build it with the feature `opencv`"
     )]
     WithoutOpenCv,
-    /// OpenCV refused.
+    /// OpenCV reported an error.
     #[error("OpenCV could not find the features of a picture of {width} × {height} px: {reason}")]
     OpenCv {
         /// Columns of the picture.
         width: u32,
         /// Rows of the picture.
         height: u32,
-        /// In OpenCV's words, on one line.
+        /// OpenCV's message, on one line.
         reason: String,
     },
 }

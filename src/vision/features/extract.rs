@@ -1,4 +1,4 @@
-//! A picture's features: found, masked, capped.
+//! Extracts a picture's features, without masked areas and up to a maximum number.
 
 use super::keypoint::Features;
 #[cfg(feature = "opencv")]
@@ -9,15 +9,16 @@ use touchline_core::geometry::PixelBox;
 #[cfg(feature = "opencv")]
 use touchline_core::geometry::{ImagePoint, ImageSize};
 
-/// How many more features than the cap are found before masks and spreading choose among them.
+/// Number of features requested from the detector, relative to the maximum. Masks and spreading
+/// then choose among them.
 #[cfg(feature = "opencv")]
 const SURPLUS: u32 = 2;
 
 /// The features of a picture whose centres lie in none of the `masks` (px of the full picture).
 ///
 /// # Errors
-/// The program was built without OpenCV, or OpenCV refused. A picture without texture has no
-/// features, and no error.
+/// The program was built without OpenCV, or OpenCV reported an error. A picture without texture has
+/// no features, which is no error.
 #[cfg(feature = "opencv")]
 pub fn extract(
     picture: &Picture,
@@ -27,6 +28,7 @@ pub fn extract(
     let image_size = picture.size();
     let factor = options.reduction(image_size.width);
     let grey = crate::media::grey_reduced(picture, factor);
+    // Features under masks are dropped, so more are requested in proportion.
     let limit =
         f64::from(options.max_count.saturating_mul(SURPLUS)) / open_share(masks, image_size);
     let found = found(&grey, limit.min(f64::from(i32::MAX)) as u32, options).map_err(|error| {
@@ -40,6 +42,7 @@ pub fn extract(
                 .join(" "),
         }
     })?;
+    // In the corner convention a reduced picture differs from the full one by a factor alone.
     let full_px = f64::from(factor);
     let (keypoints, descriptors): (Vec<_>, Vec<_>) = found
         .into_iter()
@@ -64,8 +67,7 @@ pub fn extract(
     })
 }
 
-/// What the detector finds in a grey picture: about `limit` keypoints in its px, and their
-/// descriptors.
+/// Runs the detector: about `limit` keypoints, in px of the grey picture, and their descriptors.
 #[cfg(feature = "opencv")]
 fn found(
     grey: &crate::media::GreyPicture,
@@ -103,11 +105,11 @@ fn bits(
         .collect())
 }
 
-/// The share of a picture that no mask covers, at least a tenth: what is found there must make up
-/// for the rest.
+/// Share of a picture that no mask covers, at least a tenth. Overlapping masks count twice.
 #[cfg(feature = "opencv")]
 fn open_share(masks: &[PixelBox], size: ImageSize) -> f64 {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
+    // Extent of a mask within the picture, along one axis.
     let side =
         |from: f64, extent: f64, limit: f64| ((from + extent).min(limit) - from.max(0.0)).max(0.0);
     let covered: f64 = masks
@@ -117,7 +119,7 @@ fn open_share(masks: &[PixelBox], size: ImageSize) -> f64 {
     (1.0 - covered / (width * height)).max(0.1)
 }
 
-/// The version of the OpenCV that finds features; none in a program that was built without it.
+/// The version of the OpenCV in use. None if the program was built without it.
 #[must_use]
 pub fn opencv_version() -> Option<String> {
     #[cfg(feature = "opencv")]
@@ -126,7 +128,7 @@ pub fn opencv_version() -> Option<String> {
     return None;
 }
 
-/// The features of a picture; this program was built without OpenCV and has none.
+/// Without OpenCV there are no features.
 ///
 /// # Errors
 /// Always [`FeatureError::WithoutOpenCv`].

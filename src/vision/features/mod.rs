@@ -2,21 +2,22 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | [`extract`] | SIFT of a picture (ORB or AKAZE for comparison), outside its masks, spread over it |
-//! | [`Features`], [`Keypoint`], [`Descriptor`] | what it gives |
-//! | [`burnt_in`] | what does not move on the screen while the camera moves: score bugs, watermarks, black boxes |
-//! | [`standing_graphics`] | the same by edges, for what has few features: faint watermarks, black boxes and bars, banners that are shown for a while |
+//! | [`extract`] | the SIFT features of a picture (ORB or AKAZE for comparison) outside its masks, spread over it |
+//! | [`Features`], [`Keypoint`], [`Descriptor`] | the result |
+//! | [`burnt_in`] | graphics, by features: what is static on the screen while the camera moves (score bugs, watermarks, black boxes) |
+//! | [`standing_graphics`] | graphics, by edges, for those with few features: faint watermarks, black boxes and bars, banners that are shown for a while |
 //! | [`has_moved`] | whether the camera moved between two pictures |
 //! | [`FeatureCache`] | features on disk, by picture and settings |
-//! | [`FeatureOptions`] | how many, at which resolution, plain or RootSIFT |
-//! | [`extract_binary`] | ORB and AKAZE with all their bits, to compare with |
+//! | [`FeatureOptions`] | the settings: how many features, at which resolution, plain or RootSIFT |
+//! | [`extract_binary`] | ORB and AKAZE with all their bits, for comparison |
 //!
-//! SIFT is OpenCV's; each kind of features is called in one function, and the rest builds without
-//! it (see
-//! [`FeatureError::WithoutOpenCv`]). Keypoints are in px of the full picture, corner convention: OpenCV counts from the first pixel's centre,
-//! and its SIFT lies 0.25 px too far right and down, as its first octave is enlarged without the
-//! half pixel. Both together, a corner coordinate is its number + 0.25; a test with a mirrored
-//! picture holds that.
+//! The detectors are OpenCV's. Each is called in one function, and the rest builds without OpenCV
+//! (see [`FeatureError::WithoutOpenCv`]).
+//!
+//! Keypoints are in px of the full picture, corner convention. OpenCV counts from the first pixel's
+//! centre, which adds 0.5 px; its SIFT lies 0.25 px too far right and down, because its first
+//! octave is enlarged without the half pixel. Together, a corner coordinate is OpenCV's number plus
+//! 0.25. A test with a mirrored picture checks this.
 //!
 //! Frames, signs and units: [`touchline_core::conventions`].
 

@@ -1,6 +1,6 @@
-//! How features are looked for.
+//! Settings of feature extraction.
 
-/// What finds and describes features.
+/// The detector and descriptor of features.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Detector {
@@ -14,37 +14,37 @@ pub enum Detector {
 }
 
 impl Detector {
-    /// All of them, by the number that files hold for them.
+    /// All detectors, in order of their codes.
     pub const ALL: [Self; 3] = [Self::Sift, Self::Orb, Self::Akaze];
 
-    /// The number that files hold for it.
+    /// The code that files store.
     #[must_use]
     pub const fn code(self) -> u32 {
         self as u32
     }
 
-    /// The detector of a number; none where there is no such.
+    /// The detector of a code. None if there is no such detector.
     #[must_use]
     pub fn from_code(code: u32) -> Option<Self> {
         Self::ALL.get(code as usize).copied()
     }
 }
 
-/// How features are looked for. Forests remember theirs: what was learned at one setting is asked
-/// at the same.
+/// Settings of feature extraction. A forest stores those that it was trained with and is queried
+/// with the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FeatureOptions {
-    /// At most as many, the strongest and well spread. 1000 by default.
+    /// Maximum number of features: the strongest, spread over the picture. 1000 by default.
     pub max_count: u32,
-    /// Wider pictures are reduced by the smallest whole factor that brings them to this width, px.
-    /// 1280 by default: 1080p is halved, which costs a quarter of the time and no accuracy that
-    /// could be measured.
+    /// Wider pictures are reduced by the smallest whole factor that brings them to this width or
+    /// less, px. 1280 by default: 1080p is halved, which takes a quarter of the time and costs no
+    /// measurable accuracy.
     pub max_width_px: u32,
     /// `RootSIFT`: the square root of the histograms' shares, so that Euclidean distances are
     /// Hellinger distances (Arandjelović and Zisserman, CVPR 2012). Plain by default, as in the
     /// paper.
     pub root_sift: bool,
-    /// What finds them. SIFT by default.
+    /// SIFT by default.
     pub detector: Detector,
 }
 
@@ -60,7 +60,7 @@ impl Default for FeatureOptions {
 }
 
 impl FeatureOptions {
-    /// By which whole factor a picture of this width is reduced.
+    /// The whole factor by which a picture of this width is reduced.
     #[cfg(feature = "opencv")]
     pub(super) fn reduction(&self, width_px: u32) -> u32 {
         width_px.div_ceil(self.max_width_px.max(1)).max(1)

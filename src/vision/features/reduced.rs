@@ -1,28 +1,28 @@
-//! Pictures reduced in size, their slopes of brightness, and whether the camera moved between two
-//! of them.
+//! Pictures of reduced size, their gradients, and a test whether the camera moved between two.
 
 use crate::media::Picture;
 use touchline_core::geometry::ImageSize;
 
-/// Pictures are reduced to about this width, px.
+/// Approximate width of reduced pictures, px.
 const WIDTH: u32 = 480;
 
-/// An edge weaker than this may be noise, grey levels over two px of the reduced picture.
+/// Minimum strength of an edge, grey levels over two px of the reduced picture; weaker ones may be
+/// noise.
 const LEAST_EDGE: f32 = 4.0;
 
-/// An edge stands in two pictures if the direction that they share makes this share of its strength
-/// in each.
+/// An edge is static if in both pictures the component of its gradient along their common direction
+/// is at least this share of the gradient's strength.
 const ALONG: f32 = 0.7;
 
-/// Of the edges of two pictures less than this share stands once a camera has moved by a few px: by
-/// chance a third, from frame to frame of a slow pan four fifths.
+/// The camera moved if less than this share of the edges of two pictures is static. By chance it is
+/// a third; from frame to frame of a slow pan it is four fifths.
 const MOVED: f32 = 0.5;
 
-/// Fewer edges than this share of the reduced picture's pixels tell nothing: a fade, a white-out.
+/// Minimum number of edges, as a share of the reduced picture's pixels. A fade or a white-out has
+/// fewer.
 const FEWEST: f32 = 0.01;
 
-/// How the brightness changes to the right and downwards, grey levels over two px of a reduced
-/// picture.
+/// The gradient of the brightness, grey levels over two px of a reduced picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Slope {
     pub right: f32,
@@ -52,12 +52,12 @@ impl Slope {
         }
     }
 
-    /// The same direction, and at most this strength.
+    /// The same direction with the strength limited.
     pub fn capped(self, strength: f32) -> Self {
         self.times((strength / self.strength().max(f32::MIN_POSITIVE)).min(1.0))
     }
 
-    /// The direction alone.
+    /// The unit vector of the direction; zero for a zero gradient.
     pub fn unit(self) -> Self {
         self.times(1.0 / self.strength().max(f32::MIN_POSITIVE))
     }
@@ -71,7 +71,8 @@ impl Slope {
     }
 }
 
-/// Which way an edge runs.
+/// The direction of an edge: upright if the gradient is mainly horizontal, level if it is mainly
+/// vertical.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum EdgeKind {
     Upright,
@@ -82,11 +83,12 @@ impl EdgeKind {
     pub const ALL: [Self; 2] = [Self::Upright, Self::Level];
 }
 
-/// The brightness of a picture, reduced in size.
+/// The brightness of a picture of reduced size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReducedPicture {
+    /// Size of the full picture, px.
     pub(super) size: ImageSize,
-    /// How many px of the picture one px of the reduced picture is.
+    /// Side of a reduced pixel, px of the full picture.
     pub(super) step: usize,
     pub(super) width: usize,
     pub(super) height: usize,
@@ -94,12 +96,14 @@ pub struct ReducedPicture {
 }
 
 impl ReducedPicture {
-    /// Reduces a picture by whole steps.
+    /// Reduces a picture by a whole factor.
     #[must_use]
     pub fn new(picture: &Picture) -> Self {
         let size = picture.size();
         let step = (f64::from(size.width) / f64::from(WIDTH)).round().max(1.0) as usize;
         let (width, height) = (size.width as usize / step, size.height as usize / step);
+        // Brightness (R + 2 G + B) / 4, averaged over squares of `step` px. Columns and rows that
+        // do not fill a square are dropped.
         let mut grey = vec![0.0_f32; width * height];
         let rows = picture.rgba().chunks_exact(4 * size.width as usize);
         for (row, pixels) in rows.take(height * step).enumerate() {
@@ -122,7 +126,7 @@ impl ReducedPicture {
         }
     }
 
-    /// The slope at a pixel away from the borders.
+    /// Central differences at a pixel that is not on the border.
     pub(super) fn slope(&self, column: usize, row: usize) -> Slope {
         let at = row * self.width + column;
         Slope {
@@ -132,24 +136,25 @@ impl ReducedPicture {
     }
 }
 
-/// Whether the camera moved between two pictures, whatever else did: less than half of the edges
-/// stand where they stood. None for pictures of two sizes, or without edges.
+/// Whether the camera moved between two pictures: if so, less than half of the edges are static.
+/// None for pictures of different sizes or with too few edges.
 #[must_use]
 pub fn has_moved(one: &ReducedPicture, other: &ReducedPicture) -> Option<bool> {
     let [upright, level] = count_edges(one, other)?;
     let all = upright.all + level.all;
+    // Too few edges would make the share random.
     let tells = all > FEWEST * one.grey.len() as f32;
     tells.then_some(upright.standing + level.standing < MOVED * all)
 }
 
-/// How many edges of a kind two pictures have, half of those of both, and how many of them stand.
+/// Number of edges of one kind, averaged over two pictures, and how many of them are static.
 #[derive(Clone, Copy, Default)]
 pub(super) struct EdgeCount {
     pub all: f32,
     pub standing: f32,
 }
 
-/// Of both kinds of edges; none for pictures of two sizes.
+/// Counts the edges of both kinds. None for pictures of different sizes.
 pub(super) fn count_edges(one: &ReducedPicture, other: &ReducedPicture) -> Option<[EdgeCount; 2]> {
     if one.size != other.size {
         return None;
@@ -158,9 +163,11 @@ pub(super) fn count_edges(one: &ReducedPicture, other: &ReducedPicture) -> Optio
     for row in 1..one.height.saturating_sub(1) {
         for column in 1..one.width.saturating_sub(1) {
             let slopes = [one.slope(column, row), other.slope(column, row)];
+            // The mean over both pictures: each edge counts 1/2.
             for slope in slopes.iter().filter(|slope| slope.strength() > LEAST_EDGE) {
                 counts[slope.kind() as usize].all += 0.5;
             }
+            // Static: both gradients are strong along the direction of their sum.
             let shared = slopes[0].plus(slopes[1]);
             let direction = shared.unit();
             let stands = |slope: &Slope| {

@@ -1,4 +1,4 @@
-//! The boundary to OpenCV's SIFT, the only place where its pixel convention is seen.
+//! The boundary to OpenCV's SIFT. Its pixel convention is converted here and known nowhere else.
 
 use super::{DESCRIPTOR_BYTES, Keypoint};
 use crate::media::GreyPicture;
@@ -8,20 +8,22 @@ use opencv::prelude::*;
 use std::sync::Once;
 use touchline_core::geometry::ImagePoint;
 
-/// From OpenCV's keypoint to corner coordinates: half a pixel for the convention, less the quarter
-/// by which its SIFT errs.
+/// From OpenCV's keypoints to corner coordinates, px: half a pixel for the convention, less the
+/// bias of a quarter that its SIFT has.
 const CORNER_FROM_OPENCV: f64 = 0.25;
 
-/// Pictures with a shorter side give no features; OpenCV's pyramid needs some pixels.
+/// Minimum shorter side, px. Smaller pictures give no features: OpenCV's pyramid needs some pixels.
 const MIN_SIDE_PX: u32 = 12;
 
-/// Octave layers, contrast and edge thresholds and σ of Lowe's paper, OpenCV's own defaults.
+/// Layers per octave, contrast threshold, edge threshold and σ of the first layer: OpenCV's
+/// defaults, from Lowe's paper.
 const LAYERS: i32 = 3;
 const CONTRAST: f64 = 0.04;
 const EDGE: f64 = 10.0;
 const SIGMA: f64 = 1.6;
 
-/// Frames are the unit of parallelism: OpenCV's own threads would only get in each other's way.
+/// Disables OpenCV's own threads. Frames are processed in parallel, so its threads would compete
+/// with them.
 pub(super) fn use_one_thread() {
     static ONE_THREAD: Once = Once::new();
     ONE_THREAD.call_once(|| {
@@ -30,8 +32,8 @@ pub(super) fn use_one_thread() {
     });
 }
 
-/// The strongest `limit` SIFT keypoints of a grey picture and their descriptors, in OpenCV's
-/// numbers (0 to 255).
+/// The strongest `limit` SIFT keypoints of a grey picture, in its px, corner convention, with their
+/// descriptors in OpenCV's numbers (0 to 255).
 pub(super) fn sift(
     grey: &GreyPicture,
     limit: u32,
@@ -55,6 +57,7 @@ pub(super) fn sift(
     if keypoints.is_empty() {
         return Ok(Vec::new());
     }
+    // One row of 128 numbers for each keypoint.
     let (rows, _) = descriptors
         .data_typed::<f32>()?
         .as_chunks::<DESCRIPTOR_BYTES>();

@@ -1,18 +1,17 @@
-//! A cap on features that keeps them spread over the picture.
+//! Limits the number of features and keeps them spread over the picture.
 
 use super::Keypoint;
 use touchline_core::geometry::ImageSize;
 
-/// The picture is looked at in as many columns and rows.
+/// Columns and rows of the grid over the picture.
 const GRID: (usize, usize) = (8, 5);
 
-/// A cell of the grid may hold this many times its even share before the others have had their
-/// turn.
+/// A cell is filled up to this many times its even share before surplus features are used.
 const CELL_SHARES: usize = 4;
 
-/// The indices of at most `max_count` features: the strongest, but no cell of the grid gets more
-/// than four times its even share while others have features left. In order of strength, then of
-/// place.
+/// The indices of at most `max_count` features. A cell of the grid gets at most four times its even
+/// share of them, unless the other cells have too few features. In order of strength, then of
+/// index; surplus features of full cells come last.
 pub(super) fn spread(keypoints: &[Keypoint], size: ImageSize, max_count: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..keypoints.len()).collect();
     order.sort_by(|&a, &b| {
@@ -24,6 +23,7 @@ pub(super) fn spread(keypoints: &[Keypoint], size: ImageSize, max_count: usize) 
     if order.len() <= max_count {
         return order;
     }
+    // Without a quota, a textured crowd would take all features and leave none near the field.
     let quota = (CELL_SHARES * max_count).div_ceil(GRID.0 * GRID.1);
     let mut held = [0usize; GRID.0 * GRID.1];
     let (mut kept, mut surplus) = (Vec::with_capacity(max_count), Vec::new());
@@ -36,6 +36,7 @@ pub(super) fn spread(keypoints: &[Keypoint], size: ImageSize, max_count: usize) 
             surplus.push(index);
         }
     }
+    // Surplus features fill what the quota has left empty.
     kept.extend(surplus);
     kept.truncate(max_count);
     kept

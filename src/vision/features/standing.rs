@@ -1,43 +1,44 @@
-//! What stands still on the screen between two pictures of a camera that moved.
+//! Features that keep their position on the screen between two pictures of a camera that moved.
 //!
 //! A score bug, a watermark or a black box lies at the same pixels whatever the camera does. Its
-//! features agree perfectly with each other, and would outvote the stadium. Two pictures tell them:
-//! features that look alike at the same place while the rest of the picture moved. Where the rest
-//! did not move, the pair tells nothing: a still camera is no graphic.
+//! features match perfectly and would outvote the stadium. They are recognised in a pair of
+//! pictures: similar features at the same position while the rest of the picture moved. If the rest
+//! did not move, the pair is not used, because a still camera looks the same.
 
 use super::{Features, Keypoint};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 
-/// A feature that is displaced by less stands still, px at 1920 px width.
+/// A feature that is displaced by at most this is static, px at 1920 px width.
 pub const STANDING_PX: f64 = 1.5;
 
-/// A picture whose features are displaced by less than this, px at 1920 px width, hardly moved.
+/// Radius in which the match of a feature is sought, px at 1920 px width. A picture with many
+/// matches this near hardly moved.
 pub(super) const NEAR_PX: f64 = 12.0;
 
-/// The squared distance of descriptors that may show one thing, both of unit length.
+/// Maximum squared distance of two descriptors of the same thing, both of unit norm.
 const MAX_SQUARED_DISTANCE: f32 = 0.2;
 
-/// Patches of one thing on the screen do not differ more in size.
+/// Maximum ratio of the sizes of two keypoints of the same graphic.
 const MAX_SIZE_RATIO: f32 = 1.25;
 
-/// A pair has to show as many features that stand: fewer are chance.
+/// Minimum number of static features in a pair; fewer are chance.
 const LEAST_STANDING: usize = 3;
 
-/// Features that lie in at least this share of the places of a picture that have any are the
-/// picture, and not a graphic on it.
+/// Features in at least this share of the cells of a picture that have any are the picture itself,
+/// not a graphic on it.
 pub const WHOLE_PICTURE: f64 = 0.3;
 
-/// Columns and rows of the grid of places.
+/// Columns and rows of the grid of cells that measures how widely features are spread.
 const PLACES: (usize, usize) = (16, 9);
 
-/// The features of a picture by where they are: what is asked for are those within [`NEAR_PX`] of a
-/// point.
+/// The features of a picture in a grid, for look-ups within [`NEAR_PX`] of a point.
 pub(super) struct Placed<'a> {
     pub features: &'a Features,
     cell_px: f64,
     columns: usize,
-    /// Where each cell's features end in `order`.
+    /// For each cell, the end of its features in `order`; they begin where the previous cell's end.
     ends: Vec<usize>,
+    /// Indices of the features, sorted by cell.
     order: Vec<u32>,
 }
 
@@ -53,6 +54,7 @@ impl<'a> Placed<'a> {
             };
             along(keypoint.point.y, rows) * columns + along(keypoint.point.x, columns)
         };
+        // Features per cell, then running sums: where each cell's features end in `order`.
         let mut ends = vec![0; columns * rows];
         for keypoint in &features.keypoints {
             ends[cell(keypoint)] += 1;
@@ -73,7 +75,8 @@ impl<'a> Placed<'a> {
         }
     }
 
-    /// The features in the cells around a point.
+    /// The features in the 3 × 3 cells around a point. Cells are [`NEAR_PX`] wide, so these include
+    /// all features within that distance.
     fn around(&self, point: ImagePoint) -> impl Iterator<Item = usize> {
         let rows = self.ends.len() / self.columns;
         let cells = |position: f64, count: usize| {
@@ -82,6 +85,7 @@ impl<'a> Placed<'a> {
         };
         let columns = cells(point.x, self.columns);
         cells(point.y, rows).flat_map(move |row| {
+            // Neighbouring cells of a row are adjacent in `order`, so a row of cells is one range.
             let (first, last) = (
                 row * self.columns + columns.start,
                 row * self.columns + columns.end,
@@ -94,11 +98,12 @@ impl<'a> Placed<'a> {
         })
     }
 
-    /// The feature most alike to one of another picture among those near its place, and how far off
-    /// that is, px.
+    /// The feature most similar to `feature` of another picture among those near its position, and
+    /// the distance between the two, px.
     fn most_alike(&self, other: &Features, feature: usize) -> Option<(usize, f64)> {
         let keypoint = &other.keypoints[feature];
         let near_px = NEAR_PX * other.image_size.scale_from_1920();
+        // Position and size first: the descriptors' distance is the expensive part.
         let alike = self.around(keypoint.point).filter_map(|near| {
             let candidate = &self.features.keypoints[near];
             let ratio =
@@ -111,26 +116,30 @@ impl<'a> Placed<'a> {
                 self.features.descriptors[near].squared_distance(&other.descriptors[feature]);
             (unlike <= MAX_SQUARED_DISTANCE).then_some((unlike, near, distance_px))
         });
+        // Equal ones are ordered by index, so that the result is the same in every run.
         let best = alike.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
         Some((best.1, best.2))
     }
 }
 
-/// The features of two pictures that stand still while the rest of the picture moves, by their
-/// numbers; none where the pair does not tell: too few stand, the camera hardly moved, or the
-/// pictures differ in size.
+/// The features of two pictures that are static while the rest of the picture moves, as pairs of
+/// indices. None if the pair cannot be used: too few static features, a camera that hardly moved,
+/// or pictures of different sizes.
 pub(super) fn standing_pair(one: &Placed<'_>, other: &Placed<'_>) -> Option<Vec<(usize, usize)>> {
     let (first, second) = (one.features, other.features);
     if first.image_size != second.image_size {
         return None;
     }
     let standing_px = STANDING_PX * first.image_size.scale_from_1920();
+    // Similar features within [`NEAR_PX`] of each other.
     let near: Vec<(usize, usize, f64)> = (0..first.len())
         .filter_map(|feature| {
             let (found, distance_px) = other.most_alike(first, feature)?;
             Some((feature, found, distance_px))
         })
         .collect();
+    // If they are spread over the picture, the camera hardly moved. Counting cells, not features,
+    // keeps a graphic with many features from looking like the whole picture.
     let hardly_moved = place_share(
         near.iter()
             .map(|&(feature, ..)| first.keypoints[feature].point),
@@ -149,8 +158,8 @@ pub(super) fn standing_pair(one: &Placed<'_>, other: &Placed<'_>) -> Option<Vec<
     (standing.len() >= LEAST_STANDING).then_some(standing)
 }
 
-/// The share of the places (cells of a 16 × 9 grid) with any of `all` the points of a picture that
-/// have some of them, 0 to 1; 0 where there are none.
+/// Share of the cells of a 16 × 9 grid that contain some of the points `some`, among those that
+/// contain any of `all`, 0 to 1; 0 if there are none.
 #[must_use]
 pub fn place_share(
     some: impl IntoIterator<Item = ImagePoint>,
@@ -163,6 +172,7 @@ pub fn place_share(
         };
         along(point.y, size.height, PLACES.1) * PLACES.0 + along(point.x, size.width, PLACES.0)
     };
+    // For each cell, whether it has points of `all`, and of `some`.
     let mut held = [(false, false); PLACES.0 * PLACES.1];
     for point in all {
         held[place(point)].0 = true;

@@ -1,12 +1,21 @@
-//! Graphics that are burnt into pictures, by their edges: an edge that stands at the same pixels
-//! with the same direction while the camera moves belongs to the screen and not to the stadium.
-//! Finds what has few features: watermarks, faint ones too, black boxes, the rims of a ticker whose
-//! letters move; and what is shown for a part of the pictures.
+//! Finds burnt-in graphics by their edges: an edge that keeps its pixels and its direction while
+//! the camera moves belongs to the screen and not to the stadium.
 //!
-//! What counts at a pixel is how far the mean of its slopes over the pictures is from zero, in
-//! standard errors: a faint edge over a background that changes shows after enough pictures. Only
-//! pictures between which the camera moved are counted, for upright and level edges each by
-//! themselves: level edges of boards stand while a camera pans.
+//! This finds graphics with few features (watermarks, even faint ones, black boxes, the rims of a
+//! ticker whose letters move) and graphics that are shown in some of the pictures only.
+//!
+//! # Method
+//!
+//! 1. Pictures between which the camera moved are selected (`camera_views.rs`), separately for
+//!    upright and for level edges: level edges of boards stay in place while a camera pans.
+//! 2. At every pixel the gradients of these pictures are averaged. An edge is static if the mean is
+//!    far from zero in units of its standard error (a one-sample t statistic), so that a faint edge
+//!    over a changing background appears after enough pictures.
+//! 3. Static edges that lie together are grouped, and groups that look like a box are kept
+//!    (`edge_groups.rs`).
+//! 4. Each group is looked up in all pictures, which gives the pictures that show it.
+//!
+//! Steps 2 to 4 are done for all pictures and for shorter windows of consecutive ones.
 
 use super::black_bars::black_bars;
 use super::camera_views::camera_views;
@@ -17,53 +26,57 @@ use rayon::prelude::*;
 use std::ops::Range;
 use touchline_core::geometry::PixelBox;
 
-/// With fewer pictures edges of a crowd stand by chance.
+/// Minimum number of pictures from different directions. With fewer, edges of a crowd coincide by
+/// chance.
 const LEAST_VIEWS: usize = 6;
 
-/// Besides all pictures, windows of as many neighbours are searched, each half over the next, the
-/// largest first.
+/// Lengths of the windows of consecutive pictures that are searched in addition to all pictures,
+/// longest first. Windows overlap by half.
 const WINDOWS: [usize; 3] = [32, 16, 8];
 
-/// A window has at least as many views.
+/// Minimum number of pictures from different directions in a window.
 const LEAST_VIEWS_IN_WINDOW: usize = 7;
 
-/// The least mean slope, grey levels over two px, and the least distance of it from zero in
-/// standard errors.
+/// Minimum strength of a mean gradient, grey levels over two px, and its minimum in standard
+/// errors.
 const LEAST_MEAN: f32 = 1.5;
 const LEAST_ERRORS: f32 = 7.0;
 
-/// In all pictures, which may be few, it is also enough that slopes of more than this strength
-/// agree in this share of them, each as far as this share of its strength.
+/// Alternative criterion for all pictures, which may be too few for the statistic: in at least the
+/// share [`AGREEING`] of them the gradient's component along the mean exceeds this, grey levels
+/// over two px, and the share [`ALONG`] of the gradient's strength.
 const LEAST_EDGE: f32 = 4.0;
 const AGREEING: f32 = 0.85;
 const ALONG: f32 = 0.7;
 
-/// The variance of a slope that does not change, squared grey levels: rounding.
+/// Variance of a gradient that does not change, from rounding, grey levels².
 const LEAST_VARIANCE: f32 = 0.25;
 
-/// It is not shown for a moment in at most so many pictures running.
+/// Maximum number of consecutive pictures in which a graphic may be missed.
 const LONGEST_GAP: usize = 1;
 
-/// The least edges of a graphic in all pictures, and in a window: around the point that a slow zoom
-/// leaves in its place a few stand for a while.
+/// Minimum number of edges of a graphic, in all pictures and in a window. During a slow zoom a few
+/// edges around its fixed point stay in place for a while.
 const LEAST_EDGES: usize = 24;
 const LEAST_EDGES_IN_WINDOW: usize = 150;
 
-/// The least in all pictures where there are fewer views than this: a player whom the camera
-/// follows stands on the screen for a second.
+/// With fewer views than this in all pictures the minimum is higher: a player whom the camera
+/// follows keeps his place on the screen for a second.
 const FEW_VIEWS: usize = 12;
 const LEAST_EDGES_IN_FEW: usize = 75;
 
-/// A box of more than this share of the picture is no graphic on it.
+/// Maximum area of a graphic, as a share of the picture.
 const LARGEST: f64 = 0.35;
 
-/// Boxes reach beyond the edges, px of the reduced picture.
+/// Margin of a box around its edges, px of the reduced picture.
 const MARGIN: f64 = 1.5;
 
-/// Finds the graphics that stand in all or some neighbouring ones of the pictures of one camera, in
-/// their order of time as far as they have one; those that are shown longest first. Nothing is
-/// found in fewer than six pictures, in pictures that differ in size, or where the camera turned by
-/// a degree or two in all; black bars along the borders are, in two pictures.
+/// Finds the graphics that all pictures of one camera show, or consecutive ones of them. The
+/// pictures are in order of time as far as they have one. Graphics that are shown longest come
+/// first.
+///
+/// Returns nothing for fewer than six pictures, for pictures of different sizes, or if the camera
+/// turned by only a degree or two in all. Black bars along the borders need only two pictures.
 #[must_use]
 pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
     let Some(first) = pictures.first() else {
@@ -72,17 +85,20 @@ pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
     if pictures.iter().any(|picture| picture.size != first.size) {
         return Vec::new();
     }
+    // Black bars first: they need no motion of the camera.
     let width = first.width;
     let mut found = black_bars(pictures);
     let views = camera_views(pictures);
     for window in windows(pictures.len()) {
         let is_part = window.len() < pictures.len();
         let has_few = views.iter().all(|of_kind| of_kind.len() < FEW_VIEWS);
+        // Shorter windows need more edges: fewer pictures leave more coincidences.
         let (least_views, least_edges) = match (is_part, has_few) {
             (true, _) => (LEAST_VIEWS_IN_WINDOW, LEAST_EDGES_IN_WINDOW),
             (false, true) => (LEAST_VIEWS, LEAST_EDGES_IN_FEW),
             (false, false) => (LEAST_VIEWS, LEAST_EDGES),
         };
+        // Views of one kind of edge are used only if there are enough of them.
         let in_window = EdgeKind::ALL.map(|kind| {
             let of_kind = &views[kind as usize];
             let within: Vec<usize> = of_kind
@@ -103,6 +119,7 @@ pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
             let Some(graphic) = shown(pictures, &window, group) else {
                 continue;
             };
+            // A graphic found in a longer window is not reported again.
             if !found
                 .iter()
                 .any(|known: &StandingGraphic| known.is_also(&graphic))
@@ -114,7 +131,7 @@ pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
     found
 }
 
-/// All places, and shorter windows of them.
+/// The range of all pictures, then those of shorter windows.
 fn windows(count: usize) -> Vec<Range<usize>> {
     let shorter = WINDOWS
         .into_iter()
@@ -128,7 +145,7 @@ fn windows(count: usize) -> Vec<Range<usize>> {
     std::iter::once(0..count).chain(shorter).collect()
 }
 
-/// The edges that stand in the views of each kind.
+/// The static edges in the views of each kind of edge.
 fn standing_edges(
     pictures: &[ReducedPicture],
     views: &[Vec<usize>; 2],
@@ -139,6 +156,8 @@ fn standing_edges(
     let of_row = |row: usize| {
         (1..width.saturating_sub(1)).filter_map(move |column| {
             EdgeKind::ALL.into_iter().find_map(|kind| {
+                // Gradients are capped: one strong edge of the stadium must not outweigh many weak
+                // ones.
                 let slopes = || {
                     views[kind as usize]
                         .iter()
@@ -152,7 +171,7 @@ fn standing_edges(
     rows.into_par_iter().flat_map_iter(of_row).collect()
 }
 
-/// The mean of slopes that agree; none where they do not.
+/// The mean of gradients that agree; none if they do not.
 fn mean_slope<I: Iterator<Item = Slope>>(slopes: impl Fn() -> I, is_part: bool) -> Option<Slope> {
     let (sum, count) = slopes().fold((Slope::default(), 0.0_f32), |(sum, count), slope| {
         (sum.plus(slope), count + 1.0)
@@ -165,11 +184,13 @@ fn mean_slope<I: Iterator<Item = Slope>>(slopes: impl Fn() -> I, is_part: bool) 
     if strength < LEAST_MEAN {
         return None;
     }
+    // The t statistic of the gradients' components along their mean.
     let direction = mean.unit();
     let scatter: f32 = slopes()
         .map(|slope| (slope.dot(direction) - strength).powi(2))
         .sum();
     let variance = scatter / (count - 1.0) + LEAST_VARIANCE;
+    // With few pictures the statistic is weak; it is enough that nearly all have the edge.
     let agrees = |slope: &Slope| {
         let along = slope.dot(direction);
         along > LEAST_EDGE && along > ALONG * slope.strength()
@@ -179,7 +200,7 @@ fn mean_slope<I: Iterator<Item = Slope>>(slopes: impl Fn() -> I, is_part: bool) 
     stands.then_some(mean)
 }
 
-/// A group of edges with the pictures that show it, in and beyond the window in which it was found.
+/// A group of edges with the pictures that show it, in the window in which it was found and beyond.
 fn shown(
     pictures: &[ReducedPicture],
     window: &Range<usize>,
@@ -187,6 +208,7 @@ fn shown(
 ) -> Option<StandingGraphic> {
     let first = pictures.first()?;
     let step = first.step as f64;
+    // The box in px of the full picture, with a margin, clipped to the picture.
     let [left, top, right, bottom] = group.extents.map(|at| at as f64);
     let (x, y) = (
         (step * (left - MARGIN)).max(0.0),
@@ -215,7 +237,8 @@ fn shown(
         .map(|picture| graphic.is_shown_in(picture))
         .collect();
     let run = longest_run(&shown).filter(|run| run.len() >= LEAST_VIEWS)?;
-    // What stands in other pictures than those it was found in was not what was found.
+    // The run of pictures must overlap the window by half of the shorter of the two, or it shows
+    // something else than what was found there.
     let in_window = (window.start.max(run.start)..window.end.min(run.end)).len();
     if 2 * in_window < window.len().min(run.len()) {
         return None;
@@ -224,7 +247,7 @@ fn shown(
     Some(graphic)
 }
 
-/// The longest run of places that hold, short gaps passed over.
+/// The longest run of true values, with gaps of at most [`LONGEST_GAP`] in it.
 fn longest_run(holds: &[bool]) -> Option<Range<usize>> {
     let mut runs: Vec<Range<usize>> = Vec::new();
     for place in (0..holds.len()).filter(|&place| holds[place]) {
@@ -233,7 +256,7 @@ fn longest_run(holds: &[bool]) -> Option<Range<usize>> {
             _ => runs.push(place..place + 1),
         }
     }
-    // Of equally long ones the first.
+    // `max_by_key` returns the last of equal maxima; reversed, that is the first run.
     runs.into_iter().rev().max_by_key(ExactSizeIterator::len)
 }
 

@@ -1,38 +1,39 @@
-//! A graphic that stands on the screen, and whether a picture shows it.
+//! A static graphic on the screen, and a test whether a picture shows it.
 
 use super::reduced::{ReducedPicture, Slope};
 use touchline_core::geometry::PixelBox;
 
-/// A slope counts at most this, grey levels over two px: one strong edge of the stadium is not many
-/// weak ones of a watermark.
+/// Maximum strength of a gradient, grey levels over two px: one strong edge of the stadium must not
+/// outweigh many weak ones of a watermark.
 pub(super) const CAP: f32 = 12.0;
 
-/// A graphic is shown in a picture if its slopes there make this share of their mean.
+/// A picture shows a graphic if the components of its gradients along the graphic's sum to this
+/// share of the graphic's own.
 const SHOWN: f32 = 0.5;
 
-/// An edge that stands.
+/// A static edge: column and row in the reduced picture, and mean gradient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct StandingEdge {
     pub column: usize,
     pub row: usize,
-    /// Its mean slope, capped.
+    /// Mean gradient, each capped.
     pub slope: Slope,
 }
 
-/// A graphic that stands on the screen in some pictures.
+/// A graphic that is static on the screen in some pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StandingGraphic {
-    /// The box that holds it, px.
+    /// Its box, px of the full picture.
     pub pixel_box: PixelBox,
-    /// The first picture with it, by its place.
+    /// Index of the first picture that shows it.
     pub first: usize,
-    /// The last one.
+    /// Index of the last one.
     pub last: usize,
     pub(super) edges: Vec<StandingEdge>,
 }
 
 impl StandingGraphic {
-    /// A box that is there in all of some pictures, with no edges to know it by.
+    /// A box that all of `count` pictures show, without edges by which it could be recognised.
     pub(super) const fn throughout(pixel_box: PixelBox, count: usize) -> Self {
         Self {
             pixel_box,
@@ -42,17 +43,18 @@ impl StandingGraphic {
         }
     }
 
-    /// How many edges of the reduced pictures stand.
+    /// Number of static edges in the reduced pictures.
     #[must_use]
     pub fn edges(&self) -> usize {
         self.edges.len()
     }
 
-    /// Whether another picture of the same size shows it.
+    /// Whether another picture of the same size shows the graphic.
     #[must_use]
     pub fn is_shown_in(&self, picture: &ReducedPicture) -> bool {
         let (mut seen, mut mean) = (0.0, 0.0);
         for edge in &self.edges {
+            // An edge at the border has no gradient and counts as missing.
             let within = edge.column + 1 < picture.width && edge.row + 1 < picture.height;
             let slope = if within {
                 picture.slope(edge.column, edge.row).capped(CAP)
@@ -65,10 +67,12 @@ impl StandingGraphic {
         seen >= SHOWN * mean
     }
 
-    /// Whether two are one: seen at the same place at the same time, or one a part of the other.
+    /// Whether two graphics are the same: their pictures overlap, and so do their boxes, by more
+    /// than half of the smaller one.
     pub(super) fn is_also(&self, other: &Self) -> bool {
         let at_once = self.first <= other.last && other.first <= self.last;
         let (one, two) = (&self.pixel_box, &other.pixel_box);
+        // Length of the overlap of two intervals.
         let along = |a: f64, a_length: f64, b: f64, b_length: f64| {
             ((a + a_length).min(b + b_length) - a.max(b)).max(0.0)
         };

@@ -1,42 +1,41 @@
-//! Where paint is looked for across a line, and what is found there.
+//! The search for paint along the normal of a line: its geometry and its result.
 
 use super::GroundPicture;
 use touchline_core::geometry::{ImagePoint, Vec2};
 use touchline_core::markings::LineSample;
 
-/// The width that optics and compression give to a line without any, px (full width at half
-/// height).
+/// Full width at half maximum that optics and compression give to an infinitely thin line, px.
 const BLUR_PX: f64 = 1.8;
 
-/// The ground beside the paint is looked at from this far beyond its edge, px.
+/// Gap between the edge of the paint and the ground that it is compared with, px.
 const GAP_PX: f64 = 1.3;
 
-/// Where the ground beside the paint is asked for its colour, px beyond the paint's edge.
+/// Distances from the paint's edge at which the ground's colour is tested, px.
 const COLOUR_PX: [f64; 3] = [2.0, 3.5, 5.0];
 
-/// A ridge of paint.
+/// A ridge of paint across a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ridge {
-    /// How far its middle lies from where the line was predicted, px along the normal.
+    /// Offset of its centre from the predicted line, px along the normal.
     pub offset_px: f64,
-    /// Its width between the places where half the contrast is reached, px.
+    /// Full width at half the contrast, px.
     pub width_px: f64,
-    /// How much brighter it is than the brighter of its sides, grey levels; on a floor, how far its
-    /// colour is from all that its sides mix.
+    /// On turf, brightness above the brighter of its sides; on a floor, distance of its colour from
+    /// all mixtures of its sides' colours. Grey levels.
     pub contrast: f64,
 }
 
-/// Where to look for paint.
+/// The position, direction and expected width of a search for paint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Across {
-    /// The middle of the search, px.
+    /// Centre of the search, px.
     pub at: ImagePoint,
-    /// The unit vector across the line.
+    /// Unit vector across the line, in the picture.
     pub normal: Vec2,
-    /// How wide the paint should be, px.
+    /// Predicted width of the paint, px.
     pub width_px: f64,
-    /// Which way leads out of the playing area, where the ground may end: 1 along the normal, −1
-    /// against it, else 0.
+    /// Direction out of the playing area, where the ground may end: 1 along the normal, −1 against
+    /// it, 0 if both sides are inside.
     pub outward: f64,
 }
 
@@ -59,36 +58,36 @@ impl From<&LineSample> for Across {
 }
 
 impl Across {
-    /// How wide the band of ground beside the paint is that it is compared with, px.
+    /// Width of the band of ground beside the paint that it is compared with, px.
     fn band_px(&self) -> f64 {
         (0.6 * self.width_px).max(2.5)
     }
 
-    /// From where to where beside the middle of the paint the ground is that it is compared with,
-    /// px.
+    /// Distances from the centre of the paint at which that band begins and ends, px.
     pub fn beside_px(&self) -> (f64, f64) {
         let near_px = 0.5 * self.width_px + GAP_PX;
         (near_px, near_px + self.band_px())
     }
 
-    /// How far beyond the reach of a search the picture is read, px.
+    /// How far the profile extends beyond the reach of the search, px.
     pub fn margin_px(&self) -> f64 {
         self.beside_px().1 + 1.0
     }
 
-    /// The width of the ridge that the paint makes in the picture, px.
+    /// Predicted width of the ridge, px. Widths of convolved profiles add in quadrature (exactly so
+    /// for Gaussians).
     pub fn expected_px(&self) -> f64 {
         self.width_px.hypot(BLUR_PX)
     }
 
-    /// A point across the line.
+    /// The point of the picture at an offset along the normal, px.
     pub fn point(&self, offset_px: f64) -> ImagePoint {
         self.at.moved(self.normal * offset_px)
     }
 }
 
-/// Whether most of what lies beside a ridge has the ground's colours, on every side that belongs to
-/// the playing area.
+/// Whether most of the points beside a ridge have the ground's colours, on every side within the
+/// playing area.
 pub(super) fn is_on_ground(ground: &GroundPicture, across: &Across, ridge: &Ridge) -> bool {
     let mut sides = [-1.0, 1.0]
         .into_iter()

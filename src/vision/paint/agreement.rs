@@ -1,4 +1,5 @@
-//! How far a camera's lines and a picture's strokes agree, looked at both ways.
+//! Agreement of a camera's lines with a picture's markings, in both directions: which markings lie
+//! on lines, and which lines show markings.
 
 use super::directions::{direction_of, with_neighbours};
 use super::strokes::{Shown, Strokes};
@@ -7,22 +8,22 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 use touchline_core::markings::{SampleOptions, sample_lines};
 
-/// A stroke lies on a line within this, px at 1920 px width.
+/// Maximum distance between a marking and its line, px at 1920 px width.
 const NEAR_PX: f64 = 5.0;
 
-/// Samples of a line are this far apart, px at 1920 px width.
+/// Distance between samples of a line, px at 1920 px width.
 const SPACING_PX: f64 = 4.0;
 
-/// What strokes and predicted lines say about a camera.
+/// Agreement of the markings of a picture with the lines of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement {
-    /// The share of the strokes that lie on predicted lines, 0 to 1.
+    /// Share of the marking pixels that lie on predicted lines, 0 to 1.
     pub explained: f64,
-    /// The share of the predicted lines on open ground that lie on strokes, 0 to 1.
+    /// Share of the predicted lines on open ground that lie on markings, 0 to 1.
     pub seen: f64,
 }
 
-/// The strokes of a picture, made ready to be compared with the lines of many cameras.
+/// The markings of a picture, prepared for comparison with many cameras.
 pub(super) struct PaintedCells<'a> {
     strokes: &'a Strokes,
     cells: DirectedCells,
@@ -37,7 +38,7 @@ impl<'a> PaintedCells<'a> {
         }
     }
 
-    /// How far they agree with a camera's lines.
+    /// The agreement with a camera's lines.
     pub fn agreement(&self, field: &FieldModel, camera: &PtzCamera) -> Agreement {
         let strokes = self.strokes;
         let size = strokes.size();
@@ -47,10 +48,13 @@ impl<'a> PaintedCells<'a> {
             ..SampleOptions::default()
         };
         let samples = sample_lines(field, camera, size, &options);
+        // The same test in both directions: rasterise one set with its directions, look up the
+        // other.
         let predicted = DirectedCells::of(
             size,
             samples.iter().map(|sample| (sample.image, sample.normal)),
         );
+        // Lines behind players or outside the ground are not expected to be seen.
         let open = samples
             .iter()
             .filter(|sample| strokes.shown(sample.image) != Shown::Other);
@@ -67,14 +71,14 @@ impl<'a> PaintedCells<'a> {
 }
 
 impl Agreement {
-    /// Both at once: the product.
+    /// The product of both shares.
     #[must_use]
     pub fn both(&self) -> f64 {
         self.explained * self.seen
     }
 }
 
-/// The share of those that are true; 0 of none.
+/// The share of values that are true; 0 if there are none.
 fn share(all: impl Iterator<Item = bool>) -> f64 {
     let (mut count, mut held) = (0_u32, 0_u32);
     for holds in all {
@@ -84,7 +88,7 @@ fn share(all: impl Iterator<Item = bool>) -> f64 {
     f64::from(held) / f64::from(count.max(1))
 }
 
-/// The cells of a picture that lie near curves, each with the curves' directions, a bit each.
+/// Cells of a picture near curves. Each cell has one bit for each direction of a curve.
 struct DirectedCells {
     cell_px: f64,
     columns: usize,
@@ -93,7 +97,7 @@ struct DirectedCells {
 }
 
 impl DirectedCells {
-    /// Near points of curves, given with their normals.
+    /// Rasterises points of curves, given with their normals.
     fn of(size: ImageSize, points: impl Iterator<Item = (ImagePoint, Vec2)>) -> Self {
         let near_px = NEAR_PX * size.scale_from_1920();
         let cell_px = (0.5 * near_px).max(1.0);
@@ -106,9 +110,12 @@ impl DirectedCells {
             directions: vec![0; columns * rows],
         };
         for (at, normal) in points {
+            // The direction and its neighbours, so that a look-up does not fail at the border of
+            // two bins.
             let bits = with_neighbours(direction_of(normal))
                 .into_iter()
                 .fold(0, |bits, direction| bits | (1 << direction));
+            // Cells are half of [`NEAR_PX`] wide: two steps along the normal to both sides.
             for step in -2..=2 {
                 if let Some(cell) = cells.cell(at.moved(normal * (f64::from(step) * cell_px))) {
                     cells.directions[cell] |= bits;
@@ -118,6 +125,7 @@ impl DirectedCells {
         cells
     }
 
+    /// The index of the cell that contains a point. None outside the picture.
     fn cell(&self, at: ImagePoint) -> Option<usize> {
         let (column, row) = ((at.x / self.cell_px).floor(), (at.y / self.cell_px).floor());
         let inside =
@@ -125,7 +133,7 @@ impl DirectedCells {
         inside.then(|| row as usize * self.columns + column as usize)
     }
 
-    /// Whether a curve of about a normal's direction lies near a point.
+    /// Whether a curve of about this direction lies near a point.
     fn holds(&self, at: ImagePoint, normal: Vec2) -> bool {
         self.cell(at)
             .is_some_and(|cell| self.directions[cell] & (1 << direction_of(normal)) != 0)

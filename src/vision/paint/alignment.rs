@@ -21,14 +21,14 @@
 //! in point-to-line ICP (Chen and Medioni, 1992). With three unknowns each Gauss–Newton step
 //! ([`gauss_newton_step`]) solves a 3 × 3 system. Two things make it robust:
 //!
-//! * A sample may have several ridges: its own line, a parallel one, a board. It is paired with the ridge nearest to its line *after
-//!   the step so far*, chosen anew in every iteration.
-//! * Geman–McClure weights nearly ignore ridges farther off than the scale of the loss, and that scale shrinks from iteration to
-//!   iteration (graduated non-convexity).
+//! * A sample may have several ridges: its own line, a parallel one, a board. It is paired with the
+//!   ridge nearest to its line *after the step so far*, chosen anew in every iteration.
+//! * Geman–McClure weights nearly ignore ridges farther off than the scale of the loss, and that
+//!   scale shrinks from iteration to iteration (graduated non-convexity).
 //!
 //! The picture is not read again between iterations. The linearisation therefore has to hold over
-//! the reach of the search; `snap.rs` repeats search and alignment with a smaller reach around the
-//! result.
+//! the reach of the search. `snap.rs` reads the picture again around the result, within a smaller
+//! reach, and repeats the alignment.
 
 use super::Sightings;
 use nalgebra::{SMatrix, Vector1};
@@ -39,23 +39,23 @@ use touchline_core::solve::{
     BlockEquations, Linearised, Loss, Observation, Problem, Residual, gauss_newton_step,
 };
 
-/// 1-σ of a ridge's offset on its own, px at 1920 px width.
+/// 1-σ of the independent part of a ridge's error, px at 1920 px width.
 const RIDGE_SIGMA_PX: f64 = 0.5;
 
-/// 1-σ of what all samples of a line have in common, px at 1920 px width: paint that does not lie
-/// where the rules put it, a base that is slightly wrong.
+/// 1-σ of the error that all samples of a line have in common, px at 1920 px width: the paint is
+/// not where the rules put it, or the base is slightly wrong.
 const LINE_SIGMA_PX: f64 = 0.16;
 
 /// The influence of a click stops growing beyond 2 σ.
 const CLICK_LOSS: Loss = Loss::Huber { k: 2.0 };
 
-/// Damping of the normal equations, 1/px²: keeps the step finite where neither ridges nor clicks
-/// say anything.
+/// Damping of the normal equations, 1/px²: keeps the step finite if neither ridges nor clicks
+/// constrain it.
 const DAMPING: f64 = 1e-9;
 
-/// A change of a camera in px: by how much pan and tilt move the centre of the picture, and the
-/// focal length its left and right border. So scaled, the three numbers are of one size, and one
-/// distance between steps makes sense.
+/// A change of a camera in px: pan and tilt as motion of the picture's centre, focal length as
+/// motion of its left and right border. In these units all three numbers have the same scale, so
+/// the Euclidean distance between steps is meaningful.
 pub(super) type StepPx = Vec3;
 
 /// A camera, and the scale of steps around it.
@@ -67,6 +67,8 @@ pub(super) struct LinearisedCamera {
 }
 
 impl LinearisedCamera {
+    /// Near the centre of the picture, 1/f rad of pan or tilt move the image by 1 px. A factor
+    /// exp(2/width) of the focal length moves the borders, width/2 from the centre, by 1 px.
     pub fn new(base: &CameraBase, ptz: Ptz, width_px: u32) -> Self {
         let rad_per_px = 1.0 / ptz.focal_px;
         let log_focal_per_px = 2.0 / f64::from(width_px);
@@ -80,6 +82,7 @@ impl LinearisedCamera {
     /// the step leads.
     pub fn ptz_after(&self, step: &StepPx) -> Ptz {
         const MAX_LOG_FOCAL: f64 = std::f64::consts::LN_2;
+        // The focal length changes by its logarithm, so that it stays positive.
         let change = step.component_mul(&self.ptz_per_px);
         let ptz = self.camera.ptz();
         Ptz {
@@ -91,12 +94,13 @@ impl LinearisedCamera {
 
     /// Converts a derivative by (pan rad, tilt rad, focal length px) into one by a step.
     fn by_step_from_by_ptz(&self, by_ptz: Vec3) -> StepPx {
+        // Chain rule: ∂/∂(log f) = f · ∂/∂f.
         let by_log_focal = by_ptz.z * self.camera.ptz().focal_px;
         Vec3::new(by_ptz.x, by_ptz.y, by_log_focal).component_mul(&self.ptz_per_px)
     }
 }
 
-/// The ridges seen around a camera, ready to be aligned with.
+/// The ridges observed around a camera, with the derivatives of their samples.
 pub(super) struct RidgeAlignment<'a> {
     sightings: &'a Sightings,
     /// n·∂p/∂u of each sample; zero where the sample cannot be seen.
@@ -109,8 +113,8 @@ impl<'a> RidgeAlignment<'a> {
     /// `scale` is the width of the picture by 1920 px.
     pub fn new(around: &LinearisedCamera, sightings: &'a Sightings, scale: f64) -> Self {
         let by_step = sightings.samples.iter().map(|sample| {
-            // A sample that the linearised camera cannot see moves with no step, and so constrains
-            // none.
+            // A sample that the linearised camera cannot see gets a zero row and constrains
+            // nothing.
             let Ok((_, image_by_ptz)) = around.camera.image_from_world_by_ptz(sample.at) else {
                 return StepPx::zeros();
             };
@@ -127,15 +131,15 @@ impl<'a> RidgeAlignment<'a> {
         self.by_step.len()
     }
 
-    /// The signed distance from a sample's line, after a step, to the ridge nearest to it, px; none
-    /// for a sample without ridges.
+    /// Signed distance from a sample's line, after a step, to the ridge nearest to it, px. None for
+    /// a sample without ridges.
     pub fn residual_px(&self, sample: usize, step: &StepPx) -> Option<f64> {
         let line_moved_px = self.by_step[sample].dot(step);
         let ridge = self.sightings.nearest(sample, line_moved_px)?;
         Some(ridge.offset_px - line_moved_px)
     }
 
-    /// How many samples have a ridge on their line after a step. Each counts by its distance: 1 on
+    /// Number of samples with a ridge on their line after a step. Each counts by its distance: 1 on
     /// the line, 0 from `within_px` on.
     pub fn votes(&self, step: &StepPx, within_px: f64) -> f64 {
         let residuals_px =
@@ -169,11 +173,11 @@ impl<'a> RidgeAlignment<'a> {
     }
 }
 
-/// The alignment under one scale of the robust loss.
+/// The alignment problem under one scale of the robust loss.
 struct AlignmentAtScale<'a, TakesPart> {
     ridges: &'a RidgeAlignment<'a>,
     clicks: Option<&'a ClickAlignment>,
-    /// Which samples take part.
+    /// Whether a sample is used.
     takes_part: &'a TakesPart,
     loss_scale_px: f64,
 }
@@ -185,9 +189,12 @@ impl<TakesPart: Fn(usize) -> bool> Problem for AlignmentAtScale<'_, TakesPart> {
     fn equations(&self, step: &StepPx) -> BlockEquations<0, 3> {
         let mut equations = BlockEquations::zero();
         equations.own += Mat3::identity() * DAMPING;
+        // Clicks: Huber's loss, so that even a wrong one keeps some influence.
         for click in self.clicks.iter().flat_map(|clicks| &clicks.rows) {
             equations.add(click, step, CLICK_LOSS);
         }
+        // Ridges: each is paired anew. The loss takes its scale in σ of the residual, hence the
+        // quotient.
         for sample in (0..self.ridges.num_samples()).filter(|sample| (self.takes_part)(*sample)) {
             let ridge = NearestRidge {
                 ridges: self.ridges,
@@ -209,8 +216,8 @@ impl<TakesPart: Fn(usize) -> bool> Problem for AlignmentAtScale<'_, TakesPart> {
     }
 }
 
-/// The ridge of a sample that is nearest to where a step has brought its line; a sample without
-/// ridges has no value.
+/// The residual of one sample: the ridge nearest to where the step so far has moved its line. It
+/// has no value if the sample has no ridges.
 struct NearestRidge<'a> {
     ridges: &'a RidgeAlignment<'a>,
     sample: usize,
@@ -252,6 +259,7 @@ pub(super) fn sample_sigmas_px(sightings: &Sightings, scale: f64) -> Vec<f64> {
         .map(|sample| sample.line + 1)
         .max()
         .unwrap_or(0);
+    // Count samples with ridges, not ridges: a sample contributes at most one residual.
     let mut ridges_of_line = vec![0_u32; num_lines];
     for (index, sample) in sightings.samples.iter().enumerate() {
         ridges_of_line[sample.line] += u32::from(!sightings.ridges_at(index).is_empty());
@@ -273,17 +281,17 @@ pub(super) fn ridge_sigma_px(count: u32, scale: f64) -> f64 {
     (RIDGE_SIGMA_PX.powi(2) + f64::from(count) * LINE_SIGMA_PX.powi(2)).sqrt() * scale
 }
 
-/// Clicks, linearised around a camera.
+/// The clicks, linearised around a camera.
 pub(super) struct ClickAlignment {
     rows: Vec<ClickRow>,
 }
 
-/// One equation of a click: two for a landmark, one for a line.
+/// One equation of a click: a landmark has two, a point on a line one.
 struct ClickRow {
-    /// What the click shows; none for a point that is no part of the field.
+    /// The element of the field that was clicked. None for a point that belongs to no element.
     element: Option<FieldElement>,
     by_step: StepPx,
-    /// From where the camera predicts the click to where it is.
+    /// From the predicted position to the click, px, along one axis or across the line.
     offset_px: f64,
     sigma_px: f64,
 }
@@ -328,6 +336,8 @@ impl ClickAlignment {
             else {
                 continue;
             };
+            // The residual of the click is prediction less click; a row stores its negative, as for
+            // ridges.
             for axis in 0..click.equations() {
                 rows.push(ClickRow {
                     element: click.element,
@@ -343,6 +353,8 @@ impl ClickAlignment {
     /// Whether a step takes no click farther from its landmark or line than `sigmas` beyond its
     /// present distance.
     pub fn allows(&self, step: &StepPx, sigmas: f64) -> bool {
+        // The present distance is added, because the camera may be far off before its first
+        // alignment.
         let is_allowed = |row: &ClickRow| {
             row.residual_px(step).abs() <= sigmas * row.sigma_px + row.offset_px.abs()
         };

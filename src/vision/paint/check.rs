@@ -1,4 +1,17 @@
-//! The line check: a camera judged by the paint that it predicts.
+//! The line check: tests a camera against the paint that it predicts.
+//!
+//! # Method
+//!
+//! The field's lines are sampled as the camera predicts them, and the picture is searched for
+//! ridges within 12 px across each sample (`sightings.rs`). Two numbers are combined by logistic
+//! regression into the probability that the camera is right within 10 px:
+//!
+//! * the agreement, the share of open samples with paint, weighted by distance. It falls for
+//!   cameras that are wrong by more than a few px, because their lines cross bare ground.
+//! * the distance between two cameras that two halves of the samples give. It rises where ridges
+//!   belong to something else, because unrelated ridges do not agree on one correction.
+//!
+//! The rest of [`LineCheck`] describes the fit and finds fields of another size.
 
 use super::alignment::{LinearisedCamera, RidgeAlignment, StepPx};
 use super::sightings::{Look, Seen};
@@ -10,60 +23,61 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, median_high};
 use touchline_core::markings::LineVerdict;
 
-/// Paint is looked for this far from where a camera predicts it, px at 1920 px width.
+/// Maximum distance of paint from where the camera predicts it, px at 1920 px width.
 const REACH_PX: f64 = 12.0;
 
-/// The distance between samples of a line, px at 1920 px width.
+/// Distance between samples of a line, px at 1920 px width.
 const SPACING_PX: f64 = 16.0;
 
-/// Paint this far off counts half, px at 1920 px width.
+/// A ridge at this distance counts 1/2, px at 1920 px width.
 const HALF_PX: f64 = 4.0;
 
-/// How many neighbouring samples are in the same half.
+/// Number of consecutive samples that belong to the same half. Neighbours share errors, so that
+/// alternating single samples would give two halves with the same errors.
 const BLOCK: usize = 6;
 
-/// What a picture's paint says about a camera.
+/// The result of a line check.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineCheck {
-    /// Samples of the lines that the camera puts into the picture.
+    /// Number of samples of lines that the camera predicts in the picture.
     pub predicted: usize,
-    /// Samples with a ridge of paint near by.
+    /// Number of samples with a ridge of paint near by.
     pub found: usize,
-    /// Samples with open ground and no paint.
+    /// Number of samples with open ground and no paint.
     pub bare: usize,
-    /// The median distance of the ridges from where they are predicted, px.
+    /// Median distance of the ridges from where they are predicted, px.
     pub offset_px: f64,
-    /// The median signed offset, px along the normals that point down in the picture: positive
-    /// where paint lies below the line that is drawn.
+    /// Median signed offset along the normals that point down in the picture, px: positive if paint
+    /// lies below the drawn line.
     pub bias_px: f64,
-    /// How far apart the overlays are that two halves of the samples would pull the camera to, px.
+    /// Distance between the overlays of the cameras that two halves of the samples give, px.
     pub halves_px: f64,
-    /// The share of the paint on the playing area that no predicted line explains; none where there
-    /// is too little.
+    /// Share of the paint on the playing area that no predicted line explains. None if there is too
+    /// little paint.
     pub unexplained: Option<f64>,
-    /// The share of the open samples that have paint, of the line that has least of it; none where
-    /// no line lies open over some length.
+    /// Share of open samples with paint, for the line with the least. None if no line has enough
+    /// open samples.
     pub emptiest: Option<f64>,
-    /// The share of the open samples that have paint, each by its distance.
+    /// Share of open samples with paint, each weighted by its distance.
     pub agreement: f64,
-    /// The probability that the camera is right within 10 px at 1920 px width, by the paint alone.
+    /// Probability, from the paint alone, that the camera is right within 10 px at 1920 px width.
     pub score: f64,
 }
 
-/// A line that is open over some length and has less paint than this may lie beside its paint.
+/// A line with a smaller share of paint may lie beside its paint.
 const EMPTY_LINE: f64 = 0.3;
-/// It does where the share of the paint that lies on no line exceeds this, and this much of the
-/// line's own share of paint.
+/// Such a line lies beside its paint if the unexplained share exceeds the first number plus the
+/// second times the line's own share of paint.
 const ALONE: [f64; 2] = [0.1, 0.5];
 
 impl LineCheck {
-    /// Whether one part of the field lies on its paint and another beside its own, as where the
-    /// field is longer or shorter than assumed.
+    /// Whether one part of the field lies on its paint and another part beside it, as happens if
+    /// the field is longer or shorter than assumed.
     ///
-    /// Either alone is seen in right pictures: of 568 of three broadcasts 71 had a line of which
-    /// less than a third was seen, with 0.17 of their paint on no line at most, and none had both.
-    /// In all 34 of another broadcast whose centre circle lay 40 px or more off, at lengths of 101
-    /// and of 105 m, both are seen.
+    /// Either sign alone occurs in correct pictures. Of 568 pictures of three broadcasts, 71 had a
+    /// line less than a third of which was seen, with at most 0.17 of the paint unexplained; none
+    /// had both signs. In another broadcast, whose centre circle lay 40 px or more off, all 34
+    /// pictures have both, at assumed lengths of 101 m and of 105 m.
     #[must_use]
     pub fn is_of_other_field(&self) -> bool {
         let Some((seen, alone)) = self.emptiest.zip(self.unexplained) else {
@@ -72,14 +86,14 @@ impl LineCheck {
         seen < EMPTY_LINE && alone > ALONE[0] + ALONE[1] * seen
     }
 
-    /// What the paint says.
+    /// The verdict that the score and the number of open samples allow.
     #[must_use]
     pub fn verdict(&self) -> LineVerdict {
         LineVerdict::of(self.score, self.found + self.bare)
     }
 }
 
-/// Judges a camera by the paint that a picture shows where the camera predicts lines.
+/// Tests a camera against the paint of a picture.
 #[must_use]
 pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamera) -> LineCheck {
     let size = ground.size();
@@ -90,6 +104,8 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
         step_px: 1.0,
     };
     let sightings = Sightings::of(ground, field, camera, look);
+    // Distances of the ridges nearest to the predicted lines, and the agreement by a Lorentzian
+    // weight.
     let mut offsets = Vec::new();
     let mut biases = Vec::new();
     let mut weighed = 0.0;
@@ -106,6 +122,7 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
         });
     }
     let (found, bare) = (offsets.len(), sightings.bare());
+    // Both halves are aligned from the camera itself.
     let around = LinearisedCamera::new(camera.base(), camera.ptz(), size.width);
     let pull = RidgeAlignment::new(&around, &sightings, scale);
     let halves_px = halves_apart_px(
@@ -115,6 +132,7 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
         &[6.0 * scale, 4.0 * scale, 3.0 * scale],
         size,
     );
+    // Signs of a field of another size; they do not enter the score.
     let unexplained = unexplained_share(ground, field, camera, &sightings.samples);
     let emptiest = emptiest_line(&sightings);
     let agreement = if found + bare == 0 {
@@ -138,10 +156,11 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
     check
 }
 
-/// A line with fewer open samples may be hidden by what is not told from ground.
+/// Minimum number of open samples of a line. A shorter one may be covered by something of the
+/// ground's colours.
 const LONG_LINE: usize = 12;
 
-/// The least share of a line's open samples that have paint.
+/// The smallest share of a line's open samples that have paint.
 fn emptiest_line(sightings: &Sightings) -> Option<f64> {
     let mut lines: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
     for (sample, seen) in sightings.samples.iter().zip(&sightings.seen) {
@@ -152,6 +171,7 @@ fn emptiest_line(sightings: &Sightings) -> Option<f64> {
             Seen::Hidden => {}
         }
     }
+    // Hidden samples count for neither: they say nothing about the line.
     let long = lines
         .into_values()
         .filter(|(found, bare)| found + bare >= LONG_LINE);
@@ -159,25 +179,29 @@ fn emptiest_line(sightings: &Sightings) -> Option<f64> {
         .min_by(f64::total_cmp)
 }
 
-/// The logarithm of the odds that a camera is right within 10 px at 1920 px width: 1, the agreement
-/// less one half, and the logarithm of how far the halves are apart in units of 2 px, the latter
-/// two shrunk where few samples are open. The logistic curve of greatest likelihood over 142 frames
-/// of three real matches with the camera of people's clicks, and 36 cameras each that are 3 to 840
-/// px off. Unexplained paint adds nothing to these.
+/// Logistic regression for the log odds that a camera is right within 10 px at 1920 px width:
+/// constant; weight of agreement − 1/2; weight of the logarithm of the halves' distance in units of
+/// 2 px. The latter two are shrunk where few samples are open.
+///
+/// Maximum likelihood over 142 frames of three real matches, with the camera from users' clicks and
+/// 36 cameras each that are 3 to 840 px off. The unexplained share adds nothing to these.
 const LOG_ODDS: [f64; 3] = [-0.65, 9.6, -1.46];
 
-/// With this many open samples the paint says half of what it says with very many.
+/// Number of open samples at which the weights are half of those for very many samples.
 const FEW: f64 = 20.0;
 
-/// The halves' distance counts between these, px at 1920 px width.
+/// The halves' distance is limited to this range, px at 1920 px width.
 const HALVES_PX: (f64, f64) = (0.3, 30.0);
 
-/// Which distance of the halves says nothing, px at 1920 px width.
+/// The halves' distance that leaves the odds unchanged, px at 1920 px width.
 const NEUTRAL_HALVES_PX: f64 = 2.0;
 
+/// The probability that a camera is right; see [`LOG_ODDS`].
 fn score(check: &LineCheck, scale: f64) -> f64 {
     let open = (check.found + check.bare) as f64;
+    // Shrinks the evidence towards the constant where few samples are open.
     let known = open / (open + FEW);
+    // The logarithm, because the halves' distance ranges over two orders of magnitude.
     let halves =
         ((check.halves_px / scale).clamp(HALVES_PX.0, HALVES_PX.1) / NEUTRAL_HALVES_PX).ln();
     let log_odds =
@@ -185,8 +209,8 @@ fn score(check: &LineCheck, scale: f64) -> f64 {
     1.0 / (1.0 + (-log_odds).exp())
 }
 
-/// How far apart two overlays are that the two halves of the samples pull a camera to, px (median
-/// over the picture). The halves take turns along the lines.
+/// Distance between the overlays of two cameras, each aligned with one half of the samples, px
+/// (median over the picture). The halves alternate in blocks of [`BLOCK`] samples.
 pub(super) fn halves_apart_px(
     pull: &RidgeAlignment,
     around: &LinearisedCamera,
@@ -194,6 +218,7 @@ pub(super) fn halves_apart_px(
     scales_px: &[f64],
     size: ImageSize,
 ) -> f64 {
+    // Without clicks, which both halves would share.
     let half = |odd: usize| {
         around.ptz_after(&pull.align(from, scales_px, None, |sample| sample / BLOCK % 2 == odd))
     };
@@ -204,7 +229,7 @@ pub(super) fn halves_apart_px(
     )
 }
 
-/// How far apart the overlays of two cameras of one base are, px: the median over the picture.
+/// Distance between the overlays of two cameras with one base, px: the median over the picture.
 #[must_use]
 pub fn overlays_apart_px(camera: &PtzCamera, other: Ptz, size: ImageSize) -> f64 {
     const PLACES: u32 = 5;
@@ -220,7 +245,7 @@ pub fn overlays_apart_px(camera: &PtzCamera, other: Ptz, size: ImageSize) -> f64
     median(image_space_distances_px(camera, &other, grid).collect())
 }
 
-/// The high median of some numbers; infinite where there is none.
+/// The high median; infinite if there are no values.
 pub(super) fn median(mut values: Vec<f64>) -> f64 {
     median_high(&mut values).unwrap_or(f64::INFINITY)
 }

@@ -1,34 +1,32 @@
-//! Colours as three numbers whose differences say how far apart they look: brightness, and how much
-//! redder and bluer they are.
+//! Colours in a space in which Euclidean distances measure visible difference: brightness, and the
+//! scaled differences of red and of blue from it, as in Y′CbCr.
 
 use crate::media::Picture;
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
 
-/// A colour, grey levels.
+/// Brightness, and [`HUE`] times red − brightness and blue − brightness, grey levels.
 pub(super) type Colour = Vec3;
 
-/// A grey level of hue counts this much of one of brightness: pictures are compressed so that hues
-/// are blurred more.
+/// Weight of a difference in hue against one in brightness: compression blurs hues more.
 const HUE: f64 = 0.6;
 
-/// The weights of red, green and blue in brightness (BT.601).
+/// Weights of red, green and blue in the brightness (ITU-R BT.601).
 const BRIGHTNESS: Vec3 = Vec3::new(0.299, 0.587, 0.114);
 
-/// Colours are averaged over points this far apart along a line, px.
+/// Each sample is the mean of points at these distances along the line, px, against noise.
 const ALONG_PX: [f64; 3] = [-3.0, 0.0, 3.0];
 
-/// The colours at even distances along a normal. The buffers are used again by the next profile.
+/// Colours at equal distances along a normal. The buffers are reused from profile to profile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ColourProfile {
     colours: Vec<Colour>,
-    /// Sums of the colours before each place, and of all.
+    /// Prefix sums of the colours, so that a mean over any range costs two look-ups.
     sums: Vec<Colour>,
     step_px: f64,
 }
 
 impl ColourProfile {
-    /// Reads the colours every `step_px` up to `reach_px` or a little farther on both sides of a
-    /// point.
+    /// Reads the colours every `step_px`, to at least `reach_px` on both sides of a point.
     pub fn read(
         &mut self,
         picture: &Picture,
@@ -37,6 +35,7 @@ impl ColourProfile {
         reach_px: f64,
         step_px: f64,
     ) {
+        // An odd number of samples, so that one lies on the middle.
         let half = (reach_px / step_px).ceil() as usize;
         self.step_px = step_px;
         let along = Vec2::new(-normal.y, normal.x);
@@ -57,28 +56,28 @@ impl ColourProfile {
         }
     }
 
-    /// How many places there are.
+    /// Number of samples.
     pub fn len(&self) -> usize {
         self.colours.len()
     }
 
-    /// How far a place lies from the middle, px.
+    /// Signed distance of a sample from the middle, px. The index may be fractional.
     pub fn offset_px(&self, index: f64) -> f64 {
         (index - (self.colours.len() / 2) as f64) * self.step_px
     }
 
-    /// How many places a distance spans.
+    /// Number of samples that a distance spans.
     pub fn places(&self, distance_px: f64) -> isize {
         (distance_px / self.step_px).round() as isize
     }
 
-    /// The colour at a place.
+    /// The colour of a sample.
     pub fn colour(&self, index: usize) -> Colour {
         self.colours[index]
     }
 
-    /// The mean colour of the places from the first offset after a place to the last, both
-    /// included, as far as there are any.
+    /// Mean colour of the samples `index + from` to `index + to`, both included, clipped to the
+    /// profile.
     pub fn mean(&self, index: usize, from: isize, to: isize) -> Colour {
         let last = self.colours.len() - 1;
         let from = index.saturating_add_signed(from).min(last);
@@ -87,14 +86,15 @@ impl ColourProfile {
     }
 }
 
-/// Red, green and blue at a point, linear between the centres of the four pixels around it; points
-/// outside take the nearest pixel's.
+/// Red, green and blue at a point, bilinear between the centres of the four pixels around it. The
+/// border is repeated outside.
 fn rgb_at(picture: &Picture, point: ImagePoint) -> Vec3 {
     let size = picture.size();
     let (Some(right), Some(bottom)) = (size.width.checked_sub(1), size.height.checked_sub(1))
     else {
         return Vec3::zeros();
     };
+    // Corner convention: the first pixel's centre is at (0.5, 0.5).
     let x = (point.x - 0.5).clamp(0.0, f64::from(right));
     let y = (point.y - 0.5).clamp(0.0, f64::from(bottom));
     let (column, row) = (x as u32, y as u32);
@@ -110,7 +110,7 @@ fn rgb_at(picture: &Picture, point: ImagePoint) -> Vec3 {
     above * (1.0 - share_y) + below * share_y
 }
 
-/// A colour from red, green and blue.
+/// Converts red, green and blue.
 fn colour_of(rgb: Vec3) -> Colour {
     let brightness = BRIGHTNESS.dot(&rgb);
     Colour::new(

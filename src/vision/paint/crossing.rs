@@ -1,12 +1,18 @@
-//! Where painted lines cross: the least-squares problem over the ridges that were seen of each
-//! line.
+//! Where painted lines cross: the least-squares problem over the ridges of each line.
 //!
-//! The camera predicts each line's direction within a few degrees and its place hardly at all. The
-//! unknowns are the landmark's shift from where the point was placed, and for each line a turn and
-//! an offset of its own: paint is not quite straight and not quite where the rules put it. A
-//! ridge's offset across its line is linear in all of them, so that each step
-//! ([`gauss_newton_step`]) is exact but for the pairing: a place may show several ridges, and the
-//! one nearest to its line is taken anew at each step.
+//! The camera predicts each line's direction within a few degrees, and its position hardly at all.
+//! The unknowns are the landmark's shift t from the placed point, and for each line a rotation α
+//! and an offset d of its own, both with priors: paint is not quite straight and not quite where
+//! the rules put it. At a sample with the unit normal n, at the signed distance s along the line
+//! from the landmark, the line's offset is
+//!
+//! ```text
+//! o(t, α, d) = n·t + s α + d
+//! ```
+//!
+//! This is linear in all unknowns, so each step ([`gauss_newton_step`]) is exact but for the
+//! pairing: a sample may show several ridges, and the one nearest to its line is chosen anew at
+//! each step.
 //!
 //! [`gauss_newton_step`]: touchline_core::solve::gauss_newton_step
 
@@ -17,28 +23,28 @@ use touchline_core::field::FieldElement;
 use touchline_core::geometry::Vec2;
 use touchline_core::solve::{BlockEquations, Linearised, Loss, Problem, Residual};
 
-/// 1-σ of a line's direction in the picture, as the camera gives it, rad.
+/// 1-σ of a line's direction in the picture, as the camera predicts it, rad.
 const DIRECTION_SIGMA: f64 = 0.06;
 
-/// 1-σ of a ridge's offset on its own, px at 1920 px width.
+/// 1-σ of a single ridge's offset, px at 1920 px width.
 const RIDGE_SIGMA_PX: f64 = 0.6;
 
-/// Lines that meet at less than this are one, as its sine.
+/// Minimum sine of the angle at which two lines cross.
 const LEAST_CROSSING: f64 = 0.15;
 
-/// At most this many lines meet.
+/// Maximum number of lines that meet at a landmark.
 pub(super) const MOST_LINES: usize = 3;
 
-/// Shift of the landmark, then turn and offset of each line.
+/// Shift of the landmark, then rotation and offset of each line.
 const PARAMETERS: usize = 2 + 2 * MOST_LINES;
 
-/// The shift of the landmark, px, then the turn, rad, and the offset, px, of each line.
+/// The landmark's shift, px, then the rotation, rad, and the offset, px, of each line.
 pub(super) type CrossingState = SVector<f64, PARAMETERS>;
 
-/// A place on a line where paint is seen.
+/// A sample of a line at which paint is seen.
 pub(super) struct Place {
     pub normal: Vec2,
-    /// How far along the line the landmark is, px.
+    /// Signed distance of the sample from the landmark along the line, px.
     pub along_px: f64,
     pub ridges: Vec<Ridge>,
 }
@@ -46,24 +52,23 @@ pub(super) struct Place {
 /// What is seen of one line.
 pub(super) struct Course {
     pub places: Vec<Place>,
-    /// Places with ridges, or with open ground and none.
+    /// Number of samples with ridges, or with open ground and no ridge.
     pub open: usize,
-    /// The offset at the landmark that most places agree on, px.
+    /// The offset at the landmark that most samples agree on, px.
     pub offset_px: f64,
-    /// The line's normal at the landmark.
+    /// The line's unit normal at the landmark.
     pub normal: Vec2,
 }
 
 impl Course {
-    /// The ridge at a place that is nearest to an offset.
+    /// The offset of a sample's ridge that is nearest to `offset_px`.
     pub fn nearest(place: &Place, offset_px: f64) -> Option<f64> {
         let offsets = place.ridges.iter().map(|ridge| ridge.offset_px);
         offsets.min_by(|a, b| (a - offset_px).abs().total_cmp(&(b - offset_px).abs()))
     }
 }
 
-/// Where lines cross: the shift of the landmark, and how each line is turned and moved against the
-/// camera's prediction.
+/// The crossing problem under one scale of the robust loss.
 pub(super) struct CrossingAtScale<'a> {
     courses: &'a [Course],
     ridge_sigma_px: f64,
@@ -92,6 +97,7 @@ impl Problem for CrossingAtScale<'_> {
 
     fn equations(&self, state: &CrossingState) -> BlockEquations<0, PARAMETERS> {
         let mut equations = BlockEquations::zero();
+        // Priors on all lines, present or not: they keep the matrix regular.
         for line in 0..MOST_LINES {
             for (of_line, sigma) in [DIRECTION_SIGMA, self.line_sigma_px]
                 .into_iter()
@@ -107,6 +113,7 @@ impl Problem for CrossingAtScale<'_> {
                 );
             }
         }
+        // Each sample of a line contributes the ridge nearest to where the state puts the line.
         for (line, course) in self.courses.iter().enumerate() {
             for place in &course.places {
                 let ridge = NearestRidge {
@@ -125,7 +132,7 @@ impl Problem for CrossingAtScale<'_> {
     }
 }
 
-/// The turn or the offset of a line, which the camera predicts up to a 1-σ.
+/// Prior of a line's rotation or offset: zero within a 1-σ.
 struct LinePrior {
     parameter: usize,
     sigma: f64,
@@ -156,13 +163,13 @@ impl Residual<1, 0, PARAMETERS> for LinePrior {
         })
     }
 
-    /// A robust loss would let the prior go.
+    /// Always squared. A robust loss would weaken the prior of a line that is far from it.
     fn loss(&self, _: Loss) -> Loss {
         Loss::Squared
     }
 }
 
-/// The ridge at a place that is nearest to where a state puts the line.
+/// The residual of one sample: the ridge nearest to where the state puts its line.
 struct NearestRidge<'a> {
     place: &'a Place,
     line: usize,
@@ -181,6 +188,7 @@ impl Residual<1, 0, PARAMETERS> for NearestRidge<'_> {
     }
 
     fn value(&self, state: &CrossingState) -> Option<Vector1<f64>> {
+        // Predicted less seen.
         Some(Vector1::new(-residual_px(self.place, self.line, state)?))
     }
 
@@ -194,8 +202,10 @@ impl Residual<1, 0, PARAMETERS> for NearestRidge<'_> {
     }
 }
 
-/// Where the two lines that cross at the widest angle meet.
+/// Where the two lines that cross at the widest angle meet: the solution t of n₁·t = d₁, n₂·t = d₂.
+/// None if they are nearly parallel.
 pub(super) fn meeting_point(courses: &[Course]) -> Option<Vec2> {
+    // Of three lines the two at the widest angle: their crossing is the best conditioned.
     let pairs = courses
         .iter()
         .enumerate()
@@ -213,16 +223,18 @@ pub(super) fn meeting_point(courses: &[Course]) -> Option<Vec2> {
     Some(normals.try_inverse()? * Vec2::new(one.offset_px, other.offset_px))
 }
 
-/// The derivative of a line's offset at a place by the state. The offset is linear in the state.
+/// Derivative of a line's offset at a sample by the state. The offset is linear, so it is also the
+/// row that predicts it.
 fn offset_by_state(place: &Place, line: usize) -> CrossingState {
     let mut by_state = CrossingState::zeros();
+    // n·t + s α + d, as in the module's page.
     by_state.fixed_rows_mut::<2>(0).copy_from(&place.normal);
     by_state[2 + 2 * line] = place.along_px;
     by_state[3 + 2 * line] = 1.0;
     by_state
 }
 
-/// How far the nearest ridge of a place lies from its line, px.
+/// Signed distance from a line at a sample to the nearest ridge, px.
 pub(super) fn residual_px(place: &Place, line: usize, state: &CrossingState) -> Option<f64> {
     let expected_px = offset_by_state(place, line).dot(state);
     Course::nearest(place, expected_px).map(|offset_px| offset_px - expected_px)

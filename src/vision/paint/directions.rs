@@ -1,11 +1,11 @@
-//! The directions of lines in a picture, told apart in a few steps.
+//! Directions of lines in a picture, quantised.
 
 use touchline_core::geometry::Vec2;
 
-/// How many directions are told apart, over half a turn.
+/// Number of bins over half a turn: a line and its reverse have one direction.
 pub(super) const DIRECTIONS: usize = 8;
 
-/// The direction of a normal, from x towards y, in steps of half a turn by [`DIRECTIONS`].
+/// The bin of a normal, counted from x towards y. Bin 0 is centred on the x axis.
 pub(super) fn direction_of(normal: Vec2) -> usize {
     let steps =
         (normal.y.atan2(normal.x) / std::f64::consts::PI * DIRECTIONS as f64).round() as i32;

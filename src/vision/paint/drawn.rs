@@ -1,4 +1,4 @@
-//! Pictures for the tests of this room: a field with its paint as an exact camera sees it.
+//! Synthetic pictures for the tests of this module: a field with its paint, seen by a known camera.
 
 use crate::media::Picture;
 use std::collections::BTreeMap;
@@ -7,7 +7,7 @@ use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera}
 use touchline_core::field::{FieldModel, builtin};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 
-/// The size of the pictures.
+/// Size of the pictures, px.
 pub const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 /// The camera of [`PICTURE`].
@@ -18,10 +18,10 @@ pub fn truth() -> PtzCamera {
 /// The soccer field as [`truth`] sees it, drawn once for all tests.
 pub static PICTURE: LazyLock<Picture> = LazyLock::new(|| drawn(&soccer(), &truth(), SIZE));
 
-/// Pixels farther than this from all paint show none, m.
+/// Pixels whose centre is farther than this from all paint are drawn with one sample, m.
 const NO_PAINT_M: f64 = 1.0;
 
-/// Sub-pixels along each side of a pixel.
+/// Samples along each side of a pixel near paint.
 const SUBPIXELS: u32 = 3;
 
 /// A crowned soccer field.
@@ -32,7 +32,7 @@ pub fn soccer() -> FieldModel {
         .unwrap()
 }
 
-/// A camera on the stand, with a lens that bends.
+/// A camera in the stand of a soccer pitch, with lens distortion.
 pub fn camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
     let base = CameraBase {
         distortion: FocalCurve {
@@ -62,7 +62,7 @@ pub fn court() -> FieldModel {
         .unwrap()
 }
 
-/// A camera in the stands of a hall.
+/// A camera in the stand of a sports hall.
 pub fn court_camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
     let base = CameraBase::new(
         Vec3::new(1.0, -24.0, 11.0),
@@ -101,12 +101,12 @@ fn court_colour(field: &FieldModel, at: Vec3) -> [f64; 3] {
     [214.0, 178.0, 132.0].map(|value| value * plank)
 }
 
-/// Turf with the field's paint on it, sky where no ground is seen.
+/// Turf with the field's paint, and sky where no ground is seen.
 pub fn drawn(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Picture {
     drawn_as(field, camera, size, colour)
 }
 
-/// Ground whose colours are given, sky where none is seen.
+/// Ground of the given colours, and sky where no ground is seen.
 fn drawn_as(
     field: &FieldModel,
     camera: &PtzCamera,
@@ -117,11 +117,13 @@ fn drawn_as(
     for row in 0..size.height {
         for column in 0..size.width {
             let middle = ImagePoint::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+            // Antialiasing only near paint: elsewhere the colour hardly changes within a pixel.
             let far =
                 ground(field, camera, middle).is_none_or(|at| from_paint_m(field, at) > NO_PAINT_M);
             let each = if far { 1 } else { SUBPIXELS };
             let mut sums = [0.0; 3];
             for sub in 0..each * each {
+                // Centres of the sub-pixels, corner convention.
                 let at = |pixel: u32, sub: u32| {
                     f64::from(pixel) + (f64::from(sub) + 0.5) / f64::from(each)
                 };
@@ -139,6 +141,8 @@ fn drawn_as(
     Picture::new(size, rgba).unwrap()
 }
 
+/// The point of the crowned ground that a point of the picture shows, m. Fixed-point iteration:
+/// intersects the ray with the horizontal plane at the height of the previous point.
 fn ground(field: &FieldModel, camera: &PtzCamera, point: ImagePoint) -> Option<Vec3> {
     let mut at = camera.plane_from_image(point, 0.0)?;
     for _ in 0..3 {
@@ -147,7 +151,7 @@ fn ground(field: &FieldModel, camera: &PtzCamera, point: ImagePoint) -> Option<V
     Some(at)
 }
 
-/// How far the edge of the nearest paint is, m; negative within it.
+/// Signed distance to the edge of the nearest paint, m; negative on paint.
 fn from_paint_m(field: &FieldModel, at: Vec3) -> f64 {
     let (painted, at) = (
         field.lines.iter().filter(|line| line.painted),
@@ -162,7 +166,7 @@ fn from_paint_m(field: &FieldModel, at: Vec3) -> f64 {
 }
 
 fn colour(field: &FieldModel, at: Vec3) -> [f64; 3] {
-    // Stripes of light and dark grass, 5 m wide; around the field it is not mown in stripes.
+    // Mowing stripes, 5 m wide, up to 4 m outside the side lines.
     let striped = at.y.abs() < field.width_m / 2.0 + 4.0;
     let light = if striped && (at.x / 5.0).floor() as i64 % 2 == 0 {
         1.0

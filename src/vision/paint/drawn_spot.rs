@@ -1,5 +1,5 @@
-//! A painted spot as a camera sees it, blurred, and the least-squares problem that lays it over a
-//! picture.
+//! The template of a point marking as a camera sees it, blurred, and the least-squares problem that
+//! aligns it with a picture.
 
 use super::placed_point::lines_through;
 use nalgebra::{Matrix2, RowVector4, SMatrix, Vector1, Vector4};
@@ -8,30 +8,30 @@ use touchline_core::field::{FieldElement, FieldModel, Landmark};
 use touchline_core::geometry::{Vec2, Vec3};
 use touchline_core::solve::{BlockEquations, Linearised, Loss, Problem, Residual};
 
-/// A spot covers at least this many pixels across its narrow side, px; smaller ones are noise.
+/// Minimum diameter of a marking along its short axis, px. Smaller ones drown in noise.
 const NARROWEST_PX: f64 = 1.1;
 
-/// A spot larger than this is none that a click is meant to hit, px at 1920 px width.
+/// Maximum diameter of a marking, px at 1920 px width. No user means a click on a larger one.
 const WIDEST_PX: f64 = 80.0;
 
-/// The standard deviation of the blur of optics, compression and the pixels themselves, px.
+/// Standard deviation of the blur by optics, compression and the area of a pixel, px.
 const BLUR_PX: f64 = 0.8;
 
-/// The picture is compared this far around the spot, px.
+/// Margin of the template around the marking, px.
 const AROUND_PX: f64 = 4.0;
 
-/// The places at which a spot is drawn before it is blurred, a px.
+/// Samples of the template per px and axis.
 const FINE: f64 = 4.0;
 
-/// A spot and the lines through it as a camera sees them: how much of it covers each place around
-/// its middle.
+/// The share, 0 to 1, of each point around a marking's centre that paint covers: the marking and
+/// the lines through it.
 pub(super) struct Shape {
-    /// Half of its extent in each direction, px.
+    /// Half the extent in x and y, px.
     pub half: [i32; 2],
-    /// From the picture to the ground.
+    /// Ground from picture, linearised at the landmark, m/px.
     pub metres_a_px: Matrix2<f64>,
     columns: usize,
-    /// Rows of values between 0 and 1, [`FINE`] a px, around the middle.
+    /// Coverage, row by row, [`FINE`] samples per px, centred on the marking.
     covers: Vec<f32>,
 }
 
@@ -43,6 +43,7 @@ impl Shape {
         diameter_m: f64,
         scale: f64,
     ) -> Option<Self> {
+        // The mapping from ground to picture is linearised at the landmark: a marking is small.
         let here = camera
             .image_from_world_jacobian(field.landmark_in_world(landmark))
             .ok()?;
@@ -51,7 +52,9 @@ impl Shape {
         if !px_a_metre.iter().all(|value| value.is_finite()) {
             return None;
         }
-        // The extents of an ellipse along the picture's axes, and its narrow side.
+        // A circle of radius r becomes the ellipse J·(r e). Its half extent along an axis is r
+        // times the norm of that row of J, its shortest half axis r times the smallest singular
+        // value.
         let radius_m = 0.5 * diameter_m;
         let extent = |axis: usize| radius_m * px_a_metre.row(axis).norm();
         let narrow_px = 2.0 * radius_m * px_a_metre.svd(false, false).singular_values.min();
@@ -61,9 +64,11 @@ impl Shape {
         }
         let half = [half_x, half_y].map(|half| (half + AROUND_PX).ceil() as i32);
         let lines = lines_through(field, landmark);
-        // A margin for the blur and for places between pixels.
+        // A margin for the blur and for offsets between pixels.
         let cells = half.map(|half| 2 * ((f64::from(half) + 4.0) * FINE) as usize + 1);
         let at = |cell: usize, cells: usize| (cell as f64 - (cells / 2) as f64) / FINE;
+        // Sharp template: a sample is covered if its point on the ground lies within the marking or
+        // within half a line's width of the centre of a line.
         let covered = |index: usize| {
             let px = Vec2::new(
                 at(index % cells[0], cells[0]),
@@ -88,7 +93,7 @@ impl Shape {
         })
     }
 
-    /// How much of a place is covered, `off` from the spot's middle.
+    /// Coverage at `off` from the marking's centre, px; bilinear between samples.
     pub fn covers(&self, off: Vec2) -> f64 {
         let rows = self.covers.len() / self.columns;
         let x = (off.x * FINE + (self.columns / 2) as f64).clamp(0.0, (self.columns - 2) as f64);
@@ -102,7 +107,8 @@ impl Shape {
     }
 }
 
-/// Blurred by [`BLUR_PX`]; outside lies what lies at the border.
+/// Convolution with a Gaussian of [`BLUR_PX`], truncated at 3 σ, rows and columns separately; the
+/// border is repeated outside.
 fn blurred(sharp: &[f32], columns: usize) -> Vec<f32> {
     let sigma = BLUR_PX * FINE;
     let reach = (3.0 * sigma).ceil() as isize;
@@ -111,6 +117,7 @@ fn blurred(sharp: &[f32], columns: usize) -> Vec<f32> {
         .collect();
     let sum: f32 = weights.iter().sum();
     let rows = sharp.len() / columns;
+    // One pass along rows, one along columns: a Gaussian is separable.
     let pass = |of: &[f32], along_rows: bool| -> Vec<f32> {
         let value = |row: usize, column: usize, by: isize| {
             let moved = |at: usize, count: usize| at.saturating_add_signed(by).min(count - 1);
@@ -133,23 +140,23 @@ fn blurred(sharp: &[f32], columns: usize) -> Vec<f32> {
     pass(&pass(sharp, true), false)
 }
 
-/// A step leads no farther than this along an axis, px.
+/// Maximum step of one iteration along an axis, px.
 const MAX_STEP_PX: f64 = 1.0;
 
-/// The spot that is drawn over a picture: grey level = level + contrast · covered share.
+/// A template drawn over a picture: grey level = level + contrast · coverage.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DrawnSpot {
-    /// How far it is moved from where its pixels have their middle, px.
+    /// Offset from the centre of the pixels, px.
     pub by: Vec2,
     pub contrast: f64,
-    /// The grey level where nothing is covered.
+    /// Grey level where nothing is covered.
     pub level: f64,
 }
 
-/// The drawn spot that leaves the least squares of some pixels' grey levels.
+/// Least squares of a template's offset, contrast and level over the grey levels of some pixels.
 pub(super) struct SpotProblem<'a> {
     pub shape: &'a Shape,
-    /// Their places around the middle, px, and their grey levels.
+    /// Position relative to the centre, px, and grey level of each pixel.
     pub pixels: &'a [(Vec2, f64)],
 }
 
@@ -159,6 +166,8 @@ impl Problem for SpotProblem<'_> {
 
     fn equations(&self, spot: &DrawnSpot) -> BlockEquations<0, 4> {
         let mut equations = BlockEquations::zero();
+        // All residuals have σ = 1 grey level; the caller scales the covariance by the noise it
+        // measures.
         for &(off, grey) in self.pixels {
             equations.add(
                 &SpotPixel {
@@ -185,7 +194,7 @@ impl Problem for SpotProblem<'_> {
     }
 }
 
-/// One pixel of a spot, in grey levels.
+/// The residual of one pixel, grey levels.
 struct SpotPixel<'a> {
     shape: &'a Shape,
     off: Vec2,
@@ -210,7 +219,8 @@ impl Residual<1, 0, 4> for SpotPixel<'_> {
     }
 
     fn linearised(&self, spot: &DrawnSpot) -> Option<Linearised<1, 0, 4>> {
-        /// The shape is a table with [`FINE`] values a px: its slope is taken between neighbours.
+        /// Half the base of central differences. The template is a table with [`FINE`] samples per
+        /// px, so the slope is taken between neighbouring samples.
         const NEIGHBOUR_PX: f64 = 1.0 / FINE;
         let off = self.off - spot.by;
         let covers = |x: f64, y: f64| self.shape.covers(off + Vec2::new(x, y));
@@ -218,6 +228,8 @@ impl Residual<1, 0, 4> for SpotPixel<'_> {
             covers(NEIGHBOUR_PX, 0.0) - covers(-NEIGHBOUR_PX, 0.0),
             covers(0.0, NEIGHBOUR_PX) - covers(0.0, -NEIGHBOUR_PX),
         ) / (2.0 * NEIGHBOUR_PX);
+        // Columns: offset x and y, contrast, level. The template moves with the offset, hence the
+        // minus.
         let by_own = RowVector4::new(
             -spot.contrast * slope.x,
             -spot.contrast * slope.y,

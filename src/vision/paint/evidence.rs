@@ -1,5 +1,10 @@
-//! How well the lines that a camera predicts lie on the strokes of a picture, computed fast: for
-//! very many cameras.
+//! Scores how well a camera's lines lie on the marking pixels of a picture, fast enough for an
+//! exhaustive search.
+//!
+//! As in directional chamfer matching (Liu, Tuzel, Veeraraghavan, Chellappa: "Fast directional
+//! chamfer matching", CVPR 2010), maps by direction are computed once and each camera only looks
+//! them up. Here a map holds proximity, 1 on a marking and 0 beyond the reach, and each marking is
+//! spread along its normal only. The lines are short pieces, each looked up once at its middle.
 
 use super::directions::{DIRECTIONS, direction_of, with_neighbours};
 use super::strokes::{Shown, Strokes};
@@ -7,24 +12,26 @@ use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
 
-/// Cells of the maps, px at 1920 px width.
+/// Side of a cell of the maps, px at 1920 px width.
 const CELL_PX: f64 = 4.0;
 
-/// A line that is hidden (by players, or because there is no ground at all) counts this much of one
-/// that is bare.
+/// Weight of a predicted line where no ground is seen (a player, the stand), relative to one on
+/// bare ground: it is weaker evidence against the camera.
 const HIDDEN_SHARE: f64 = 0.4;
 
-/// The painted lines of a field as seen from one base: chains of points, as directions from the
-/// camera in `base`, m.
+/// The painted lines of a field as polylines of points in `base`, m. The base is the same for all
+/// cameras, so the points are transformed once.
 #[derive(Clone, Debug)]
 pub(super) struct Chains(Vec<Vec<Vec3>>);
 
 impl Chains {
-    /// The points of a line are at most `piece_m` apart.
+    /// Points of a line are at most `piece_m` apart.
     pub fn of(field: &FieldModel, base: &CameraBase, piece_m: f64) -> Self {
         let painted = field.lines.iter().filter(|line| line.painted);
         let chain = painted.map(|line| {
             let count = (line.paint_centre.length_m() / piece_m).ceil().max(1.0) as u32;
+            // Nominal points of the rule book are placed in `world` (crown included), then in
+            // `base`.
             let at = |step: u32| {
                 let nominal = line
                     .paint_centre
@@ -36,29 +43,29 @@ impl Chains {
         Self(chain.collect())
     }
 
-    /// The directions of all points, in `base`.
+    /// The directions of all points, in `base`, not normalised.
     pub fn directions(&self) -> impl Iterator<Item = Vec3> {
         self.0.iter().flatten().copied()
     }
 }
 
-/// What a picture shows, as maps that are quickly looked up.
+/// What a picture shows, as maps over a grid of cells.
 #[derive(Clone, Debug)]
 pub(super) struct EvidenceMaps {
     cell_px: f64,
     columns: usize,
     rows: usize,
-    /// For each direction of a normal, how near the nearest stroke of that direction is: 1 on it, 0
-    /// out of reach.
+    /// For each direction of a normal and each cell, the proximity of the nearest marking of that
+    /// direction: 1 on it, 0 out of reach.
     near: Vec<f32>,
-    /// Whether a cell shows ground or paint.
+    /// For each cell, whether it shows ground or paint.
     open: Vec<bool>,
-    /// The length of all strokes, px.
+    /// Total length of the markings, px: the number of marking pixels.
     length_px: f64,
 }
 
 impl EvidenceMaps {
-    /// The maps of a picture's strokes. A line may lie `reach_px` beside a stroke.
+    /// Maps in which a line may lie up to `reach_px` beside a marking.
     pub fn of(strokes: &Strokes, reach_px: f64) -> Self {
         let size = strokes.size();
         let cell_px = (CELL_PX * size.scale_from_1920()).max(1.0);
@@ -68,14 +75,17 @@ impl EvidenceMaps {
         let steps = (reach_px / cell_px).round().max(1.0) as i32;
         for stroke in &strokes.points {
             let direction = direction_of(stroke.normal);
-            // Across the stroke only: a stroke does not go on beyond its end.
+            // Along the normal only: a marking does not continue beyond its end.
             for step in -steps..=steps {
                 let at = stroke.at.moved(stroke.normal * (f64::from(step) * cell_px));
                 if !size.contains(at) {
                     continue;
                 }
+                // Falls from 1 as a parabola, so that small errors cost little.
                 let value = (1.0 - (f64::from(step) / (f64::from(steps) + 1.0)).powi(2)) as f32;
                 let cell = (at.y / cell_px) as usize * columns + (at.x / cell_px) as usize;
+                // Neighbouring directions are marked too: a look-up must not fail at the border of
+                // two bins.
                 for direction in with_neighbours(direction) {
                     let at = direction * columns * rows + cell;
                     near[at] = near[at].max(value);
@@ -99,11 +109,14 @@ impl EvidenceMaps {
         }
     }
 
-    /// The share of the predicted lines that lie on strokes, 0 to 1, times the share of the strokes
-    /// that they explain.
+    /// Share of the predicted lines that lie on markings, times the share of the markings that they
+    /// explain, 0 to 1. The product is zero for a camera that predicts nothing and small for one
+    /// that predicts lines everywhere.
     pub fn score(&self, chains: &Chains, camera: &PtzCamera) -> f64 {
         let mut sums = Sums::default();
         for chain in &chains.0 {
+            // A piece counts only if both of its ends are in front of the camera and near the
+            // picture.
             let mut last = None;
             for point in chain {
                 let here = self.image(camera, *point);
@@ -113,6 +126,8 @@ impl EvidenceMaps {
                 last = here;
             }
         }
+        // The length of lines on markings approximates the number of marking pixels that they
+        // explain; several lines may lie on one marking, hence the limit of 1.
         let predicted = sums.hit + sums.bare + HIDDEN_SHARE * sums.hidden;
         if !(predicted > 0.0 && self.length_px > 0.0) {
             return 0.0;
@@ -120,7 +135,8 @@ impl EvidenceMaps {
         sums.hit / predicted * (sums.hit / self.length_px).min(1.0)
     }
 
-    /// The image of a direction in `base`, unless it lies far outside.
+    /// The image of a direction in `base`, px. None if it lies more than one picture's extent
+    /// outside.
     fn image(&self, camera: &PtzCamera, direction: Vec3) -> Option<ImagePoint> {
         let (width, height) = self.extent_px();
         let image = camera
@@ -133,6 +149,7 @@ impl EvidenceMaps {
         near.then_some(image)
     }
 
+    /// Width and height of the grid, px.
     fn extent_px(&self) -> (f64, f64) {
         (
             self.columns as f64 * self.cell_px,
@@ -140,7 +157,7 @@ impl EvidenceMaps {
         )
     }
 
-    /// Adds a piece of a line, by what the maps show at its middle.
+    /// Adds a piece of a line, classified by the maps at its middle.
     fn add(&self, from: ImagePoint, to: ImagePoint, sums: &mut Sums) {
         let (width, height) = self.extent_px();
         let along = to.offset_from(from);
@@ -150,9 +167,11 @@ impl EvidenceMaps {
         }
         let cell =
             (middle.y / self.cell_px) as usize * self.columns + (middle.x / self.cell_px) as usize;
+        // The normal of the piece in the picture selects the map.
         let direction = direction_of(Vec2::new(-along.y, along.x));
         let near = f64::from(self.near[direction * self.columns * self.rows + cell]);
-        // A piece that leaves the picture counts as far as it lies within.
+        // A piece near the camera may be much longer than what is visible of it; the limit keeps it
+        // from dominating.
         let length_px = along.norm().min(height);
         sums.hit += near * length_px;
         *(if self.open[cell] {
@@ -163,12 +182,12 @@ impl EvidenceMaps {
     }
 }
 
-/// Lengths of predicted lines, px.
+/// Lengths of predicted lines in the picture, px.
 #[derive(Default)]
 struct Sums {
-    /// On strokes.
+    /// On markings, weighted by proximity.
     hit: f64,
-    /// On open ground without a stroke.
+    /// On open ground without a marking.
     bare: f64,
     /// Where no ground is seen.
     hidden: f64,

@@ -1,8 +1,17 @@
-//! Start from nothing: a camera found in one picture by its painted lines alone, its base known.
+//! Finds pan, tilt and focal length of one picture from its painted lines alone. The base is known.
 //!
-//! All directions and focal lengths are tried against the strokes of the picture, on a coarse grid.
-//! The best nodes are moved to where the strokes agree most, the best of those are snapped, and
-//! what the paint bears out is compared. Nothing is drawn by chance.
+//! # Method
+//!
+//! 1. **Grid**: every direction in which the field lies, at every focal length, is scored against
+//!    the marking pixels of the picture (`evidence.rs`). Grid nodes are 36 px apart in the picture.
+//! 2. **Local search** from the 200 best nodes, by coordinate steps of 18, 9 and 4.5 px, with maps
+//!    of half the reach.
+//! 3. **Alignment** of the best 12 to the paint (`snap.rs`).
+//! 4. **Decision**: the best camera is accepted if the line check and the agreement are high
+//!    enough and if no other camera, aligned or not, agrees nearly as well.
+//!
+//! The search is exhaustive instead of random: parallel lines make many local maxima, and the
+//! result is the same in every run.
 
 use super::agreement::{Agreement, PaintedCells};
 use super::check::overlays_apart_px;
@@ -17,24 +26,23 @@ use touchline_core::geometry::{Angle, AngleRange, ImageSize};
 use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 
-/// How a camera is searched for.
+/// Settings of the camera search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FindOptions {
-    /// Focal lengths, px at 1920 px width. 800 to 3200 by default: narrower views show too few
-    /// lines. For a field that looks smaller than a soccer pitch does from its stands, a basketball
-    /// court say, they are longer by as much.
+    /// Range of focal lengths, px at 1920 px width. 800 to 3200 by default: narrower views show too
+    /// few lines. The range is for a soccer pitch seen from its stands. It is scaled up for a field
+    /// that looks smaller, such as a basketball court.
     pub focal_px: (f64, f64),
-    /// How the likely cameras are snapped.
+    /// Settings of the alignment of the best candidates.
     pub snap: SnapOptions,
-    /// So many of the likeliest cameras are snapped. 12 by default.
+    /// Number of candidates that are aligned to the paint. 12 by default.
     pub tried: usize,
-    /// The line check's score of the result is at least this. 0.93 by default.
+    /// Minimum score of the result's line check. 0.93 by default.
     pub min_score: f64,
-    /// The result explains at least this share of the strokes, and as large a share of what it
-    /// predicts is there: the product of both. 0.2 by default.
+    /// Minimum of the share of marking pixels that the result explains, times the share of its
+    /// predicted lines that are seen. 0.2 by default.
     pub min_agreement: f64,
-    /// No other camera agrees with the strokes by more than this share of the result's agreement.
-    /// 0.75 by default.
+    /// Maximum agreement of the runner-up, as a share of the result's agreement. 0.75 by default.
     pub max_rival: f64,
 }
 
@@ -51,69 +59,69 @@ impl Default for FindOptions {
     }
 }
 
-/// Why no camera is found.
+/// Why no camera was found.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum FindError {
-    /// The picture shows too little paint.
+    /// The picture shows too few marking pixels.
     #[error("the picture shows {found_px:.0} px of painted lines, {needed_px:.0} px are needed")]
     TooLittlePaint {
-        /// The length of all strokes, px.
+        /// Total length of the markings, px.
         found_px: f64,
-        /// What is needed, px.
+        /// Minimum length, px.
         needed_px: f64,
     },
-    /// No likely camera can be snapped.
+    /// None of the best candidates can be aligned to the paint.
     #[error("no camera fits the painted lines; of the likeliest: {reason}")]
     NotSnapped {
-        /// Why the likeliest was not.
+        /// Why the best candidate could not be aligned.
         reason: SnapError,
     },
-    /// The paint does not bear out the best one.
+    /// The best camera explains too little of the paint.
     #[error("the painted lines do not decide (line check {score:.2}, agreement {agreement:.2})")]
     NotBorneOut {
-        /// The line check's score, 0 to 1.
+        /// Score of the line check, 0 to 1.
         score: f64,
-        /// The share of the strokes that is explained times the share of the predicted lines that
-        /// are there.
+        /// Share of the marking pixels that are explained, times the share of the predicted lines
+        /// that are seen.
         agreement: f64,
     },
-    /// Two cameras fit.
+    /// Two different cameras fit nearly as well.
     #[error("another camera {apart_px:.0} px away fits the painted lines nearly as well")]
     Ambiguous {
-        /// How far apart the overlays are, px.
+        /// Median distance between the overlays of the two cameras, px.
         apart_px: f64,
     },
-    /// It was cancelled.
+    /// The caller stopped the search.
     #[error("the search was stopped")]
     Stopped,
 }
 
-/// A camera found.
+/// The result of the camera search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The camera on the paint.
+    /// The camera, aligned to the paint.
     pub snapped: Snapped,
-    /// How far the picture's strokes and its lines agree.
+    /// Agreement of the picture's markings with the camera's lines, in both directions.
     pub agreement: Agreement,
-    /// The agreement of the best other camera, both ways at once; 0 where there is none.
+    /// Agreement of the runner-up, both directions multiplied; 0 if there is no other candidate.
     pub rival: f64,
 }
 
-/// Neighbouring nodes of the grid move the picture by this, px at 1920 px width.
+/// Distance between neighbouring grid nodes, as motion of the picture, px at 1920 px width.
 const GRID_PX: f64 = 36.0;
 
-/// A line of the grid's cameras may lie this far from a stroke, px at 1920 px width.
+/// Maximum distance of a predicted line from a marking in the grid search, px at 1920 px width.
 const COARSE_REACH_PX: f64 = 40.0;
 
-/// So many nodes of the grid are looked at closer.
+/// Number of grid nodes from which the local search starts.
 const CLOSER: usize = 200;
 
-/// Looked at closer, lines may lie this far from a stroke, and a camera is moved by these steps; px
-/// at 1920 px width.
+/// Maximum distance of a predicted line from a marking in the local search, and the sizes of its
+/// steps, px at 1920 px width.
 const FINE_REACH_PX: f64 = 20.0;
 const STEPS_PX: [f64; 3] = [18.0, 9.0, 4.5];
 
-/// Where a camera is moved by a step: across, down, nearer.
+/// Directions of the local search: pan, tilt, zoom.
 const DIRECTIONS: [[f64; 3]; 6] = [
     [1.0, 0.0, 0.0],
     [-1.0, 0.0, 0.0],
@@ -123,33 +131,35 @@ const DIRECTIONS: [[f64; 3]; 6] = [
     [0.0, 0.0, -1.0],
 ];
 
-/// The lines are cut into pieces of these lengths, m: for the grid, and looked at closer.
+/// Length of the pieces that represent the lines, m, in the grid search and in the local search.
 const COARSE_PIECE_M: f64 = 4.0;
 const FINE_PIECE_M: f64 = 2.0;
 
-/// Nodes of the grid this near to a better one are one with it, px at 1920 px width; and so are
-/// cameras looked at closer.
+/// Candidates nearer to a better one than this are dropped, px at 1920 px width: in the grid search
+/// and in the local search.
 const SAME_NODE_PX: f64 = 45.0;
 const SAME_CLOSER_PX: f64 = 16.0;
 
-/// Cameras nearer to each other are one, px at 1920 px width.
+/// Two aligned cameras nearer than this count as the same, px at 1920 px width.
 const SAME_PX: f64 = 10.0;
 
-/// A pitch's length is seen from this many of its lengths away; a field that is farther away for
-/// its length looks smaller.
+/// Distance of the camera from the centre of a soccer pitch, in lengths of the pitch, for which
+/// [`FindOptions::focal_px`] is meant. Longer focal lengths are tried for a field that is farther
+/// away relative to its length.
 const USUAL_LENGTHS: f64 = 0.75;
 
-/// With less paint nothing is searched for, px at 1920 px width.
+/// Minimum number of marking pixels, px at 1920 px width.
 const LEAST_PAINT_PX: f64 = 500.0;
 
-/// The search over the grid is this share of the work.
+/// Share of the grid search in the reported progress.
 const GRID_WORK: f64 = 0.7;
 
-/// Finds the camera of a picture by its painted lines, tied to `clicks` where there are any;
-/// `progress` receives the share that is done, from 0 to 1.
+/// Finds the camera of a picture from its painted lines. `clicks`, if any, constrain the alignment.
+/// `progress` receives the completed share, from 0 to 1.
 ///
 /// # Errors
-/// [`FindError`] names what is missing: paint, a camera that fits it, or the certainty that no other one does.
+/// [`FindError`]: too little paint, no camera that fits it, or another camera that fits nearly as
+/// well.
 pub fn find_camera(
     ground: &GroundPicture,
     field: &FieldModel,
@@ -160,6 +170,7 @@ pub fn find_camera(
 ) -> Result<Found, FindError> {
     let scale = ground.size().scale_from_1920();
     let strokes = Strokes::of(ground);
+    // A picture with little paint fits many cameras; the search would only take time.
     let (found_px, needed_px) = (strokes.points.len() as f64, LEAST_PAINT_PX * scale);
     if !(found_px >= needed_px) {
         return Err(FindError::TooLittlePaint {
@@ -180,7 +191,7 @@ pub fn find_camera(
     search.decided(&likely, progress)
 }
 
-/// What stays the same during a search.
+/// The inputs of one search, and the factor `scale` from px at 1920 px width to px.
 struct Search<'a> {
     ground: &'a GroundPicture,
     field: &'a FieldModel,
@@ -191,13 +202,13 @@ struct Search<'a> {
     scale: f64,
 }
 
-/// How closely cameras are looked at.
+/// The level of detail of a search stage: maps of the markings, and pieces of the lines.
 struct Look {
     maps: EvidenceMaps,
     chains: Chains,
 }
 
-/// A camera that is tried.
+/// A candidate camera and its score.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     ptz: Ptz,
@@ -205,7 +216,8 @@ struct Node {
 }
 
 impl Node {
-    /// A step moves the picture's middle across and down, and its left and right border, px.
+    /// Adds a step in px: how far pan and tilt move the picture's centre, and how far zoom moves
+    /// its left and right border.
     fn stepped(ptz: Ptz, [across, down, zoom]: [f64; 3], width_px: u32) -> Ptz {
         Ptz {
             pan: (ptz.pan + Angle::from_radians(across / ptz.focal_px)).wrapped(),
@@ -214,8 +226,10 @@ impl Node {
         }
     }
 
-    /// About how far the picture moves from one to another, px.
+    /// Approximate motion of the picture from one candidate to another, px: the inverse of
+    /// [`Self::stepped`].
     fn apart_px(self, other: &Self, width_px: u32) -> f64 {
+        // Without the factor cos(tilt) of a pan: good enough for the small tilts of sports cameras.
         let across = self.ptz.pan.turn_from(other.ptz.pan).radians() * self.ptz.focal_px;
         let down = (self.ptz.tilt - other.ptz.tilt).radians() * self.ptz.focal_px;
         let zoom = (self.ptz.focal_px / other.ptz.focal_px).ln() * f64::from(width_px) / 2.0;
@@ -247,7 +261,7 @@ impl Search<'_> {
         }
     }
 
-    /// The likeliest cameras, far from each other, the best first.
+    /// Steps 1 and 2: the best candidates, best first, none near to a better one.
     fn likely(&self, progress: &Progress<'_, f64>) -> Result<Vec<Node>, FindError> {
         let look = self.look(COARSE_REACH_PX, COARSE_PIECE_M);
         let Some(region) = Region::of(&look.chains) else {
@@ -255,6 +269,8 @@ impl Search<'_> {
         };
         let focals_px = self.focals_px();
         let mut nodes: Vec<Node> = Vec::new();
+        // Step 1, one focal length at a time. Each keeps only its best distinct nodes, so that
+        // memory stays bounded whatever the range of focal lengths.
         for (level, focal_px) in focals_px.iter().enumerate() {
             if progress
                 .report(GRID_WORK * level as f64 / focals_px.len() as f64)
@@ -270,6 +286,7 @@ impl Search<'_> {
             nodes.extend(self.distinct(scored, CLOSER, SAME_NODE_PX));
         }
         let nodes = self.distinct(nodes, CLOSER, SAME_NODE_PX);
+        // Step 2. Candidates that climb to the same maximum are merged afterwards.
         let look = self.look(FINE_REACH_PX, FINE_PIECE_M);
         let closer: Vec<Node> = nodes
             .into_par_iter()
@@ -278,7 +295,11 @@ impl Search<'_> {
         Ok(self.distinct(closer, self.options.tried, SAME_CLOSER_PX))
     }
 
-    /// A camera moved to where the strokes agree most.
+    /// Moves a candidate to a local maximum of the score.
+    ///
+    /// A compass search (Kolda, Lewis, Torczon: SIAM Review 45, 2003): takes the best of six steps
+    /// until none improves, then halves the step. The score jumps from cell to cell of the maps, so
+    /// that its gradient is of no use.
     fn moved(&self, look: &Look, start: Ptz) -> Node {
         let width_px = self.size().width;
         let mut best = self.node(look, start);
@@ -303,14 +324,17 @@ impl Search<'_> {
         best
     }
 
-    /// Focal lengths whose pictures differ by a step of the grid at the left and right border.
+    /// Focal lengths, in a geometric sequence: neighbours move the left and right border by one
+    /// grid step.
     fn focals_px(&self) -> Vec<f64> {
+        // A field far away for its length appears small and needs longer focal lengths.
         let lengths_away = self.base.position_m.norm() / self.field.length_m;
         let longer = (lengths_away / USUAL_LENGTHS).max(1.0) * self.scale;
         let (least_px, most_px) = (
             self.options.focal_px.0 * longer,
             self.options.focal_px.1 * longer,
         );
+        // A factor 1 + 2 d / width moves the borders, width/2 from the centre, by d px.
         let ratio = 1.0 + 2.0 * GRID_PX * self.scale / f64::from(self.size().width);
         let mut focals_px = Vec::new();
         let mut focal_px = least_px;
@@ -321,11 +345,12 @@ impl Search<'_> {
         focals_px
     }
 
-    /// The best of some nodes, the best first, none nearer than `same_px` (at 1920 px width) to a
-    /// better one.
+    /// The best `most` candidates, best first, none nearer than `same_px` (at 1920 px width) to a
+    /// better one: greedy non-maximum suppression. Candidates without any score are dropped.
     fn distinct(&self, mut nodes: Vec<Node>, most: usize, same_px: f64) -> Vec<Node> {
         nodes.sort_by(|a, b| b.score.total_cmp(&a.score));
         let mut kept: Vec<Node> = Vec::new();
+        // A zero score means that no marking is explained.
         for node in nodes.into_iter().take_while(|node| node.score > 0.0) {
             if kept.len() >= most {
                 break;
@@ -340,7 +365,7 @@ impl Search<'_> {
         kept
     }
 
-    /// The likely cameras snapped, and the best of them if the paint decides for it.
+    /// Steps 3 and 4: aligns the candidates and decides whether the best is accepted.
     fn decided(&self, likely: &[Node], progress: &Progress<'_, f64>) -> Result<Found, FindError> {
         let painted = PaintedCells::of(&self.strokes);
         let mut refused = None;
@@ -367,6 +392,7 @@ impl Search<'_> {
                     ));
                 }
                 Err(reason) => {
+                    // Keep the first error: it belongs to the candidate with the highest score.
                     refused.get_or_insert(reason);
                 }
             }
@@ -382,7 +408,9 @@ impl Search<'_> {
             });
         };
         let apart_px = |ptz: Ptz| overlays_apart_px(&self.camera(snapped.ptz), ptz, self.size());
-        // A likely camera that cannot be snapped is a rival as well.
+        // The runner-up is sought among all other cameras. A candidate that cannot be aligned
+        // competes as well; it is compared where the local search left it, so only candidates
+        // farther than a grid step from the result count as different.
         let nodes = likely.iter().map(|node| {
             let agreement = painted.agreement(self.field, &self.camera(node.ptz));
             (agreement.both(), node.ptz)
@@ -397,6 +425,7 @@ impl Search<'_> {
         let rival = others.max_by(|a, b| a.0.total_cmp(&b.0));
         let score = snapped.check.score;
         let both = agreement.both();
+        // Written so that a score that is not a number is rejected.
         if !(score >= self.options.min_score && both >= self.options.min_agreement) {
             return Err(FindError::NotBorneOut {
                 score,
@@ -419,15 +448,16 @@ impl Search<'_> {
     }
 }
 
-/// The directions in which the field lies.
+/// The range of pan and tilt in which the field lies, seen from the base.
 struct Region {
     pan: AngleRange,
     tilt: AngleRange,
 }
 
 impl Region {
-    /// None where the field has no lines.
+    /// None if the field has no lines.
     fn of(chains: &Chains) -> Option<Self> {
+        // The smallest arc, because pan may cross ±180°.
         let rays = || chains.directions().map(PanTilt::from_direction);
         Some(Self {
             pan: AngleRange::smallest(rays().map(|ray| ray.pan))?,
@@ -435,8 +465,10 @@ impl Region {
         })
     }
 
-    /// Cameras that look into the region, a step apart in the picture.
+    /// Cameras that look into the region at one focal length, at most `step_px` apart in the
+    /// picture.
     fn grid(&self, focal_px: f64, step_px: f64) -> Vec<Ptz> {
+        // An angle times the focal length is its length in px, at the centre of the picture.
         let steps = |range: &AngleRange| {
             (range.width().radians() * focal_px / step_px)
                 .ceil()

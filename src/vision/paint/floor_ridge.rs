@@ -1,49 +1,57 @@
-//! Lines on floors of wood, plastic or ice, which may be brighter or darker than the floor or of
-//! another colour, and may lie where a painted area ends, so that the two sides differ.
+//! Ridges of lines on floors of wood, plastic or ice.
 //!
-//! A line is there where the colour is none that the two sides mix: a plain border between two
-//! areas has, blurred, just those.
+//! Such a line may be brighter or darker than the floor or of another hue, and the floor may differ
+//! on its two sides, because painted areas often end at lines. Brightness alone is therefore not
+//! enough.
+//!
+//! # Method
+//!
+//! The contrast of a point is the distance of its colour from the segment between the colours of
+//! its two sides (colour space: `colours.rs`). A plain border between two areas, blurred, has only
+//! colours on that segment, so its contrast is zero. Local maxima of the contrast are candidates.
+//! Their edges are measured along the colour direction in which the line stands out. If the sides
+//! differ in that direction, a blurred stripe of known width is fitted instead.
 
 use super::GroundPicture;
 use super::across::{Across, Ridge, is_on_ground};
 use super::colours::{Colour, ColourProfile};
 
-/// A line's colour is at least this far from all that its sides mix, grey levels,
+/// Minimum distance of a line's colour from all mixtures of its sides' colours, grey levels.
 const MIN_CONTRAST: f64 = 9.0;
 
-/// and this share of how far its sides are apart: hues are blurred more than brightness, so that a
-/// plain border has colours that are no mixture.
+/// Minimum of that distance as a share of the distance between the sides' colours. Compression
+/// blurs hues more than brightness, so that a plain border has colours off the segment.
 const MIN_SHARE_OF_STEP: f64 = 0.22;
 
-/// Sides that differ by more than this share of the contrast move the places of half contrast.
+/// Sides that differ by more than this share of the contrast bias the points of half contrast.
 const UNEVEN: f64 = 0.12;
 
-/// The standard deviation of the blur of optics and compression, px.
+/// Standard deviation of the blur by optics and compression, px.
 const BLUR_PX: f64 = 0.8;
 
-/// The middle of a line between different sides is looked for this far around the places of half
-/// contrast, px, in such steps.
+/// The centre of a line between different sides is sought this far around the midpoint of the
+/// edges, in these steps, px.
 const MOVED_PX: f64 = 1.75;
 const MOVED_STEP_PX: f64 = 0.25;
 
-/// Finds lines on floors; its buffers are used again by the next one.
+/// Finds ridges on floors. Its buffers are reused from line to line.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FloorRidgeFinder {
     profile: ColourProfile,
     contrast: Vec<f64>,
 }
 
-/// What stands beside a place that may be a line.
+/// The colours on both sides of a point, and its own colour relative to them.
 struct Sides {
     left: Colour,
     right: Colour,
-    /// From the nearest mixture of the sides to the place's colour.
+    /// From the nearest mixture of the sides' colours to the point's colour.
     excess: Colour,
 }
 
 impl FloorRidgeFinder {
-    /// Adds the ridges within `reach_px` of a predicted line to `found`, in order of their offset.
-    /// The colours are read every `step_px`.
+    /// Appends the ridges within `reach_px` of a predicted line to `found`, in order of their
+    /// offset. The profile is read every `step_px`.
     pub fn find(
         &mut self,
         ground: &GroundPicture,
@@ -61,6 +69,7 @@ impl FloorRidgeFinder {
             step_px,
         );
         let profile = &self.profile;
+        // Contrast along the profile. Its ends are read only as sides of the points in between.
         let skipped = profile.places(margin_px - 1.0).max(0) as usize;
         let searched = skipped..profile.len().saturating_sub(skipped);
         self.contrast.clear();
@@ -73,6 +82,7 @@ impl FloorRidgeFinder {
         }));
         let expected_px = across.expected_px();
         let reach = profile.places(0.5 * expected_px).max(1) as usize;
+        // Non-maximum suppression within half the expected width; of equal values the first wins.
         for index in searched {
             let contrast = self.contrast[index];
             if !(contrast >= MIN_CONTRAST) {
@@ -87,6 +97,8 @@ impl FloorRidgeFinder {
             let Some(ridge) = ridge(profile, across, index) else {
                 continue;
             };
+            // Width as the camera predicts it, within generous limits, and floor on the inner
+            // sides.
             let as_wide_as_paint =
                 (0.4 * expected_px..=1.6 * expected_px + 0.5).contains(&ridge.width_px);
             if as_wide_as_paint
@@ -100,8 +112,8 @@ impl FloorRidgeFinder {
 }
 
 impl Sides {
-    /// How far the colour is from all that the sides mix; nothing where that may be the blur of a
-    /// border.
+    /// Distance of the colour from all mixtures of the sides; −∞ if a blurred border could explain
+    /// it.
     fn contrast(&self) -> f64 {
         let contrast = self.excess.norm();
         if contrast >= MIN_SHARE_OF_STEP * (self.left - self.right).norm() {
@@ -115,6 +127,7 @@ impl Sides {
 fn sides(profile: &ColourProfile, across: &Across, index: usize) -> Sides {
     let (near_px, far_px) = across.beside_px();
     let (near, far) = (profile.places(near_px), profile.places(far_px));
+    // The middle 60 % of the line's width: its own colour, hardly mixed with the sides.
     let core = profile.places(0.3 * across.width_px);
     let (left, right) = (
         profile.mean(index, -far, -near),
@@ -122,6 +135,7 @@ fn sides(profile: &ColourProfile, across: &Across, index: usize) -> Sides {
     );
     let here = profile.mean(index, -core, core);
     let step = right - left;
+    // Projection onto the segment left–right; clamped, because beyond an end no mixture exists.
     let share = if step.norm_squared() > 0.0 {
         (here - left).dot(&step) / step.norm_squared()
     } else {
@@ -134,19 +148,22 @@ fn sides(profile: &ColourProfile, across: &Across, index: usize) -> Sides {
     }
 }
 
-/// The line at a place, seen along the direction in which its colour leaves those of its sides.
+/// The ridge at a point of the profile, measured along the direction in which its colour differs
+/// from its sides. None if an edge is not found near enough.
 fn ridge(profile: &ColourProfile, across: &Across, index: usize) -> Option<Ridge> {
     let Sides {
         left,
         right,
         excess,
     } = sides(profile, across, index);
+    // One-dimensional levels: projections onto the direction of greatest contrast.
     let contrast = excess.norm();
     let direction = excess / contrast;
     let level = |place: usize| direction.dot(&profile.colour(place));
     let core = profile.places(0.3 * across.width_px);
     let top = level(index).max(direction.dot(&profile.mean(index, -core, core)));
     let (left, right) = (direction.dot(&left), direction.dot(&right));
+    // From the peak outwards, to half the contrast against that side, interpolated between samples.
     let within = profile.places(0.9 * across.expected_px() + 1.0).max(1) as usize;
     let edge = |towards: isize, side: f64| {
         let half = f64::midpoint(top, side);
@@ -170,6 +187,8 @@ fn ridge(profile: &ColourProfile, across: &Across, index: usize) -> Option<Ridge
     };
     let (from_px, to_px) = (edge(-1, left)?, edge(1, right)?);
     let middle_px = f64::midpoint(from_px, to_px);
+    // Half-contrast points of different levels are not symmetric about the centre of a blurred
+    // line.
     let is_uneven = (left - right).abs() > UNEVEN * contrast;
     let offset_px = if is_uneven {
         middle_between_uneven_sides_px(profile, across, middle_px, level)?
@@ -183,8 +202,15 @@ fn ridge(profile: &ColourProfile, across: &Across, index: usize) -> Option<Ridge
     })
 }
 
-/// The middle of a stroke of known width and blur between sides of any levels that leaves the least
-/// squares, near a place; none where it is at the end of the search.
+/// The centre of a line between sides of different levels, by least squares near `near_px`. None if
+/// the best centre is at an end of the search interval.
+///
+/// Model at offset o, for a centre m, a line of width w, blur σ and the normal distribution
+/// function Φ, with a = Φ((o − m + w/2)/σ) and b = Φ((o − m − w/2)/σ):
+///
+/// level(o) = left · (1 − a) + line · (a − b) + right · b
+///
+/// For a given m the three levels are linear unknowns. Only m is searched, on a grid.
 fn middle_between_uneven_sides_px(
     profile: &ColourProfile,
     across: &Across,
@@ -193,11 +219,13 @@ fn middle_between_uneven_sides_px(
 ) -> Option<f64> {
     let (_, far_px) = across.beside_px();
     let (width_px, reach_px) = (across.width_px, far_px + MOVED_PX);
+    // The part of the profile that the model describes for every centre tried.
     let places = (0..profile.len()).map(|place| (profile.offset_px(place as f64), place));
     let seen: Vec<(f64, f64)> = places
         .filter(|(offset_px, _)| (offset_px - near_px).abs() <= reach_px)
         .map(|(offset_px, place)| (offset_px, level(place)))
         .collect();
+    // Least sum of squares for one centre. With normal equations A x = g it is Σ level² − x·g.
     let squares = |middle_px: f64| {
         let row = |offset_px: f64| {
             let beyond = |edge_px: f64| normal_cdf((offset_px - edge_px) / BLUR_PX);
@@ -218,6 +246,7 @@ fn middle_between_uneven_sides_px(
         let levels = matrix.cholesky()?.solve(&gradient);
         Some(sum - levels.dot(&gradient))
     };
+    // Grid search, then the vertex of the parabola through the minimum and its two neighbours.
     let steps = (MOVED_PX / MOVED_STEP_PX) as i32;
     let tried: Vec<f64> = (-steps..=steps)
         .map(|step| squares(near_px + f64::from(step) * MOVED_STEP_PX))
@@ -237,8 +266,9 @@ fn middle_between_uneven_sides_px(
     Some(near_px + (best as f64 - f64::from(steps) + between) * MOVED_STEP_PX)
 }
 
-/// The distribution function of the normal distribution, to 2e-4 (a logistic curve with a cubic
-/// term; Bowling et al. 2009).
+/// The standard normal distribution function, to 2e-4: a logistic curve with a cubic term (Bowling,
+/// Khasawneh, Kaewkuekool, Cho: "A logistic approximation to the cumulative normal distribution",
+/// 2009).
 fn normal_cdf(at: f64) -> f64 {
     1.0 / (1.0 + (-0.07056 * at.powi(3) - 1.5976 * at).exp())
 }

@@ -1,11 +1,11 @@
-//! A picture made ready for finding paint.
+//! A picture prepared for the search for paint.
 
 use super::Surface;
 use super::surface::GroundPart;
 use crate::media::{GreyPicture, Picture, grey_reduced};
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
 
-/// A picture, its brightness, the colours of its ground, and the boxes that hide it.
+/// A picture with its brightness, the colours of its ground, and boxes to be ignored.
 #[derive(Clone, Debug)]
 pub struct GroundPicture {
     picture: Picture,
@@ -15,7 +15,7 @@ pub struct GroundPicture {
 }
 
 impl GroundPicture {
-    /// A picture whose pixels within `masks` (px) show no ground: graphics, score bugs.
+    /// Prepares a picture. Pixels within `masks` (px) show no ground: graphics, score bugs.
     #[must_use]
     pub fn new(picture: &Picture, masks: &[PixelBox]) -> Self {
         Self {
@@ -26,7 +26,7 @@ impl GroundPicture {
         }
     }
 
-    /// Columns and rows.
+    /// Width and height, px.
     #[must_use]
     pub const fn size(&self) -> ImageSize {
         self.picture.size()
@@ -38,23 +38,23 @@ impl GroundPicture {
         &self.surface
     }
 
-    /// The picture.
+    /// The picture in colour.
     pub(super) const fn picture(&self) -> &Picture {
         &self.picture
     }
 
-    /// The brightness.
+    /// The brightness at full resolution.
     pub(super) const fn grey(&self) -> &GreyPicture {
         &self.grey
     }
 
-    /// Whether the pixel at a point has one of the ground's colours; never outside the picture.
+    /// Whether the pixel at a point has one of the ground's colours. False outside the picture.
     #[must_use]
     pub fn is_ground(&self, at: ImagePoint) -> bool {
         self.part(at).is_some()
     }
 
-    /// Which part of the ground the pixel at a point belongs to; none outside the picture.
+    /// The part of the ground that the pixel at a point belongs to. None outside the picture.
     pub(super) fn part(&self, at: ImagePoint) -> Option<GroundPart> {
         if !(at.x >= 0.0 && at.y >= 0.0) {
             return None;
@@ -63,7 +63,7 @@ impl GroundPicture {
         self.surface.part([red, green, blue])
     }
 
-    /// The boxes that hide it, px.
+    /// The boxes to be ignored, px.
     pub(super) fn masks(&self) -> &[PixelBox] {
         &self.masks
     }

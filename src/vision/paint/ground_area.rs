@@ -1,31 +1,39 @@
-//! The part of a picture that is the field and its surroundings: smooth, connected, of the ground's
-//! colours.
+//! The part of a picture that shows the field and its surroundings: the largest connected area that
+//! is smooth and has the ground's colours.
+//!
+//! The picture is divided into blocks of 8 px. A block is ground if half of its pixels have the
+//! ground's most common colours and its brightness varies little. Morphology removes small
+//! mistakes; the largest component, with its holes filled, is the area.
 
 use super::GroundPicture;
 use touchline_core::geometry::ImagePoint;
 
-/// The side of a block of pixels that is inside the area or not, px.
+/// Side of a block, px.
 const BLOCK_PX: usize = 8;
 
-/// A block is ground if at least this share of its pixels has the ground's most common colours.
+/// Minimum share of a ground block's pixels that have the ground's most common colours.
 const SHARE: f64 = 0.5;
 
-/// The brightness within a block of ground scatters by no more than this share of it, or this many
-/// grey levels: a crowd on a grey day has the colour of turf, but not its smoothness.
+/// Maximum standard deviation of the brightness within a ground block: the larger of this share of
+/// its mean and [`SCATTER`] grey levels. A crowd on a grey day has the colour of turf, but not its
+/// smoothness.
 const SCATTER_SHARE: f64 = 0.09;
 const SCATTER: f64 = 4.0;
 
-/// Near the border of the area means within as many blocks.
+/// Blocks this near to the outside are near the border.
 const BORDER_BLOCKS: usize = 2;
 
-/// Where a picture shows ground.
+/// The ground area of a picture.
 pub(super) struct GroundArea {
     width: usize,
     columns: usize,
+    /// For each block, whether it lies in the area.
     inside: Vec<bool>,
+    /// Blocks in the area or next to it.
     near: Vec<bool>,
-    /// Blocks within reach of one that lies outside.
+    /// Blocks within [`BORDER_BLOCKS`] of one outside.
     near_border: Vec<bool>,
+    /// For each pixel, whether it has the ground's colours and is not masked.
     of_ground: Vec<bool>,
 }
 
@@ -35,6 +43,7 @@ impl GroundArea {
         let (columns, rows) = (width.div_ceil(BLOCK_PX), height.div_ceil(BLOCK_PX));
         let pixels = ground.picture().rgba().as_chunks::<4>().0;
         let colour = |index: usize| [pixels[index][0], pixels[index][1], pixels[index][2]];
+        // Pixels: the ground's colours, without masked boxes.
         let mut of_ground: Vec<bool> = (0..width * height)
             .map(|index| ground.surface().holds(colour(index)))
             .collect();
@@ -48,6 +57,7 @@ impl GroundArea {
                 of_ground[y * width + columns.start..y * width + columns.end].fill(false);
             }
         }
+        // Blocks: enough common colours, little variance (mean of squares less square of the mean).
         let open = |block: usize| {
             let (top, left) = (block / columns * BLOCK_PX, block % columns * BLOCK_PX);
             let (bottom, right) = ((top + BLOCK_PX).min(height), (left + BLOCK_PX).min(width));
@@ -67,9 +77,11 @@ impl GroundArea {
         };
         let open: Vec<bool> = (0..columns * rows).map(open).collect();
         let grid = Grid { columns, rows };
-        // Single blocks go, lines and players are closed over, narrow bridges go.
+        // Opening by 1 removes single blocks; closing by 3 covers lines and players; opening by 2
+        // cuts narrow bridges to other green areas.
         let closed = grid.shrunk(&grid.grown(&grid.grown(&grid.shrunk(&open, 1), 1), 3), 3);
         let open = grid.grown(&grid.shrunk(&closed, 2), 2);
+        // The largest component, including what it encloses.
         let mut inside = vec![false; columns * rows];
         for block in parts(&open, columns)
             .into_iter()
@@ -92,6 +104,7 @@ impl GroundArea {
         }
     }
 
+    /// The index of the block that contains a pixel.
     fn block(&self, x: usize, y: usize) -> usize {
         y / BLOCK_PX * self.columns + x / BLOCK_PX
     }
@@ -101,12 +114,12 @@ impl GroundArea {
         self.inside.get(self.block(x, y)).copied().unwrap_or(false)
     }
 
-    /// Whether a pixel lies in the area or within a block of it.
+    /// Whether a pixel lies in the area or in a block next to it.
     pub fn is_near(&self, x: usize, y: usize) -> bool {
         self.near.get(self.block(x, y)).copied().unwrap_or(false)
     }
 
-    /// Whether a point is near the area's border.
+    /// Whether a point is near the border of the area.
     pub fn is_near_border(&self, at: ImagePoint) -> bool {
         at.x >= 0.0
             && at.y >= 0.0
@@ -129,14 +142,14 @@ impl GroundArea {
     }
 }
 
-/// Columns and rows of blocks.
+/// Dimensions of the grid of blocks.
 struct Grid {
     columns: usize,
     rows: usize,
 }
 
 impl Grid {
-    /// Every block that has a set one within reach, along rows and columns and over corners.
+    /// Dilation by a square of side 2 · `reach` + 1, rows first, then columns.
     fn grown(&self, set: &[bool], reach: usize) -> Vec<bool> {
         let mut along = vec![false; set.len()];
         let mut both = vec![false; set.len()];
@@ -156,7 +169,7 @@ impl Grid {
         both
     }
 
-    /// Every block that has set ones alone within reach; the grid's border takes none away.
+    /// Erosion: the complement of the dilated complement. Outside the grid counts as set.
     fn shrunk(&self, set: &[bool], reach: usize) -> Vec<bool> {
         let unset: Vec<bool> = set.iter().map(|set| !set).collect();
         self.grown(&unset, reach)
@@ -165,7 +178,7 @@ impl Grid {
             .collect()
     }
 
-    /// Sets what set blocks enclose.
+    /// Sets components of unset blocks that do not touch the grid's border.
     fn fill_holes(&self, set: &mut [bool]) {
         let unset: Vec<bool> = set.iter().map(|set| !set).collect();
         for hole in parts(&unset, self.columns) {
@@ -182,8 +195,7 @@ impl Grid {
     }
 }
 
-/// The connected parts of the cells that are set, by their numbers; cells that touch at a corner
-/// are connected.
+/// The 8-connected components of the set cells, as lists of cell indices.
 pub(super) fn parts(set: &[bool], columns: usize) -> Vec<Vec<usize>> {
     let rows = set.len() / columns.max(1);
     let mut reached = vec![false; set.len()];
@@ -194,6 +206,7 @@ pub(super) fn parts(set: &[bool], columns: usize) -> Vec<Vec<usize>> {
         }
         let (mut part, mut next) = (vec![start], 0);
         reached[start] = true;
+        // Breadth first; the component's own list serves as the queue.
         while next < part.len() {
             let (row, column) = (part[next] / columns, part[next] % columns);
             next += 1;

@@ -1,44 +1,48 @@
-//! The lens of one frame: k₁ from its paint and clicks, for a camera of which no lens is known.
+//! The lens of one frame: k₁ from its paint and clicks, for a camera whose lens is unknown.
 //!
-//! The least cost over pan, tilt and focal length is a function of k₁ alone. The parabola through
-//! the best of some values and its neighbours gives k₁ and its σ; the paint is looked at again with
-//! that. Far off the cost is no parabola, since far paint hardly pulls, so the values reach over
-//! all that k₁ may change by.
+//! # Method
+//!
+//! Profile likelihood: the minimum of the cost over pan, tilt and focal length is a function of k₁
+//! alone. It is computed on a grid. The parabola through the best value and its two neighbours
+//! gives k₁ and its σ. Then the picture is searched for paint again with that lens, three times in
+//! all. A grid is used instead of descent because far from the minimum the robust loss makes the
+//! cost flat.
 
 use super::{GroundPicture, SnapError, paint_places};
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::solve::{Loss, Observation, Refined, refine};
 
-/// How often the paint is looked at.
+/// Number of times the picture is searched for paint.
 const LOOKS: usize = 3;
 
-/// The values of k₁ that are compared lie this far apart.
+/// Step of the grid of k₁.
 const STEP: f64 = 0.02;
 
-/// So many are compared on each side at a look.
+/// Grid steps on each side of the current k₁.
 const STEPS: i32 = 5;
 
-/// k₁ is never farther from 0 than this, the most that lenses have.
+/// Maximum |k₁| of real lenses.
 const MOST: f64 = 0.5;
 
-/// A k₁ that is less well known than this is none.
+/// Maximum 1-σ of an accepted k₁.
 const MAX_SIGMA: f64 = 0.05;
 
-/// Paint of something else hardly pulls.
+/// Ridges of something else have little influence.
 const LOSS: Loss = Loss::Cauchy { c: 2.0 };
 
 /// A frame's camera with its own k₁.
 pub(super) struct OwnLens {
-    /// The base with the lens.
+    /// The base with the fitted lens.
     pub base: CameraBase,
     pub ptz: Ptz,
 }
 
-/// The k₁ with which a frame's paint and clicks agree best, from a camera near by.
+/// Fits k₁ to a frame's paint and clicks, from a camera near by.
 ///
 /// # Errors
-/// [`SnapError::LensOpen`] where they leave it open.
+///
+/// [`SnapError::LensOpen`] if they do not determine k₁.
 pub(super) fn own_lens(
     ground: &GroundPicture,
     field: &FieldModel,
@@ -48,6 +52,7 @@ pub(super) fn own_lens(
     let mut k1 = near.base().distortion.at(near.ptz().focal_px);
     let mut found = *near;
     for _ in 0..LOOKS {
+        // Observations: ridges near the lines that the current camera predicts, and the clicks.
         let places = paint_places(ground, field, &found);
         let paint = places.iter().enumerate().filter_map(|(number, place)| {
             Observation::of_paint(field, place.line, place.image, place.sigma_px, number)
@@ -61,6 +66,7 @@ pub(super) fn own_lens(
         let fitted = |k1: f64| -> Refined {
             refine(&with_k1(near.base(), k1), found.ptz(), &seen, LOSS, None)
         };
+        // The profile of the cost. The ends of the grid are no candidates: they lack a neighbour.
         let values: Vec<f64> = (-STEPS..=STEPS)
             .map(|step| k1 + f64::from(step) * STEP)
             .collect();
@@ -69,12 +75,13 @@ pub(super) fn own_lens(
         let best = inner
             .min_by(|a, b| costs[*a].total_cmp(&costs[*b]))
             .unwrap_or(STEPS as usize);
+        // First and second derivative by central differences.
         let [less, here, more] = [costs[best - 1], costs[best], costs[best + 1]];
         let (slope, curvature) = (
             (more - less) / (2.0 * STEP),
             (more - 2.0 * here + less) / (STEP * STEP),
         );
-        // A sum of squares in sigmas has twice the inverse variance as its second derivative.
+        // The cost is a sum of squares in σ; its second derivative is 2 / variance.
         let sigma = if curvature > 0.0 {
             (2.0 / curvature).sqrt()
         } else {
@@ -83,6 +90,7 @@ pub(super) fn own_lens(
         if !(sigma <= MAX_SIGMA) {
             return Err(SnapError::LensOpen { sigma });
         }
+        // Newton step to the vertex of the parabola, at most one grid step.
         k1 = (values[best] + (-slope / curvature).clamp(-STEP, STEP)).clamp(-MOST, MOST);
         found = PtzCamera::new(with_k1(near.base(), k1), fitted(k1).ptz);
     }
@@ -92,6 +100,7 @@ pub(super) fn own_lens(
     })
 }
 
+/// The base with a constant k₁, the same at all focal lengths, in place of its own curve.
 fn with_k1(base: &CameraBase, k1: f64) -> CameraBase {
     CameraBase {
         distortion: FocalCurve::constant(k1),

@@ -1,17 +1,18 @@
-//! Painted markings in pixels: finding them, judging a camera by them, pulling a camera onto them.
+//! Painted markings in pixels: detects them, tests a camera against them, aligns a camera to them.
 //!
 //! | what | where |
 //! |---|---|
-//! | [`GroundPicture`] | a picture made ready: brightness, the colours of its ground, masks |
-//! | [`Sightings`] | the ridges of paint that a picture shows where a camera predicts a line |
-//! | [`check_lines`], [`LineCheck`] | a camera judged by the paint that it predicts |
-//! | [`snap`], [`Snapped`] | pan, tilt and focal length pulled onto the paint, or the reason why not |
-//! | [`paint_places`], [`PaintPlace`] | where a picture shows the paint that a camera predicts, for adjusting many frames together |
-//! | [`find_camera`], [`Found`] | a camera found in one picture by its lines alone, its base known |
-//! | [`Strokes`] | painted strokes of a picture, found without any camera |
-//! | [`snap_point`], [`SnappedPoint`] | a placed point moved to the painted corner, crossing or spot that it names |
+//! | [`GroundPicture`] | a prepared picture: brightness, the colours of its ground, masks |
+//! | [`Sightings`] | the ridges of paint across the lines that a camera predicts |
+//! | [`check_lines`], [`LineCheck`] | a test of a camera against the paint that it predicts |
+//! | [`snap`], [`Snapped`] | pan, tilt and focal length aligned to the paint, or the reason why not |
+//! | [`paint_places`], [`PaintPlace`] | where a picture shows the paint that a camera predicts, for the joint adjustment of many frames |
+//! | [`find_camera`], [`Found`] | the camera of one picture from its lines alone, with a known base |
+//! | [`Strokes`] | marking pixels of a picture, found without any camera |
+//! | [`snap_point`], [`SnappedPoint`] | a placed point moved to the painted corner, crossing or point marking that it names |
 //!
-//! Everything works on one picture and a known base; nothing is drawn by chance.
+//! All functions work on one picture with a known base, and none is randomised. The exception is
+//! [`persistent_paint`], which combines the pictures of one rotating camera.
 
 mod across;
 mod agreement;

@@ -1,5 +1,8 @@
-//! Paint that stays where it is while a camera turns: what many frames show in one direction is
-//! drawn on the ground; players, boards that change and shadows are not there twice.
+//! Persistent paint: markings that many frames of a rotating camera show in the same direction.
+//!
+//! A camera that only rotates and zooms sees every static point in one fixed direction. Markings
+//! that recur in a direction are painted on the ground; players, changing boards and moving shadows
+//! do not recur.
 
 use super::strokes::{Shown, StrokePoint, Strokes};
 use rayon::prelude::*;
@@ -7,31 +10,31 @@ use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::{ImagePoint, Vec3, subsample};
 
-/// The share of the frames showing ground in a direction that have to show paint there.
+/// Minimum share of the frames with markings in a direction, among those that show ground there.
 const MIN_SHARE: f64 = 0.3;
 
-/// Places of a frame that are asked of the other frames, at most.
+/// Maximum number of marking pixels per frame that are tested.
 const ASKED: usize = 2500;
 
-/// How many other frames a place is looked up in, at most.
+/// Maximum number of other frames in which a marking pixel is looked up.
 const MAX_FRAMES: usize = 60;
 
-/// The side of the cells of [`SeenGround`], degrees.
+/// Side of a cell of [`SeenGround`] in pan and in the angle below the horizon, degrees.
 const SEEN_CELL_DEG: f64 = 0.25;
 
-/// A place on a stroke that stays.
+/// A marking pixel that recurs in other frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PersistentPoint {
-    /// The direction of the camera's ray in `world`, unit.
+    /// Unit direction of the camera's ray, in `world`.
     pub direction: Vec3,
-    /// The frame that shows it, by its place among those given.
+    /// Index of the frame that shows it.
     pub frame: usize,
-    /// The stroke's place there.
+    /// The marking pixel in that frame.
     pub stroke: StrokePoint,
 }
 
-/// Places on strokes that enough of the frames show in one direction. `frames` are pictures of one
-/// camera in one place, with what was found in them.
+/// The marking pixels that enough frames show in one direction. `frames` are the cameras and
+/// markings of pictures from one position.
 #[must_use]
 pub fn persistent_paint(frames: &[(PtzCamera, Strokes)]) -> Vec<PersistentPoint> {
     let needed = needed(frames.len());
@@ -43,6 +46,8 @@ pub fn persistent_paint(frames: &[(PtzCamera, Strokes)]) -> Vec<PersistentPoint>
                 .world_direction_from_image(stroke.at)
                 .ok()?
                 .try_normalize(0.0)?;
+            // The frame itself shows the marking. The other frames show it, or ground, or neither
+            // and are then not counted.
             let (mut seen, mut painted) = (1_usize, 1_usize);
             for &other in &others {
                 match shown(&frames[other], camera.base().position_m + direction) {
@@ -51,6 +56,7 @@ pub fn persistent_paint(frames: &[(PtzCamera, Strokes)]) -> Vec<PersistentPoint>
                     Shown::Other => {}
                 }
             }
+            // The absolute minimum guards against chance in directions that few frames show.
             let stays = painted >= needed && painted as f64 >= MIN_SHARE * seen as f64;
             stays.then_some(PersistentPoint {
                 direction,
@@ -66,8 +72,8 @@ pub fn persistent_paint(frames: &[(PtzCamera, Strokes)]) -> Vec<PersistentPoint>
         .collect()
 }
 
-/// How many of so many frames have to show paint in a direction, and ground, for what they show
-/// there to count.
+/// Minimum number of frames that must show paint, or ground, in a direction, for a set of this many
+/// frames.
 const fn needed(frames: usize) -> usize {
     match frames {
         0..=2 => 1,
@@ -76,28 +82,31 @@ const fn needed(frames: usize) -> usize {
     }
 }
 
-/// What a frame shows where the camera sees a point of `world`.
+/// What a frame shows at a point of `world`.
 fn shown((camera, strokes): &(PtzCamera, Strokes), point_in_world: Vec3) -> Shown {
     camera
         .image_from_world(point_in_world)
         .map_or(Shown::Other, |image| strokes.shown(image))
 }
 
-/// The frames that look where a frame looks, the nearest first.
+/// The indices of the other frames, those with the nearest optical axes first, at most
+/// [`MAX_FRAMES`].
 fn others_of(frames: &[(PtzCamera, Strokes)], frame: usize) -> Vec<usize> {
+    // The third row of cam_from_world is the optical axis in `world`.
     let ahead = |of: &PtzCamera| of.cam_from_world().row(2).transpose();
     let here = ahead(&frames[frame].0);
     let mut others: Vec<(usize, f64)> = (0..frames.len())
         .filter(|other| *other != frame)
         .map(|other| (other, 1.0 - here.dot(&ahead(&frames[other].0))))
         .collect();
+    // Equal ones are ordered by index, so that the result is the same in every run.
     others.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
     others.truncate(MAX_FRAMES);
     others.into_iter().map(|(other, _)| other).collect()
 }
 
-/// The directions in which so many of the frames show ground that [`persistent_paint`] would find
-/// paint there: a grid over pan and tilt.
+/// The directions in which enough frames show ground for [`persistent_paint`] to find paint: a grid
+/// over pan and the angle below the horizon, in `world`.
 #[derive(Clone, Debug)]
 pub struct SeenGround {
     columns: usize,
@@ -106,15 +115,16 @@ pub struct SeenGround {
 }
 
 impl SeenGround {
-    /// Of frames of one camera in one place.
+    /// Builds the grid from frames of one camera at one position.
     #[must_use]
     pub fn of(frames: &[(PtzCamera, Strokes)]) -> Self {
-        /// Places of a frame that are looked at in each row: the widest views leave no cell out.
+        /// Samples per row of a frame, enough that the widest views skip no cell.
         const ACROSS: usize = 320;
         let (columns, rows) = (
             (360.0 / SEEN_CELL_DEG) as usize,
             (90.0 / SEEN_CELL_DEG) as usize,
         );
+        // The cells that a frame shows, each once, however many samples hit it.
         let cells_of = |(camera, strokes): &(PtzCamera, Strokes)| -> BTreeSet<usize> {
             let size = strokes.size();
             let step = f64::from(size.width) / ACROSS as f64;
@@ -127,6 +137,7 @@ impl SeenGround {
             let cell = |at| Self::cell(columns, rows, camera.world_direction_from_image(at).ok()?);
             places.filter(is_ground).filter_map(cell).collect()
         };
+        // Number of frames that show ground in each cell.
         let of_frames: Vec<BTreeSet<usize>> = frames.par_iter().map(cells_of).collect();
         let mut counts = vec![0_usize; columns * rows];
         for cell in of_frames.into_iter().flatten() {
@@ -140,8 +151,9 @@ impl SeenGround {
         }
     }
 
-    /// The cell of a direction below the horizon.
+    /// The cell of a direction below the horizon. None above it.
     fn cell(columns: usize, rows: usize, direction: Vec3) -> Option<usize> {
+        // z is up, and pan is measured from +y, as in the conventions.
         let down = (-direction.z)
             .atan2(direction.x.hypot(direction.y))
             .to_degrees();

@@ -1,14 +1,14 @@
-//! How placed points are moved onto the paint, and what comes of it.
+//! Settings and result of click snapping.
 
 use touchline_core::field::{FieldModel, Landmark};
 use touchline_core::geometry::ImagePoint;
 
-/// How a placed point is moved. Lengths are px at 1920 px width.
+/// Settings of click snapping. Lengths are px at 1920 px width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointSnapOptions {
-    /// The point is moved at most this far. 8 by default.
+    /// Maximum distance by which a point is moved. 8 by default.
     pub reach_px: f64,
-    /// A result that is known less well is none: 1-σ in each direction. 1.5 by default.
+    /// Maximum 1-σ of a result along each axis. 1.5 by default.
     pub max_sigma_px: f64,
 }
 
@@ -21,22 +21,22 @@ impl Default for PointSnapOptions {
     }
 }
 
-/// A point on the paint.
+/// A point that was moved onto the paint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SnappedPoint {
-    /// Where the landmark is painted, px.
+    /// Painted position of the landmark, px.
     pub image: ImagePoint,
-    /// 1-σ in each direction, px.
+    /// 1-σ along each axis, px.
     pub sigma_px: f64,
 }
 
-/// 1-σ of what all ridges of a line have in common, px at 1920 px width.
+/// 1-σ of the error that all ridges of a line share, px at 1920 px width.
 pub(super) const LINE_SIGMA_PX: f64 = 0.35;
 
-/// A line passes through a landmark if it comes as near as this, m.
+/// Maximum distance between a landmark and a line that passes through it, m.
 const THROUGH_M: f64 = 0.02;
 
-/// The painted lines that pass through a landmark or end there.
+/// Indices of the painted lines that pass through a landmark or end there.
 pub(super) fn lines_through(field: &FieldModel, landmark: &Landmark) -> Vec<usize> {
     let lines = field.lines.iter().enumerate();
     let through = lines

@@ -1,5 +1,5 @@
-//! Where a picture shows the paint of a field: what the frames of a camera are adjusted to
-//! together.
+//! Where a picture shows the paint of a field: the observations to which the frames of a camera are
+//! adjusted jointly.
 
 use super::alignment::ridge_sigma_px;
 use super::sightings::Look;
@@ -8,34 +8,36 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, subsample};
 
-/// A place where the middle of a line's paint is seen.
+/// A point at which the centre of a line's paint is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaintPlace {
-    /// Which line: index into [`FieldModel::lines`].
+    /// The line, as an index into [`FieldModel::lines`].
     pub line: usize,
-    /// Where, px.
+    /// Position, px.
     pub image: ImagePoint,
-    /// 1-σ across the line, px, with its share of what the places of the line have in common.
+    /// 1-σ across the line, px, including this point's share of the error that all points of the
+    /// line have in common.
     pub sigma_px: f64,
 }
 
-/// How the picture is looked at, px at 1920 px width.
+/// Sampling of the picture, px at 1920 px width.
 const LOOK: Look = Look {
     reach_px: 8.0,
     spacing_px: 24.0,
     step_px: 0.5,
 };
 
-/// Paint farther from where it is predicted is another line's, px at 1920 px width.
+/// Maximum distance of paint from where it is predicted, px at 1920 px width. Paint farther away
+/// belongs to another line.
 const NEAR_PX: f64 = 5.0;
 
-/// A line with fewer places is none: a sock, a sign.
+/// Minimum number of points of a line. Fewer may be a sock or a sign.
 const FEWEST_OF_LINE: usize = 4;
 
-/// Places of one line, at most; more tell hardly more.
+/// Maximum number of points of a line. More add little, because their common error remains.
 const MOST_OF_LINE: usize = 16;
 
-/// The places of paint near the lines that a camera predicts, line by line.
+/// The points of paint near the lines that a camera predicts, line by line.
 #[must_use]
 pub fn paint_places(
     ground: &GroundPicture,
@@ -50,6 +52,7 @@ pub fn paint_places(
     };
     let seen = Sightings::of(ground, field, camera, look);
     let mut of_line: Vec<Vec<ImagePoint>> = vec![Vec::new(); field.lines.len()];
+    // The nearest ridge of each sample, if it is near enough.
     for (index, sample) in seen.samples.iter().enumerate() {
         let near = seen
             .nearest(index, 0.0)
@@ -61,6 +64,7 @@ pub fn paint_places(
         .into_iter()
         .enumerate()
         .filter(|(_, places)| places.len() >= FEWEST_OF_LINE);
+    // Points are spread over the line's whole length; 1-σ depends on how many of them are kept.
     let spread = |(line, places): (usize, Vec<ImagePoint>)| {
         let places = subsample(places, MOST_OF_LINE);
         let sigma_px = ridge_sigma_px(places.len() as u32, scale);

@@ -1,9 +1,14 @@
-//! Click snapping: a placed point moved to the painted corner, crossing or spot that it names,
-//! where that is certain.
+//! Click snapping: moves a placed point to the painted corner, crossing or point marking that it
+//! names, where that is certain.
 //!
-//! The lines that meet at the landmark are looked for around the placed point, in the directions in
-//! which a camera sees them. The camera may be a rough one: only the directions and the widths of
-//! the lines are taken from it.
+//! # Method
+//!
+//! 1. The lines that meet at the landmark are predicted by a camera and moved so that the landmark
+//!    lies on the placed point. The camera may be rough: only the directions and the widths of the
+//!    lines come from it.
+//! 2. Ridges are searched across each line. The offset that most of them agree on is the line's.
+//! 3. The crossing of the two lines that meet at the widest angle is the start of a robust
+//!    least-squares fit of all lines (`crossing.rs`), whose covariance gives the 1-σ.
 
 use super::GroundPicture;
 use super::across::Across;
@@ -20,47 +25,48 @@ use touchline_core::geometry::{ImagePoint, Vec2};
 use touchline_core::markings::{LineSample, SampleOptions, sample_lines};
 use touchline_core::solve::{Problem, gauss_newton_step};
 
-/// The lines are followed this far from the landmark, px at 1920 px width.
+/// Distance from the landmark up to which its lines are searched, px at 1920 px width.
 const FOLLOWED_PX: f64 = 90.0;
 
-/// The distance between the places at which a line is looked for, px at 1920 px width.
+/// Distance between the samples of a line, px at 1920 px width.
 const SPACING_PX: f64 = 4.0;
 
-/// The distance between the places across a line at which the brightness is read, px.
+/// Distance between the samples of a profile across a line, px.
 const STEP_PX: f64 = 0.5;
 
-/// So near to the landmark the lines run into each other, px at 1920 px width beyond half the width
-/// of the widest.
+/// No samples are taken nearer to the landmark than this plus half the line's width, px at 1920 px
+/// width: there the lines run into each other.
 const CLEAR_PX: f64 = 6.0;
 
-/// Fewer places with paint do not make a line.
+/// Minimum number of samples with paint for a line to be found.
 const FEWEST: usize = 6;
 
-/// A line is there if this share of its open places has paint where the others have it.
+/// Minimum share of a line's open samples that have paint at the common offset.
 const SEEN_SHARE: f64 = 0.75;
 
-/// Another course of the line that explains as large a share of the places as this, of those that
-/// the best one explains, leaves open which is meant.
+/// A line is ambiguous if another offset has this share of the best one's votes.
 const AS_GOOD: f64 = 0.6;
 
-/// Courses nearer to each other are one, px at 1920 px width.
+/// Offsets nearer to each other than this count as one, px at 1920 px width.
 const SAME_PX: f64 = 4.0;
 
-/// A ridge belongs to a course within this, px at 1920 px width, and this much more a px along the
-/// line.
+/// A ridge votes for an offset within this distance, px at 1920 px width, plus [`WITHIN_SLOPE`] per
+/// px along the line, because the predicted direction may be a few degrees off.
 const WITHIN_PX: f64 = 1.5;
 const WITHIN_SLOPE: f64 = 0.04;
 
-/// Scales of the robust loss, one for each step, px at 1920 px width: far ridges are another
-/// line's.
+/// Scales of the robust loss, one for each Gauss–Newton step, px at 1920 px width. Ridges farther
+/// away belong to another line.
 const SCALES_PX: [f64; 4] = [3.0, 2.0, 1.2, 1.2];
 
-/// Moves a placed point to the corner or crossing of painted lines, or to the painted spot, that a
-/// landmark names; none where no two of the landmark's lines are seen near by and no spot, where it
-/// is open which ones are meant, or where the landmark is neither.
+/// Moves a placed point to the corner or crossing of painted lines, or to the point marking, that a
+/// landmark names.
 ///
-/// `camera` need not be exact: its directions of the lines may be a few degrees off and its places
-/// any distance.
+/// None if the landmark is neither, if fewer than two of its lines or no marking is seen near by,
+/// or if it is ambiguous which ones are meant.
+///
+/// `camera` need not be exact: the directions of its lines may be a few degrees off, and its
+/// position in the picture does not matter.
 #[must_use]
 pub fn snap_point(
     ground: &GroundPicture,
@@ -88,6 +94,7 @@ pub fn snap_point(
         scale,
         reach_px: options.reach_px * scale,
     };
+    // Steps 1 and 2: all lines must be found, or the crossing would be of other lines.
     let samples = sample_lines(
         field,
         camera,
@@ -103,6 +110,7 @@ pub fn snap_point(
         let of_line = samples.iter().filter(|sample| sample.line == line);
         courses.push(crossing.course(of_line, &mut finder)?);
     }
+    // Step 3. The 1-σ is the root mean square of the two axes.
     let (shift, covariance) = crossing.solved(&courses)?;
     let sigma_px = (covariance.trace() / 2.0).sqrt();
     let certain = shift.norm() <= crossing.reach_px && sigma_px <= options.max_sigma_px * scale;
@@ -115,17 +123,17 @@ pub fn snap_point(
 /// The neighbourhood of a placed point.
 struct Crossing<'a> {
     ground: &'a GroundPicture,
-    /// Where the camera sees the landmark, px.
+    /// The landmark as the camera predicts it, px.
     predicted: ImagePoint,
     /// From there to the placed point, px.
     by: Vec2,
-    /// Its px by those of 1920 px width.
+    /// Width of the picture by 1920 px.
     scale: f64,
     reach_px: f64,
 }
 
 impl Crossing<'_> {
-    /// Looks for one line; none where it is not seen or its course is open.
+    /// Searches for one line. None if it is not seen or its offset is ambiguous.
     fn course<'s>(
         &self,
         samples: impl Iterator<Item = &'s LineSample>,
@@ -136,6 +144,7 @@ impl Crossing<'_> {
             .filter(|sample| distance_px(sample) <= FOLLOWED_PX * self.scale)
             .collect();
         near.sort_by(|a, b| distance_px(a).total_cmp(&distance_px(b)));
+        // The direction of the line where it meets the landmark.
         let normal = near.first()?.normal;
         let direction = Vec2::new(-normal.y, normal.x);
         let mut course = Course {
@@ -146,6 +155,7 @@ impl Crossing<'_> {
         };
         for sample in near {
             let clear_px = CLEAR_PX * self.scale + 0.5 * sample.width_px;
+            // The predicted line, moved to the placed point.
             let across = Across {
                 at: sample.image.moved(self.by),
                 ..Across::from(sample)
@@ -155,6 +165,8 @@ impl Crossing<'_> {
             }
             let mut ridges = Vec::new();
             finder.find(self.ground, &across, self.reach_px, STEP_PX, &mut ridges);
+            // Open: there is paint, or ground where paint should be. Players and boards are
+            // neither.
             course.open += usize::from(!ridges.is_empty() || self.ground.is_ground(across.at));
             if !ridges.is_empty() {
                 let along_px = direction.dot(&sample.image.offset_from(self.predicted));
@@ -169,8 +181,8 @@ impl Crossing<'_> {
         Some(course)
     }
 
-    /// The offset that most places of a line agree on; none where too few do, or where another one
-    /// is as good.
+    /// The offset at the landmark that most samples of a line vote for. None if too few do, or if
+    /// another offset has nearly as many votes.
     fn likely_offset_px(&self, course: &Course) -> Option<f64> {
         let agreeing = |offset_px: f64| {
             let agrees = |place: &&Place| {
@@ -180,6 +192,7 @@ impl Crossing<'_> {
             };
             course.places.iter().filter(agrees).count()
         };
+        // Every ridge proposes its own offset; exhaustive, so that no ridge is missed by chance.
         let all = course
             .places
             .iter()
@@ -189,13 +202,14 @@ impl Crossing<'_> {
             .map(|offset_px| (offset_px, agreeing(offset_px)))
             .collect();
         let (_, most) = *counted.iter().max_by_key(|(_, count)| *count)?;
-        // The middle of the best ones.
+        // Several proposals may have equally many votes; their mean is taken.
         let best: Vec<f64> = counted
             .iter()
             .filter(|(_, count)| *count == most)
             .map(|(offset_px, _)| *offset_px)
             .collect();
         let offset_px = best.iter().sum::<f64>() / best.len() as f64;
+        // The runner-up is the best proposal that is not the same line.
         let elsewhere = counted
             .iter()
             .filter(|(other_px, _)| (other_px - offset_px).abs() > SAME_PX * self.scale);
@@ -204,9 +218,10 @@ impl Crossing<'_> {
         (seen && (second as f64) < AS_GOOD * most as f64).then_some(offset_px)
     }
 
-    /// The shift of the landmark on which the ridges of all lines agree, px, and its covariance;
-    /// none where the lines do not cross or do not agree.
+    /// The landmark's shift from the placed point, px, on which the ridges of all lines agree, and
+    /// its covariance, px². None if the lines do not cross or their ridges do not agree.
     fn solved(&self, courses: &[Course]) -> Option<(Vec2, Matrix2<f64>)> {
+        // Rotations and offsets of the lines start at zero, the shift at the crossing.
         let mut state = CrossingState::zeros();
         state
             .fixed_rows_mut::<2>(0)
@@ -216,6 +231,7 @@ impl Crossing<'_> {
                 gauss_newton_step(&CrossingAtScale::new(courses, scale_px, self.scale), &state)?;
         }
         let shift = state.fixed_rows::<2>(0).into_owned();
+        // Each line must keep enough ridges at the solution, not only in the vote.
         for (line, course) in courses.iter().enumerate() {
             let agreeing = course
                 .places
@@ -228,6 +244,8 @@ impl Crossing<'_> {
                 return None;
             }
         }
+        // Covariance: the shift's block of the inverse normal matrix, which marginalises over the
+        // rotations and offsets of the lines.
         let equations = CrossingAtScale::new(courses, SCALES_PX[SCALES_PX.len() - 1], self.scale)
             .equations(&state);
         let covariance = equations

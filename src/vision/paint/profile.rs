@@ -1,24 +1,23 @@
-//! The brightness across a line.
+//! The brightness along the normal of a line.
 
 use crate::media::GreyPicture;
 use touchline_core::geometry::{ImagePoint, Vec2};
 
-/// Brightness is averaged over points this far apart along the line, px.
+/// Each sample is the mean of points at these distances along the line, px, against noise.
 const ALONG_PX: [f64; 3] = [-3.0, 0.0, 3.0];
 
-/// Grey levels at even distances along a normal. The buffers are used again by the next profile.
+/// Grey levels at equal distances along a normal. The buffers are reused from profile to profile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Profile {
     /// Grey levels from one end of the normal to the other.
     grey: Vec<f64>,
-    /// Sums of the grey levels before each place, and of all.
+    /// Prefix sums of the grey levels, so that a mean over any range costs two look-ups.
     sums: Vec<f64>,
     step_px: f64,
 }
 
 impl Profile {
-    /// Reads the brightness every `step_px` up to `reach_px` or a little farther on both sides of a
-    /// point.
+    /// Reads the brightness every `step_px`, to at least `reach_px` on both sides of a point.
     pub fn read(
         &mut self,
         grey: &GreyPicture,
@@ -27,6 +26,7 @@ impl Profile {
         reach_px: f64,
         step_px: f64,
     ) {
+        // An odd number of samples, so that one lies on the middle.
         let half = (reach_px / step_px).ceil() as usize;
         self.step_px = step_px;
         let along = Vec2::new(-normal.y, normal.x);
@@ -47,28 +47,28 @@ impl Profile {
         }
     }
 
-    /// How many places there are.
+    /// Number of samples.
     pub fn len(&self) -> usize {
         self.grey.len()
     }
 
-    /// How far a place lies from the middle, px.
+    /// Signed distance of a sample from the middle, px. The index may be fractional.
     pub fn offset_px(&self, index: f64) -> f64 {
         (index - (self.grey.len() / 2) as f64) * self.step_px
     }
 
-    /// How many places a distance spans.
+    /// Number of samples that a distance spans.
     pub fn places(&self, distance_px: f64) -> isize {
         (distance_px / self.step_px).round() as isize
     }
 
-    /// The brightness at a place.
+    /// The brightness of a sample.
     pub fn grey(&self, index: usize) -> f64 {
         self.grey[index]
     }
 
-    /// The mean brightness of the places from the first offset after a place to the last, both
-    /// included, as far as there are any.
+    /// Mean brightness of the samples `index + from` to `index + to`, both included, clipped to the
+    /// profile.
     pub fn mean(&self, index: usize, from: isize, to: isize) -> f64 {
         let last = self.grey.len() - 1;
         let from = index.saturating_add_signed(from).min(last);
@@ -76,8 +76,8 @@ impl Profile {
         (self.sums[to + 1] - self.sums[from]) / (to + 1 - from) as f64
     }
 
-    /// The place, between two of them, where the brightness falls below a level, going from a place
-    /// in one direction; none where it does not within a distance.
+    /// The fractional index at which the brightness first falls below a level, going from a sample
+    /// in one direction; linear between samples. None within `within_px`.
     pub fn falls_below(
         &self,
         from: usize,
@@ -91,6 +91,7 @@ impl Profile {
             index = index.checked_add_signed(direction)?;
             let here = *self.grey.get(index)?;
             if here < level {
+                // Share of the last step that lies beyond the crossing of the level.
                 let beyond = if last > here {
                     ((level - here) / (last - here)).min(1.0)
                 } else {

@@ -1,19 +1,21 @@
-//! Ridges of paint across a predicted line: on turf brighter than the ground on both sides, both
-//! edges found, as wide as the paint should be, ground beside it.
+//! Finds ridges of paint along the normal of a predicted line.
+//!
+//! On turf a ridge is brighter than the ground on both sides, has two edges at about the predicted
+//! width, and has the ground's colours beside it. Its offset is the midpoint of the edges. Other
+//! floors are searched by colour (`floor_ridge.rs`).
 
 use super::GroundPicture;
 use super::across::{Across, Ridge, is_on_ground};
 use super::floor_ridge::FloorRidgeFinder;
 use super::profile::Profile;
 
-/// Paint is at least this much brighter than the ground on both sides, grey levels.
+/// Minimum contrast of paint against the brighter of its sides, grey levels.
 const MIN_CONTRAST: f64 = 4.5;
 
-/// Paint is brighter than the ground on both sides by at least this share of the ground's
-/// brightness.
+/// Minimum contrast as a share of the brightness of the brighter side.
 const MIN_CONTRAST_SHARE: f64 = 0.05;
 
-/// Finds ridges; its buffers are used again by the next line.
+/// Finds ridges. Its buffers are reused from line to line.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RidgeFinder {
     profile: Profile,
@@ -22,8 +24,8 @@ pub(super) struct RidgeFinder {
 }
 
 impl RidgeFinder {
-    /// Adds the ridges within `reach_px` of a predicted line to `found`, in order of their offset.
-    /// The brightness is read every `step_px`.
+    /// Appends the ridges within `reach_px` of a predicted line to `found`, in order of their
+    /// offset. The profile is read every `step_px`.
     pub fn find(
         &mut self,
         ground: &GroundPicture,
@@ -32,11 +34,13 @@ impl RidgeFinder {
         step_px: f64,
         found: &mut Vec<Ridge>,
     ) {
+        // On floors, lines may be darker than the ground.
         if !ground.surface().is_turf() {
             self.on_floors
                 .find(ground, across, reach_px, step_px, found);
             return;
         }
+        // The profile extends beyond the reach, so that ridges at its ends have sides.
         let (near_px, far_px) = across.beside_px();
         let margin_px = across.margin_px();
         self.profile.read(
@@ -48,6 +52,9 @@ impl RidgeFinder {
         );
         let profile = &self.profile;
         let expected_px = across.expected_px();
+        // Contrast at a point: the mean of the middle 60 % of the predicted width, less the
+        // brighter of the two bands beside the paint. The brighter one, because a mere step in
+        // brightness must not count.
         let core = profile.places(0.3 * across.width_px);
         let (near, far) = (profile.places(near_px), profile.places(far_px));
         let sides = |index: usize| {
@@ -73,12 +80,15 @@ impl RidgeFinder {
             if !(contrast >= MIN_CONTRAST && contrast >= MIN_CONTRAST_SHARE * left.max(right)) {
                 continue;
             }
+            // Non-maximum suppression within half the expected width; of equal values the first
+            // wins.
             let around = index.saturating_sub(reach)..=(index + reach).min(self.contrast.len() - 1);
             let mut others = around.map(|other| (other, self.contrast[other]));
             if others.any(|(other, value)| value > contrast || (value == contrast && other < index))
             {
                 continue;
             }
+            // Edges at half the contrast, each against its own side, interpolated between samples.
             let top = profile.grey(index).max(profile.mean(index, -core, core));
             let within_px = 0.9 * expected_px + 1.0;
             let (Some(from), Some(to)) = (
@@ -93,6 +103,8 @@ impl RidgeFinder {
                 width_px: to_px - from_px,
                 contrast,
             };
+            // Width as the camera predicts it, within generous limits, and ground on the inner
+            // sides.
             let as_wide_as_paint =
                 (0.4 * expected_px..=1.6 * expected_px + 0.5).contains(&ridge.width_px);
             if as_wide_as_paint

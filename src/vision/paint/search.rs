@@ -1,33 +1,33 @@
-//! Where the lines could lie: every step of a camera within reach, judged by how many samples find
-//! a ridge.
+//! Grid search over small changes of a camera: every step within reach is scored by the number of
+//! samples that find a ridge on their line.
 
 use super::alignment::{ClickAlignment, RidgeAlignment, StepPx};
 
-/// Steps tried on each side, of pan and of tilt.
+/// Grid steps on each side, in pan and in tilt.
 const TURNS: i32 = 6;
 
-/// Steps tried on each side, of the focal length.
+/// Grid steps on each side, in focal length.
 const ZOOMS: i32 = 2;
 
-/// The farthest change of the focal length moves the picture's border by this share of the reach.
+/// The largest change of the focal length moves the picture's border by this share of the reach.
 const ZOOM_SHARE: f64 = 0.75;
 
-/// A step counts what lies within this many grid distances of a line.
+/// A ridge votes for a step within this distance of its line, in grid steps.
 const WITHIN: f64 = 1.0;
 
-/// Places that found fewer votes than this share of the best one's are not looked at.
+/// Steps with fewer votes than this share of the best one's are dropped.
 const WORTH: f64 = 0.6;
 
-/// Places nearer to each other than this are one, grid distances.
+/// Steps nearer to a better one than this are dropped, in grid steps.
 const SAME: f64 = 2.5;
 
-/// Clicks stay within this of where they were, sigmas.
+/// A step moves no click farther off than this many σ beyond its present distance.
 const CLICK_SIGMAS: f64 = 5.0;
 
-/// At most this many places are looked at.
+/// Maximum number of steps that are returned.
 const MOST: usize = 3;
 
-/// The steps, far from each other, after which most samples find a ridge, best first.
+/// The distinct steps after which most samples find a ridge, best first.
 pub(super) fn likely_steps(
     ridges: &RidgeAlignment,
     clicks: &ClickAlignment,
@@ -36,6 +36,7 @@ pub(super) fn likely_steps(
     let grid_px = reach_px / f64::from(TURNS);
     let zoom_px = reach_px * ZOOM_SHARE / f64::from(ZOOMS);
     let mut votes = Vec::new();
+    // All 13 × 13 × 5 steps that the clicks allow.
     for pan in -TURNS..=TURNS {
         for tilt in -TURNS..=TURNS {
             for zoom in -ZOOMS..=ZOOMS {
@@ -51,6 +52,7 @@ pub(super) fn likely_steps(
         }
     }
     votes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // Greedy non-maximum suppression over the votes.
     let worth = WORTH * votes.first().map_or(0.0, |best| best.0);
     let mut likely: Vec<StepPx> = Vec::new();
     for (_, step) in votes

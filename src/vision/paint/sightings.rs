@@ -1,4 +1,5 @@
-//! What a picture shows where a camera predicts paint.
+//! Observations of the paint that a camera predicts: samples along the lines, and the ridges that
+//! the picture shows across each.
 
 use super::GroundPicture;
 use super::across::{Across, Ridge};
@@ -9,14 +10,14 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::markings::{LineSample, SampleOptions, sample_lines};
 
-/// A place shows bare ground if at least this share of the pixels across it have the ground's
-/// colours.
+/// Minimum share of the pixels across a sample that have the ground's colours, for it to count as
+/// bare ground.
 const BARE: f64 = 0.75;
 
 /// What is seen at one sample of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Seen {
-    /// Ridges, by their places in [`Sightings::ridges`].
+    /// Ridges, as a range of indices into [`Sightings::ridges`].
     Paint(Range<usize>),
     /// Ground without paint.
     Bare,
@@ -27,28 +28,28 @@ pub enum Seen {
 /// What a picture shows at every sample of the lines.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sightings {
-    /// Where paint is predicted.
+    /// The samples of the predicted lines.
     pub samples: Vec<LineSample>,
-    /// What is seen at each.
+    /// What is seen at each sample.
     pub seen: Vec<Seen>,
-    /// All ridges, those of one sample in order of their offset.
+    /// All ridges; those of one sample are consecutive and in order of their offset.
     pub ridges: Vec<Ridge>,
 }
 
-/// How closely a picture is looked at, px.
+/// Sampling of a picture, px.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::struct_field_names, reason = "each name ends with its unit")]
 pub(super) struct Look {
-    /// How far on both sides of a predicted line paint is looked for.
+    /// Reach of the search on both sides of a predicted line.
     pub reach_px: f64,
-    /// The distance between neighbouring samples of a line.
+    /// Distance between neighbouring samples of a line.
     pub spacing_px: f64,
-    /// The distance between the places across a line at which the brightness is read.
+    /// Distance between the samples of a profile across a line.
     pub step_px: f64,
 }
 
 impl Sightings {
-    /// Looks for the paint that a camera predicts.
+    /// Searches a picture for the paint that a camera predicts.
     #[must_use]
     pub(super) fn of(
         ground: &GroundPicture,
@@ -72,6 +73,8 @@ impl Sightings {
                 let across = Across::from(sample);
                 let first = ridges.len();
                 finder.find(ground, &across, look.reach_px, look.step_px, &mut ridges);
+                // Without a ridge, bare ground is evidence against the line; a player or a board is
+                // not.
                 if ridges.len() > first {
                     Seen::Paint(first..ridges.len())
                 } else if is_bare(ground, &across, look.reach_px) {
@@ -97,7 +100,7 @@ impl Sightings {
         }
     }
 
-    /// The ridge at a sample that is nearest to an offset from its middle, px.
+    /// The ridge of a sample that is nearest to an offset from the predicted line, px.
     #[must_use]
     pub fn nearest(&self, sample: usize, offset_px: f64) -> Option<&Ridge> {
         let distance = |ridge: &Ridge| (ridge.offset_px - offset_px).abs();
@@ -106,21 +109,22 @@ impl Sightings {
             .min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 
-    /// How many samples show bare ground.
+    /// Number of samples that show bare ground.
     #[must_use]
     pub fn bare(&self) -> usize {
         self.seen.iter().filter(|seen| **seen == Seen::Bare).count()
     }
 }
 
-/// Narrower lines are hardly seen where an area painted on a floor ends, px.
+/// Where a painted area of a floor ends, lines narrower than this are hardly visible, px.
 const SEEN_AT_BORDERS_PX: f64 = 1.5;
 
-/// Whether the ground lies open on both sides of a predicted line, and no paint on it.
+/// Whether the ground is open on both sides of a predicted line. The caller has found no ridge.
 fn is_bare(ground: &GroundPicture, across: &Across, reach_px: f64) -> bool {
     const STEP_PX: usize = 2;
     let reach = (reach_px + across.width_px).ceil() as i32;
     let (mut all, mut bare, mut areas) = (0_u32, 0_u32, 0_u32);
+    // Every other px over the reach of the search and the width of the line.
     for offset in (-reach..=reach).step_by(STEP_PX) {
         all += 1;
         match ground.part(across.point(f64::from(offset))) {
@@ -129,6 +133,8 @@ fn is_bare(ground: &GroundPicture, across: &Across, reach_px: f64) -> bool {
             None => {}
         }
     }
+    // A narrow line at the border of a painted area may be there without being visible: such a
+    // sample is bare only if it lies on one kind of ground.
     let open = if across.width_px >= SEEN_AT_BORDERS_PX {
         bare + areas
     } else {

@@ -1,37 +1,38 @@
-//! A camera aligned to the painted lines of one picture, or the reason why not. Users know it as
+//! Aligns a camera to the painted lines of one picture, or says why it cannot. Users know this as
 //! *snapping*.
 //!
 //! # Problem
 //!
-//! A base is known, and a camera that is right within some 50 px. Find pan, tilt and focal length
-//! that put the field's lines on their paint, and refuse wherever the paint does not decide: a
-//! wrong camera that is sure of itself costs more than none.
+//! Given: the base, and a camera that is right within some 50 px. Wanted: pan, tilt and focal
+//! length that put the field's lines on their paint, or an error if the paint does not determine
+//! them. A wrong camera with a small covariance does more harm than none.
 //!
 //! # Method
 //!
-//! 1. **Sightings** (`sightings.rs`): the field's lines are sampled as the camera predicts them,
-//!    and the picture is searched across each sample for ridges of paint: narrow, brighter than the
-//!    ground on both sides, of no other colour.
-//! 2. **Likely steps** (`search.rs`): every change of the camera within reach is judged by how many
-//!    samples then find a ridge. Several are kept, because a parallel line may be as near as the
-//!    right one.
+//! 1. **Observations** (`sightings.rs`): the field's lines are sampled as the camera predicts them,
+//!    and the picture is searched across each sample for ridges of paint: as narrow as predicted,
+//!    brighter than both sides, with ground beside them (`ridge.rs`; for floors `floor_ridge.rs`).
+//! 2. **Grid search** (`search.rs`): every change of the camera within reach is scored by the
+//!    number of samples that then find a ridge. Several are kept, because a parallel line may be as
+//!    near as the right one.
 //! 3. **Alignment** (`alignment.rs`) from each: Gauss–Newton on distances across the lines, with
-//!    Geman–McClure weights whose scale shrinks. Search and alignment are repeated with a smaller
-//!    reach: 48, 16 and 8 px at 1920 px width.
-//! 4. **Acceptance**. The best fit is refused where another one 10 px away has 90 % of its
-//!    agreement (ambiguous); where fewer than 40 samples show paint; where two halves of the
-//!    samples give cameras more than 1.5 px apart; where a click is left by more than 6 σ; where
-//!    paint and clicks leave the worst corner open by more than 8 px; and where the line check
-//!    (`check.rs`), which looks at the picture afresh, gives it a probability below 0.8.
+//!    Geman–McClure weights whose scale shrinks. Steps 1 and 3 are repeated with a smaller reach:
+//!    48, 16 and 8 px at 1920 px width.
+//! 4. **Acceptance**. The best fit is rejected if another one more than 10 px away has 90 % of its
+//!    agreement (ambiguous); if fewer than 40 samples show paint; if two halves of the samples give
+//!    cameras more than 1.5 px apart; if a click is more than 6 σ from where the result puts it; if
+//!    1-σ of the overlay at the worst corner exceeds 8 px; or if the line check (`check.rs`), which
+//!    reads the picture again, gives a probability below 0.8.
 //!
-//! The covariance takes 0.5 px for a ridge and 0.16 px for all ridges of one line alike (paint is
-//! not where the rules put it), and adds the base's own.
+//! The covariance assumes 1-σ of 0.5 px for each ridge and of 0.16 px for an error that all ridges
+//! of a line share (paint is not exactly where the rules put it). It includes the uncertainty of
+//! the base.
 //!
-//! # What it is proof against
+//! # Robustness
 //!
-//! Parallel lines, boards, second sets of lines on a training ground, shadows, players. It is not
-//! proof against a base that is wrong in a way that pan and tilt can make up for in one picture;
-//! `calibrate::estimate_on_paint` adjusts base and frames together for that.
+//! Robust against parallel lines, boards, second sets of lines on a training ground, shadows and
+//! players. Not robust against an error of the base that pan and tilt can compensate for in one
+//! picture; `calibrate::estimate_on_paint` adjusts base and frames together for that.
 
 use super::alignment::{
     ClickAlignment, LinearisedCamera, RidgeAlignment, StepPx, sample_sigmas_px,
@@ -46,23 +47,24 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::{stride_of_subsample, subsample};
 use touchline_core::solve::{Observation, SolveError, Uncertainty};
 
-/// How a camera is snapped. Lengths are px at 1920 px width.
+/// Settings of the alignment. Lengths are px at 1920 px width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SnapOptions {
-    /// Paint is looked for this far from where the start predicts it. 48 by default.
+    /// Maximum distance of paint from where the starting camera predicts it. 48 by default.
     pub reach_px: f64,
-    /// Fewer samples with paint give no camera. 40 by default.
+    /// Minimum number of samples with paint. 40 by default.
     pub min_samples: usize,
-    /// Two halves of the samples may give cameras this far apart. 1.5 by default.
+    /// Maximum distance between the overlays of the cameras that two halves of the samples give.
+    /// 1.5 by default.
     pub halves_px: f64,
-    /// The overlay's 1-σ at the worst corner of the picture, as the paint and the clicks leave it,
-    /// may be as large as this. 8 by default.
+    /// Maximum 1-σ of the overlay at the worst corner of the picture, from paint and clicks alone.
+    /// 8 by default.
     pub max_corner_sigma_px: f64,
-    /// A click may lie this far from where the result puts it, sigmas. 6 by default.
+    /// Maximum distance of a click from where the result puts it, in σ of the click. 6 by default.
     pub click_sigmas: f64,
-    /// The line check's score of the result is at least this. 0.8 by default.
+    /// Minimum score of the result's line check. 0.8 by default.
     pub min_score: f64,
-    /// Whether the frame's own k₁ is found as well, in place of the base's lens. Not by default.
+    /// Whether to fit the frame's own k₁ in place of the base's lens. Off by default.
     pub own_k1: bool,
 }
 
@@ -80,34 +82,35 @@ impl Default for SnapOptions {
     }
 }
 
-/// A camera on the painted lines.
+/// A camera aligned to the painted lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapped {
-    /// Pan, tilt, focal length.
+    /// Pan, tilt and focal length.
     pub ptz: Ptz,
-    /// The lens that was found with them, where it was asked for.
+    /// The fitted lens, if [`SnapOptions::own_k1`] is set.
     pub own_lens: Option<FocalCurve>,
-    /// Samples with paint that took part.
+    /// Number of samples whose ridges were used.
     pub samples: usize,
-    /// Root mean square of their distances from the lines, px.
+    /// Root mean square of the ridges' distances from their lines, px.
     pub rms_px: f64,
-    /// How far apart the cameras are that two halves of the samples give, px.
+    /// Distance between the overlays of the cameras that two halves of the samples give, px.
     pub halves_px: f64,
-    /// What the lines and the clicks leave open.
+    /// Covariance, from the paint, the clicks and the base.
     pub uncertainty: Uncertainty,
-    /// What the paint says about the result.
+    /// The line check of the result.
     pub check: LineCheck,
 }
 
-/// Scales of the robust loss, one for each step, px at 1920 px width: coarse, middle, fine.
+/// Scales of the robust loss in the three stages (coarse, middle, fine), one for each Gauss–Newton
+/// step, px at 1920 px width.
 const SCALES_PX: [&[f64]; 3] = [
     &[8.0, 6.0, 4.0, 3.0],
     &[5.0, 4.0, 3.0, 2.0],
     &[3.0, 2.0, 1.5, 1.5],
 ];
 
-/// How the picture is looked at in the three stages; the first reaches as far as the options say.
-/// Px at 1920 px width.
+/// Sampling of the picture in the three stages, px at 1920 px width. The reach of the first stage
+/// is [`SnapOptions::reach_px`].
 const COARSE_SPACING_PX: f64 = 32.0;
 const MIDDLE: Look = Look {
     reach_px: 16.0,
@@ -120,26 +123,28 @@ const FINE: Look = Look {
     step_px: 0.5,
 };
 
-/// Ridges this far from their line after the last step are another's, px at 1920 px width.
+/// Maximum distance of a ridge from its line after the last step, px at 1920 px width. Ridges
+/// farther away belong to something else.
 const TAKES_PART_PX: f64 = 4.0;
 
-/// Another camera fits as well if as many samples agree with it, by this share,
+/// A fit is ambiguous if another one reaches this share of its agreement
 const AS_WELL: f64 = 0.9;
 
-/// and if it is this far away, px at 1920 px width: nearer ones are the same lines.
+/// and is at least this far away, px at 1920 px width. Nearer fits use the same lines.
 const ELSEWHERE_PX: f64 = 10.0;
 
-/// Cameras nearer to each other are one, px at 1920 px width.
+/// Fits nearer to each other than this count as one, px at 1920 px width.
 const SAME_PX: f64 = 4.0;
 
-/// The uncertainty is computed from at most this many of the samples.
+/// Maximum number of samples from which the covariance is computed.
 const UNCERTAINTY_SAMPLES: usize = 120;
 
-/// Pulls a camera onto the painted lines, from `start` and tied to `clicks` by their σ.
+/// Aligns a camera to the painted lines, from `start` and constrained by `clicks` with their σ.
 ///
 /// # Errors
-/// [`SnapError`] names what speaks against a result: too little paint, halves that disagree, another camera that fits as
-/// well, clicks that it leaves.
+///
+/// [`SnapError`] names the test that failed: too little paint, halves that disagree, another camera
+/// that fits as well, clicks far from the result, a wide covariance, a low line check.
 pub fn snap(
     ground: &GroundPicture,
     field: &FieldModel,
@@ -164,6 +169,7 @@ pub fn snap(
             needed: options.min_samples,
         });
     };
+    // Ambiguous: a fit that is nearly as good lies elsewhere. Parallel lines cause this.
     for other in fits
         .iter()
         .filter(|other| other.agreeing >= AS_WELL * best.agreeing)
@@ -176,6 +182,8 @@ pub fn snap(
     if !options.own_k1 {
         return problem.accepted(best);
     }
+    // A new k₁ moves the predicted lines, so the picture is read again and the camera aligned once
+    // more.
     let OwnLens { base, ptz } = own_lens(ground, field, &PtzCamera::new(*base, best.ptz), clicks)?;
     let problem = Problem {
         base: &base,
@@ -191,7 +199,7 @@ pub fn snap(
     })
 }
 
-/// What stays the same while a frame is snapped.
+/// The inputs of one alignment, and the factor `scale` from px at 1920 px width to px.
 struct Problem<'a> {
     ground: &'a GroundPicture,
     field: &'a FieldModel,
@@ -201,15 +209,16 @@ struct Problem<'a> {
     options: &'a SnapOptions,
 }
 
-/// A camera that the paint pulled to.
+/// The result of one alignment.
 struct Fit {
     ptz: Ptz,
-    /// What was seen last, and around which camera.
+    /// The last observations, and the camera around which they were linearised.
     seen: Sightings,
     around: LinearisedCamera,
-    /// The last step, from that camera to `ptz`.
+    /// The last step, from the linearised camera to `ptz`.
     step: StepPx,
-    /// Samples with paint where it is predicted, each by its distance, as a share of the open ones.
+    /// Share of the open samples that have paint where it is predicted, each weighted by its
+    /// distance.
     agreeing: f64,
 }
 
@@ -236,22 +245,26 @@ impl Problem<'_> {
         overlays_apart_px(&PtzCamera::new(*self.base, one), other, self.ground.size())
     }
 
-    /// The cameras within reach of a start that the paint pulls to.
+    /// The distinct results of aligning from every likely step within reach of `start`.
     fn fits(&self, start: Ptz) -> Vec<Fit> {
         let coarse = Look {
             reach_px: self.options.reach_px,
             spacing_px: COARSE_SPACING_PX,
             step_px: 1.0,
         };
+        // Coarse stage. The picture is read once; every likely step is aligned within the same
+        // observations.
         let (around, seen) = self.look(start, coarse);
         let ridges = RidgeAlignment::new(&around, &seen, self.scale);
         let clicks = ClickAlignment::new(&around, self.clicks);
         let mut fits: Vec<Fit> = Vec::new();
         for step in likely_steps(&ridges, &clicks, self.options.reach_px * self.scale) {
+            // The loss scales of the coarse stage, on the ridges of the coarse observations.
             let step = ridges.align(step, &self.scales_px(0), Some(&clicks), |_| true);
             let Some(fit) = self.refined(around.ptz_after(&step)) else {
                 continue;
             };
+            // Several starts often end in one minimum; it is kept once.
             if fits
                 .iter()
                 .all(|other| self.apart_px(other.ptz, fit.ptz) > SAME_PX * self.scale)
@@ -262,8 +275,10 @@ impl Problem<'_> {
         fits
     }
 
-    /// The middle and the fine stage.
+    /// The middle and the fine stage. None if the camera diverges.
     fn refined(&self, start: Ptz) -> Option<Fit> {
+        // Middle stage. The picture is read again around the new camera, within a smaller reach,
+        // because the linearisation was exact at the old camera only.
         let (around, seen) = self.look(Some(start).filter(Ptz::is_finite)?, MIDDLE);
         let (ridges, clicks) = (
             RidgeAlignment::new(&around, &seen, self.scale),
@@ -275,6 +290,7 @@ impl Problem<'_> {
             Some(&clicks),
             |_| true,
         ));
+        // Fine stage: denser samples, half-pixel profiles.
         let (around, seen) = self.look(Some(middle).filter(Ptz::is_finite)?, FINE);
         let (ridges, clicks) = (
             RidgeAlignment::new(&around, &seen, self.scale),
@@ -282,6 +298,9 @@ impl Problem<'_> {
         );
         let step = ridges.align(StepPx::zeros(), &self.scales_px(2), Some(&clicks), |_| true);
         let ptz = Some(around.ptz_after(&step)).filter(Ptz::is_finite)?;
+        // Agreement: a sample counts 1 for a ridge on its line, 1/2 for one 2 px away (at 1920 px
+        // width), 0 for open ground without paint. Hidden samples do not count. The 1 in the
+        // denominator lowers the score of fits with few samples.
         let residuals =
             (0..ridges.num_samples()).filter_map(|sample| ridges.residual_px(sample, &step));
         let (count, sum) = residuals.fold((0.0, 0.0), |(count, sum), residual| {
@@ -300,10 +319,11 @@ impl Problem<'_> {
         })
     }
 
-    /// A fit with what is known of it, if nothing speaks against it.
+    /// Tests a fit and computes its covariance.
     fn accepted(&self, fit: &Fit) -> Result<Snapped, SnapError> {
         let options = self.options;
         let ridges = RidgeAlignment::new(&fit.around, &fit.seen, self.scale);
+        // Enough samples with a ridge on their line.
         let taking_part: Vec<(usize, f64)> = (0..ridges.num_samples())
             .filter_map(|sample| Some((sample, ridges.residual_px(sample, &fit.step)?.abs())))
             .filter(|(_, distance_px)| *distance_px <= TAKES_PART_PX * self.scale)
@@ -316,6 +336,8 @@ impl Problem<'_> {
             });
         }
         let size = self.ground.size();
+        // Two halves of the samples, each aligned alone with the last scale of the loss, must
+        // agree.
         let last_scales = &self.scales_px(2)[2..];
         let halves_px = halves_apart_px(&ridges, &fit.around, fit.step, last_scales, size);
         let allowed_px = options.halves_px * self.scale;
@@ -325,6 +347,8 @@ impl Problem<'_> {
                 allowed_px,
             });
         }
+        // Huber's loss limits the influence of a click, so the paint can overrule one. Then either
+        // the alignment or the click is wrong.
         let camera = PtzCamera::new(*self.base, fit.ptz);
         for click in self.clicks.iter().filter(|click| !click.check) {
             let sigmas = click
@@ -337,16 +361,18 @@ impl Problem<'_> {
                 });
             }
         }
+        // The paint and the clicks must determine the camera everywhere in the picture.
         let uncertainty = self.uncertainty(fit, &camera, &taking_part);
         let uncertainty = uncertainty.map_err(|_| SnapError::Undetermined {
             sigma_px: f64::INFINITY,
         })?;
-        // What the base leaves open is no fault of the paint.
+        // Without the base's uncertainty, which no paint in this frame can reduce.
         let by_paint = uncertainty.with_exact_base();
         let sigma_px = by_paint.worst_corner_sigma_px(&camera, size);
         if !(sigma_px <= options.max_corner_sigma_px * self.scale) {
             return Err(SnapError::Undetermined { sigma_px });
         }
+        // The line check samples the picture again, independently of the pairs that the fit used.
         let check = check_lines(self.ground, self.field, &camera);
         if !(check.score >= options.min_score) {
             return Err(SnapError::NotBorneOut { score: check.score });
@@ -366,7 +392,7 @@ impl Problem<'_> {
         })
     }
 
-    /// What the lines and the clicks leave open, the base's uncertainty in it.
+    /// Covariance from the samples' ridges and the clicks, including that of the base.
     fn uncertainty(
         &self,
         fit: &Fit,
@@ -374,7 +400,7 @@ impl Problem<'_> {
         taking_part: &[(usize, f64)],
     ) -> Result<Uncertainty, SolveError> {
         let sigmas_px = sample_sigmas_px(&fit.seen, self.scale);
-        // A few samples stand for all: each weighs as much as those it stands for.
+        // Every s-th sample stands for s samples: dividing its σ by √s keeps the total information.
         let stands_for =
             (stride_of_subsample(taking_part.len(), UNCERTAINTY_SAMPLES) as f64).sqrt();
         let of_paint = subsample(taking_part, UNCERTAINTY_SAMPLES).filter_map(|(index, _)| {

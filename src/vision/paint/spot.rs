@@ -1,9 +1,13 @@
-//! A placed point moved to the painted spot that its landmark names: a penalty mark, a face-off
-//! spot, the mark in the middle of a halfway line.
+//! Moves a placed point to the painted point marking that its landmark names: a penalty mark, a
+//! face-off spot, the mark in the middle of a halfway line.
 //!
-//! The spot, and the lines through it, are drawn as the camera sees them, blurred, and laid over
-//! the picture where they explain most of it. Another place that explains nearly as much, or paint
-//! of another shape, gives no result.
+//! # Method
+//!
+//! Template matching by least squares. The template is the marking and the lines through it, as the
+//! camera sees them, blurred (`drawn_spot.rs`), in four sizes. At every whole pixel within reach,
+//! contrast and background level are fitted in closed form; the offset that explains most of the
+//! variance wins. Gauss–Newton then refines the offset below the pixel. There is no result if the
+//! contrast is weak, if the template explains too little, or if another offset is nearly as good.
 
 use super::GroundPicture;
 use super::drawn_spot::{DrawnSpot, Shape, SpotProblem};
@@ -13,45 +17,44 @@ use touchline_core::field::{FieldModel, Landmark};
 use touchline_core::geometry::{ImagePoint, Vec2};
 use touchline_core::solve::{Equations, Problem};
 
-/// Spots are painted as large as the rule says times one of these.
+/// Diameters that are tried, relative to the rule's. Painted markings vary that much.
 const SIZES: [f64; 4] = [0.7, 0.85, 1.0, 1.3];
 
-/// The spot stands out from the ground by at least this, grey levels.
+/// Minimum contrast of the marking against the ground, grey levels.
 const MIN_CONTRAST: f64 = 8.0;
 
-/// At least this share of the squares about the mean is the drawn spot's.
+/// Minimum share of the variance that the template explains.
 const MIN_EXPLAINED: f64 = 0.7;
 
-/// A little beside the best place, px at 1920 px width, the drawn spot leaves so many times the
-/// squares.
+/// At this distance from the best offset, px at 1920 px width, the residual sum of squares is at
+/// least [`MUCH_WORSE`] times the minimum.
 const BESIDE_PX: f64 = 3.0;
 const MUCH_WORSE: f64 = 1.6;
 
-/// Another spot within reach explains at most this share of what the best one does.
+/// Another marking within reach explains at most this share of what the best one does.
 const RIVAL: f64 = 0.6;
 
-/// Another spot is at least this many diameters away, on the ground.
+/// Two offsets are different markings if they are this many diameters apart on the ground.
 const ANOTHER: f64 = 1.2;
 
-/// This share of what surrounds the spot has the ground's colours.
+/// Minimum share of the pixels around the marking that have the ground's colours.
 const ON_GROUND: f64 = 0.7;
 
-/// The noise of a picture is at least this, grey levels.
+/// Minimum 1-σ of a pixel's noise, grey levels.
 const LEAST_NOISE: f64 = 1.5;
 
-/// Neighbouring pixels err together: as if only this share of them were seen.
+/// Neighbouring pixels have correlated errors: only this share of them counts as independent.
 const INDEPENDENT: f64 = 0.25;
 
-/// How often the place is refined. The first time gives contrast and level alone: without contrast
-/// the place says nothing.
+/// Limits the refinement to one iteration fewer than this.
 const STEPS: usize = 6;
 
-/// Nor do these steps lead farther than this, px.
+/// Maximum distance of the refined offset from the best whole-pixel offset, px.
 const MAX_REFINEMENT_PX: f64 = 2.0;
 
-/// Moves a placed point to the spot that is painted around a landmark; none where it has none, or
-/// where the picture does not show it for certain. `camera` need not be exact: its scale and the
-/// direction it looks in are taken from it.
+/// Moves a placed point to the marking that is painted around a landmark. None if the landmark has
+/// no point marking, or if the picture does not show it for certain. `camera` need not be exact:
+/// only its scale and viewing direction at the landmark are used.
 pub(super) fn snap_spot(
     ground: &GroundPicture,
     field: &FieldModel,
@@ -65,6 +68,7 @@ pub(super) fn snap_spot(
     let shapes = SIZES
         .into_iter()
         .filter_map(|size| Shape::of(field, camera, landmark, size * diameter_m, scale));
+    // Best offset over all sizes and all pixels within reach.
     let reach = (options.reach_px * scale).ceil() as i32;
     let looked: Vec<Look> = shapes
         .map(|shape| Look::of(ground, placed, shape, reach))
@@ -75,6 +79,8 @@ pub(super) fn snap_spot(
             .flat_map(|look| look.fits.iter().map(move |fit| (look, fit)))
     };
     let (look, best) = all().max_by(|a, b| a.1.explained.total_cmp(&b.1.explained))?;
+    // Reject if a second marking within reach is nearly as good. On a line this test is skipped:
+    // the template contains the line, so that every offset along the line explains much.
     let another = |fit: &Fit| {
         (look.shape.metres_a_px * (fit.shift - best.shift)).norm() > ANOTHER * diameter_m
     };
@@ -82,6 +88,7 @@ pub(super) fn snap_spot(
     if is_alone && all().any(|(_, fit)| another(fit) && fit.explained > RIVAL * best.explained) {
         return None;
     }
+    // Refine, then test contrast, fit, surroundings and precision.
     let refined = look.refined(ground, best, BESIDE_PX * scale.max(0.5))?;
     let (shift, sigma_px) = (refined.shift, refined.sigma_px.hypot(LINE_SIGMA_PX * scale));
     let is_paint = refined.contrast.abs() >= MIN_CONTRAST
@@ -96,32 +103,32 @@ pub(super) fn snap_spot(
     })
 }
 
-/// A shape laid over a picture at every place within reach.
+/// One template at every offset within reach.
 struct Look {
     placed: ImagePoint,
     shape: Shape,
     fits: Vec<Fit>,
 }
 
-/// A shape at one place.
+/// A template at one offset, px from the placed point.
 #[derive(Clone, Copy, Debug)]
 struct Fit {
     shift: Vec2,
-    /// The squares about the mean that it explains.
+    /// Sum of squares about the mean that the template explains, grey levels².
     explained: f64,
 }
 
-/// How much of some pixels a shape explains.
+/// Linear regression of grey levels on the template's coverage.
 struct Explained {
     contrast: f64,
-    /// The grey level where the shape covers nothing.
+    /// Grey level where the template covers nothing.
     level: f64,
-    /// Squares about the mean that it explains, and all.
+    /// Sum of squares about the mean that the template explains, and the total.
     squares: f64,
     about_mean: f64,
 }
 
-/// A shape where it leaves the least squares.
+/// A template at the offset of least squares.
 struct Refined {
     shift: Vec2,
     sigma_px: f64,
@@ -139,6 +146,8 @@ impl Look {
         for row in -reach..=reach {
             for column in -reach..=reach {
                 let shift = Vec2::new(f64::from(column), f64::from(row));
+                // Only where no pixel is hidden: otherwise the sums of different offsets are not
+                // comparable.
                 let whole = look.pixels(ground, shift);
                 if let Some(seen) = look
                     .is_whole(&whole)
@@ -157,8 +166,8 @@ impl Look {
         look
     }
 
-    /// The pixels around a place: their middles, and what is seen there; those that a graphic hides
-    /// are left out.
+    /// The pixels under a template at an offset: centre relative to the template's centre, px, and
+    /// grey level. Pixels that a graphic covers, and pixels outside the picture, are left out.
     fn pixels(&self, ground: &GroundPicture, shift: Vec2) -> Vec<(Vec2, f64)> {
         let middle = self.placed.moved(shift);
         let [half_x, half_y] = self.shape.half;
@@ -174,15 +183,19 @@ impl Look {
         offsets.filter_map(pixel).collect()
     }
 
-    /// Whether the picture shows all of them.
+    /// Whether none of the template's pixels is hidden.
     fn is_whole(&self, pixels: &[(Vec2, f64)]) -> bool {
         let [columns, rows] = self.shape.half.map(|half| 2 * half as usize + 1);
         pixels.len() == columns * rows
     }
 
-    /// What the shape explains of some pixels, moved by `by` from where they have their middle.
+    /// Fits grey = level + contrast · coverage to some pixels, with the template moved by `by`.
+    ///
+    /// Ordinary least squares for a line: contrast = Σ(c − c̄)(g − ḡ) / Σ(c − c̄)², with the
+    /// coverage c and the grey level g of each pixel.
     fn explained(&self, pixels: &[(Vec2, f64)], by: Vec2) -> Explained {
         let count = pixels.len() as f64;
+        // Sums of coverage c and grey level g: Σc, Σg, Σc², Σcg, Σg².
         let [mut covers, mut greys, mut covers_2, mut both, mut greys_2] = [0.0; 5];
         for (off, grey) in pixels {
             let here = self.shape.covers(off - by);
@@ -193,6 +206,7 @@ impl Look {
                 greys_2 + grey * grey,
             );
         }
+        // About the means. A template that covers all pixels alike has no contrast.
         let of_covers = covers_2 - covers * covers / count;
         let together = both - covers * greys / count;
         let contrast = if of_covers > 0.0 {
@@ -208,8 +222,8 @@ impl Look {
         }
     }
 
-    /// The place between pixels, its σ, and what speaks for it; none where places `beside_px` away
-    /// are nearly as good.
+    /// Refines an offset below the pixel. None if it diverges, or if offsets `beside_px` away are
+    /// nearly as good.
     fn refined(&self, ground: &GroundPicture, from: &Fit, beside_px: f64) -> Option<Refined> {
         let seen = self.pixels(ground, from.shift);
         let count = seen.len() as f64;
@@ -229,9 +243,12 @@ impl Look {
             level,
         };
         let mut result = None;
+        // Offset, contrast and level are refined together; the set of pixels stays.
         for _ in 1..STEPS {
             let equations = problem.equations(&spot);
             let inverse = equations.own.try_inverse()?;
+            // Noise variance from the residuals, at least [`LEAST_NOISE`]², increased for the
+            // correlation of neighbours. The 1-σ is the root of the mean variance of the two axes.
             let left = equations.cost();
             let noise_2 = (left / count).max(LEAST_NOISE.powi(2)) / INDEPENDENT;
             let sigma_px = (noise_2 * 0.5 * (inverse[(0, 0)] + inverse[(1, 1)])).sqrt();
@@ -254,11 +271,12 @@ impl Look {
         result.filter(|_| self.is_much_worse_beside(&seen, spot.by, beside_px))
     }
 
-    /// Whether the shape leaves much more of the squares wherever it is moved `beside_px` from a
-    /// place.
+    /// Whether the residual sum of squares rises by [`MUCH_WORSE`] in all directions at
+    /// `beside_px`. A line, or a border of two areas, fits equally well along itself and fails.
     fn is_much_worse_beside(&self, pixels: &[(Vec2, f64)], by: Vec2, beside_px: f64) -> bool {
         const DIRECTIONS: u32 = 16;
         let noise = pixels.len() as f64 * LEAST_NOISE.powi(2);
+        // Noise is added on both sides: the ratio of two very small residuals says nothing.
         let left = |by: Vec2| {
             let explained = self.explained(pixels, by);
             explained.about_mean - explained.squares + noise
@@ -271,7 +289,7 @@ impl Look {
         })
     }
 
-    /// Whether most of what surrounds the spot is ground.
+    /// Whether most of what surrounds the marking has the ground's colours.
     fn lies_on_ground(&self, ground: &GroundPicture, shift: Vec2) -> bool {
         let middle = self.placed.moved(shift);
         let bare: Vec<ImagePoint> = self

@@ -1,9 +1,16 @@
-//! Painted strokes of a picture, found without any camera: thin and long, brighter than the ground
-//! on both sides, or darker where that is a floor.
+//! Marking pixels of a picture, found without any camera: thin and long, brighter than the ground
+//! on both sides, or, on an indoor floor, darker.
 //!
-//! A stroke is where the blurred brightness, cut across the direction in which it bends most, has
-//! its maximum (Steger, "An unbiased detector of curvilinear structures", PAMI 1998), and its
-//! middle lies between the two edges of the paint.
+//! # Method
+//!
+//! 1. The brightness is blurred, and the Hessian of every pixel near the ground is computed. A
+//!    pixel is a marking pixel where the brightness has a maximum along the eigenvector of the
+//!    strongest curvature (Steger: "An unbiased detector of curvilinear structures", PAMI 20,
+//!    1998), and where the ground on both sides differs enough from it.
+//! 2. On bright paint the centre is measured again, as the midpoint of the two edges, because the
+//!    maximum is biased where the two sides differ in brightness.
+//! 3. Marking pixels are joined to connected components. Short components are dropped, and on turf
+//!    so are those with the colour of lighter turf.
 
 use super::GroundPicture;
 use super::ground_area::{GroundArea, parts};
@@ -11,49 +18,51 @@ use super::profile::Profile;
 use crate::media::{GreyPicture, Picture};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 
-/// How far beside a stroke the ground is compared with it, px: the nearest suits thin lines, the
-/// farthest those near the camera.
+/// Distances from the centre at which the ground is compared with a marking, px. The smallest suits
+/// thin lines, the largest the wide lines near the camera.
 const SIDES_PX: [f64; 3] = [4.0, 8.0, 14.0];
 
-/// Paint is brighter than the ground on both sides by at least this many grey levels, and by this
-/// share.
+/// Minimum contrast of paint against the brighter side: the larger of this many grey levels and
+/// [`MIN_CONTRAST_SHARE`] of that side's brightness.
 const MIN_CONTRAST: f64 = 4.5;
 const MIN_CONTRAST_SHARE: f64 = 0.045;
 
-/// The ground is asked for its colour this far beside a stroke, px; one of them is enough.
+/// Distances from the centre at which the ground's colour is tested, px. One match per side is
+/// enough.
 const COLOURS_PX: [f64; 3] = [8.0, 10.0, 12.0];
 
-/// The picture is blurred with this standard deviation before its curvature is taken, px.
+/// Standard deviation of the Gaussian blur before the Hessian is taken, px.
 const BLUR_PX: f32 = 2.0;
 
-/// The brightness of the blurred picture bends at least as much across a stroke, grey levels / px².
+/// Minimum curvature of the blurred brightness across a marking, grey levels / px².
 const MIN_BEND: f32 = 0.25;
 
-/// Along a stroke it bends at most by this share of that.
+/// Maximum curvature along a marking, as a share of the curvature across it. Blobs exceed it.
 const MAX_BEND_ALONG: f32 = 0.6;
 
-/// A stroke is at least this long, px at 1920 px width, but for the pixels that its ends add.
+/// Minimum extent of a connected component, px at 1920 px width, without the pixels that dilation
+/// adds at its ends.
 const MIN_LENGTH_PX: f64 = 28.0;
 
-/// In smaller pictures it is at least this long, px: the blur draws out the grain of the ground to
-/// shorter strokes.
+/// Lower limit of the minimum extent in small pictures, px. The blur has a fixed width and makes
+/// the grain of the turf into components of about this extent at any resolution.
 const GRAIN_PX: f64 = 20.0;
 
-/// A place on a stroke.
+/// A marking pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrokePoint {
-    /// The middle of the stroke, px of the picture.
+    /// Centre of the marking, px.
     pub at: ImagePoint,
-    /// The unit vector across the stroke.
+    /// Unit vector across the marking, in the picture.
     pub normal: Vec2,
-    /// How long the stroke is from end to end, px.
+    /// Diagonal of the bounding box of the connected component that the pixel belongs to, px.
     pub length_px: f64,
 }
 
-/// The strokes of a picture, and where it shows ground.
+/// The marking pixels of a picture, and where it shows ground.
 #[derive(Clone, Debug)]
 pub struct Strokes {
-    /// Places on strokes, row by row.
+    /// Marking pixels, row by row.
     pub points: Vec<StrokePoint>,
     cells: Cells,
 }
@@ -61,21 +70,22 @@ pub struct Strokes {
 /// What a picture shows at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
-    /// A stroke, within a few px.
+    /// A marking within a few px.
     Stroke,
     /// Ground without paint.
     Ground,
-    /// Something else, or nothing: it lies outside.
+    /// Neither: a player, a board, a graphic, or a point outside the picture.
     Other,
 }
 
 impl Strokes {
-    /// The strokes of a picture.
+    /// Detects the markings of a picture.
     #[must_use]
     pub fn of(ground: &GroundPicture) -> Self {
         let size = ground.size();
         let area = GroundArea::of(ground);
         let mut cells = Cells::new(size);
+        // A cell lies in the ground area if its first pixel does: the area is made of 8 px blocks.
         for row in 0..cells.rows {
             for column in 0..cells.columns {
                 if area.holds(column * CELL_PX, row * CELL_PX) {
@@ -101,14 +111,14 @@ impl Strokes {
         }
     }
 
-    /// Columns and rows of the picture.
+    /// Width and height of the picture, px.
     #[must_use]
     pub const fn size(&self) -> ImageSize {
         self.cells.size
     }
 }
 
-/// The middle of a stroke in one pixel.
+/// The centre of a marking found in one pixel.
 struct RidgePixel {
     index: usize,
     at: ImagePoint,
@@ -116,7 +126,7 @@ struct RidgePixel {
     colours: Colours,
 }
 
-/// The colours of a stroke and of the ground beside it, red, green and blue, summed over places.
+/// Sums of red, green and blue over marking pixels: on the marking, and on the ground beside it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Colours {
     stroke: [f64; 3],
@@ -124,7 +134,7 @@ struct Colours {
 }
 
 impl Colours {
-    /// At the middle of a stroke, the ground taken `side_px` beside it.
+    /// The colours at the centre of a marking and, averaged, `side_px` to both sides of it.
     fn at(picture: &Picture, at: ImagePoint, normal: Vec2, side_px: f64) -> Self {
         let colour = |at: ImagePoint| {
             let pixel = picture
@@ -149,14 +159,17 @@ impl Colours {
         }
     }
 
-    /// Whether the stroke is turf that is brighter than that beside it, as a stripe of mowing seen
-    /// from far away is: what it adds has the green of the ground. White paint adds less green than
-    /// red and blue, yellow paint hardly any blue.
+    /// Whether the marking is turf that is lighter than the turf beside it, such as a mowing stripe
+    /// seen from far away.
+    ///
+    /// Compares the colour that the marking adds to the ground. Lighter turf adds the ground's own
+    /// green. White paint adds less green than red and blue, and yellow paint adds hardly any blue.
     fn are_of_brighter_turf(&self) -> bool {
-        /// Painted lines on a drawn match had at most .1 of the ground's green in what they add,
-        /// stripes .44 and more.
+        /// Minimum ratio of greenness, added colour by ground, for lighter turf. Painted lines of a
+        /// drawn match have at most 0.1, mowing stripes at least 0.44.
         const GREEN: f64 = 0.35;
-        /// By so much of what it adds yellow paint has more red than blue.
+        /// Yellow paint has at least this much more red than blue, as a share of the colour that it
+        /// adds.
         const YELLOW: f64 = 0.35;
         let added = [0, 1, 2].map(|channel| self.stroke[channel] - self.ground[channel]);
         let green = |[red, green, blue]: [f64; 3]| {
@@ -171,7 +184,7 @@ impl Colours {
     }
 }
 
-/// Whether a stroke is brighter than the ground or darker.
+/// Whether a marking is brighter or darker than the ground.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Tone {
     Bright,
@@ -179,7 +192,7 @@ enum Tone {
 }
 
 impl Tone {
-    /// By which the brightness is multiplied so that strokes are bright.
+    /// Factor that makes the marking a maximum of brightness.
     const fn sign(self) -> f32 {
         match self {
             Self::Bright => 1.0,
@@ -188,10 +201,11 @@ impl Tone {
     }
 }
 
-/// The middles of all strokes, row by row.
+/// The marking pixels of the ground area, row by row.
 fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
     let (width, height) = (ground.size().width as usize, ground.size().height as usize);
     let smooth = blurred(ground.grey());
+    // Paint on turf is always lighter. Lines of indoor floors may be dark.
     let tones: &[Tone] = if ground.surface().is_turf() {
         &[Tone::Bright]
     } else {
@@ -206,6 +220,7 @@ fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
             }
             let index = y * width + x;
             for tone in tones {
+                // Sub-pixel maximum of the blurred brightness along the normal.
                 let Some((normal, beside_px)) = bend(&smooth, index, width, *tone) else {
                     continue;
                 };
@@ -214,12 +229,16 @@ fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
                     Tone::Bright => brightest(ground.grey(), at, normal),
                     Tone::Dark => at,
                 };
+                // The contrast is measured in the unblurred picture: the blur lowers that of thin
+                // lines.
                 let Some(side_px) = contrasts(ground.grey(), at, normal, *tone) else {
                     continue;
                 };
                 if !has_ground_beside(area, at, normal) {
                     continue;
                 }
+                // With the distance of the ground known, the centre is measured again from both
+                // edges.
                 let at = match tone {
                     Tone::Bright => between_edges(&mut profile, ground.grey(), at, normal, side_px),
                     Tone::Dark => at,
@@ -237,17 +256,25 @@ fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
     found
 }
 
-/// The direction across a stroke at a pixel, and how far along it the middle lies, px; none where
-/// that is in another pixel or the picture does not bend like a stroke.
+/// The normal of a ridge at a pixel, and the signed distance from the pixel's centre along it to
+/// the maximum, px. None where the curvature is not that of a line, or where the maximum lies in
+/// another pixel.
+///
+/// As in Steger 1998: n is the eigenvector of the Hessian H with the most negative eigenvalue, and
+/// the maximum along n lies at t = −(n·∇I) / (nᵀ H n).
 fn bend(smooth: &[f32], index: usize, width: usize, tone: Tone) -> Option<(Vec2, f64)> {
     let sign = tone.sign();
     let at =
         |dx: isize, dy: isize| sign * smooth[index.wrapping_add_signed(dy * width as isize + dx)];
     let (centre, left, right, above, below) = (at(0, 0), at(-1, 0), at(1, 0), at(0, -1), at(0, 1));
     let (xx, yy) = (left - 2.0 * centre + right, above - 2.0 * centre + below);
+    // Early exit without a square root. The conditions on both eigenvalues below imply this bound
+    // on their sum, the trace.
     if xx + yy > -MIN_BEND * (1.0 - MAX_BEND_ALONG) {
         return None;
     }
+    // Gradient and mixed derivative by central differences, then the eigenvalues of the symmetric 2
+    // × 2 Hessian.
     let (x, y) = (0.5 * (right - left), 0.5 * (below - above));
     let xy = 0.25 * (at(1, 1) - at(-1, 1) - at(1, -1) + at(-1, -1));
     let (mean, spread) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
@@ -255,10 +282,12 @@ fn bend(smooth: &[f32], index: usize, width: usize, tone: Tone) -> Option<(Vec2,
     if across > -MIN_BEND || along.abs() > MAX_BEND_ALONG * across.abs() {
         return None;
     }
-    // The eigenvector of the greater bend.
+    // atan2 / 2 is the angle of the eigenvector of `along`, the larger eigenvalue; the normal is
+    // perpendicular to it.
     let turn = 0.5 * (2.0 * xy).atan2(xx - yy) + std::f32::consts::FRAC_PI_2;
     let (normal_y, normal_x) = turn.sin_cos();
     let beside = -(x * normal_x + y * normal_y) / across;
+    // A little more than half a pixel, so that no maximum is lost between two neighbours.
     let within = (beside * normal_x).abs() <= 0.6 && (beside * normal_y).abs() <= 0.6;
     within.then(|| {
         (
@@ -268,12 +297,12 @@ fn bend(smooth: &[f32], index: usize, width: usize, tone: Tone) -> Option<(Vec2,
     })
 }
 
-/// The brightest place beside the maximum of the blurred brightness: paint 1 px wide lies beside
-/// that where a stripe of mowing ends.
+/// Moves a point to the brightest unblurred value within 1.5 px along the normal. Where a mowing
+/// stripe ends, 1 px wide paint lies beside the maximum of the blurred brightness.
 fn brightest(grey: &GreyPicture, at: ImagePoint, normal: Vec2) -> ImagePoint {
     const STEP_PX: f64 = 0.5;
     const STEPS: i32 = 3;
-    // The nearest of equally bright ones.
+    // From near to far, so that of equally bright points the nearest wins.
     let beside = (0..=STEPS)
         .flat_map(|step| [step, -step])
         .map(|step| at.moved(normal * (STEP_PX * f64::from(step))));
@@ -283,10 +312,11 @@ fn brightest(grey: &GreyPicture, at: ImagePoint, normal: Vec2) -> ImagePoint {
         .map_or(at, |(_, at)| at)
 }
 
-/// The middle between the edges of bright paint, with ground `side_px` beside it. Stripes of mowing
-/// end where lines are painted, and the blurred brightness has its maximum on the brighter side, by
-/// 1.5 px where the paint is 1 px wide; the edges, each halfway between the paint and its own
-/// ground, stay where they are.
+/// The midpoint of the two edges of bright paint, with ground `side_px` beside it.
+///
+/// Mowing stripes often end at painted lines. The maximum of the blurred brightness is then shifted
+/// to the brighter side, by 1.5 px for paint 1 px wide. The edges are not: each is taken halfway
+/// between the brightness of the paint and that of its own side.
 fn between_edges(
     profile: &mut Profile,
     grey: &GreyPicture,
@@ -295,7 +325,7 @@ fn between_edges(
     side_px: f64,
 ) -> ImagePoint {
     const STEP_PX: f64 = 0.5;
-    /// The paint is at its brightest this near to the maximum of the blurred brightness, px.
+    /// Maximum distance of the brightest point from the starting point, px.
     const BESIDE_PX: f64 = 3.0;
     profile.read(grey, at, normal, 2.0 * side_px, STEP_PX);
     let middle = profile.len() / 2;
@@ -303,16 +333,19 @@ fn between_edges(
         profile.places(side_px),
         profile.places(BESIDE_PX).unsigned_abs(),
     );
+    // Peak of the unblurred profile.
     let near = middle.saturating_sub(beside)..=(middle + beside).min(profile.len() - 1);
     let Some(brightest) =
         near.max_by(|one, other| profile.grey(*one).total_cmp(&profile.grey(*other)))
     else {
         return at;
     };
+    // Each side has a brightness of its own, averaged from one to two times `side_px` away.
     let (before, behind) = (
         profile.mean(middle, -2 * side, -side),
         profile.mean(middle, side, 2 * side),
     );
+    // An edge is where the profile falls to half the contrast against that side.
     let edge = |direction: isize, ground: f64| {
         profile.falls_below(
             brightest,
@@ -327,7 +360,8 @@ fn between_edges(
     }
 }
 
-/// How far beside a place the ground on both sides is darker, or brighter, than there, px.
+/// The smallest of [`SIDES_PX`] at which both sides are darker, or for dark markings brighter, than
+/// the centre by the minimum contrast.
 fn contrasts(grey: &GreyPicture, at: ImagePoint, normal: Vec2, tone: Tone) -> Option<f64> {
     let here = grey.at(at);
     SIDES_PX.into_iter().find(|side_px| {
@@ -343,8 +377,8 @@ fn contrasts(grey: &GreyPicture, at: ImagePoint, normal: Vec2, tone: Tone) -> Op
     })
 }
 
-/// Whether the ground's colours lie on both sides of a place; on one side near the border of the
-/// ground.
+/// Whether both sides of a point have the ground's colour. Near the border of the ground area one
+/// side is enough: a boundary line may have a board beyond it.
 fn has_ground_beside(area: &GroundArea, at: ImagePoint, normal: Vec2) -> bool {
     let side = |sign: f64| {
         COLOURS_PX
@@ -358,10 +392,11 @@ fn has_ground_beside(area: &GroundArea, at: ImagePoint, normal: Vec2) -> bool {
     }
 }
 
-/// Places on strokes that are long enough, row by row; on turf without those of brighter turf.
+/// The marking pixels of components that are long enough; on turf without components of lighter
+/// turf.
 fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<StrokePoint> {
     let (width, height) = (size.width as usize, size.height as usize);
-    // Strokes are joined over gaps of two pixels.
+    // Dilating by one pixel joins pixels across gaps of up to two pixels.
     let mut set = vec![false; width * height];
     for ridge in ridges {
         let (x, y) = (ridge.index % width, ridge.index / width);
@@ -369,6 +404,7 @@ fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<Strok
             set[y * width + x.saturating_sub(1)..y * width + (x + 2).min(width)].fill(true);
         }
     }
+    // Extent of each connected component: the diagonal of its bounding box, px.
     let mut of_part = vec![0_usize; width * height];
     let mut strokes: Vec<(f64, Colours)> = Vec::new();
     for part in parts(&set, width) {
@@ -387,9 +423,11 @@ fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<Strok
         }
         strokes.push((f64::from(length), Colours::default()));
     }
+    // Colours are summed over whole components; the colour of one pixel is too noisy to decide.
     for ridge in ridges {
         strokes[of_part[ridge.index]].1.add(&ridge.colours);
     }
+    // Dilation adds one pixel at each end.
     let least_px = (MIN_LENGTH_PX * size.scale_from_1920()).max(GRAIN_PX) + 2.0;
     let is_paint: Vec<bool> = strokes
         .iter()
@@ -407,7 +445,8 @@ fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<Strok
         .collect()
 }
 
-/// The brightness, blurred by [`BLUR_PX`].
+/// The brightness convolved with a Gaussian of [`BLUR_PX`], truncated at 3 σ; the border pixels are
+/// repeated outside.
 fn blurred(grey: &GreyPicture) -> Vec<f32> {
     let (width, height) = (grey.size.width as usize, grey.size.height as usize);
     let reach = (3.0 * BLUR_PX).ceil() as isize;
@@ -419,6 +458,7 @@ fn blurred(grey: &GreyPicture) -> Vec<f32> {
     let clamped = |at: usize, step: usize, last: usize| {
         (at as isize + step as isize - reach).clamp(0, last as isize) as usize
     };
+    // The Gaussian is separable: first along rows. The inner loop runs over contiguous memory.
     let mut across = vec![0.0_f32; width * height];
     for (row, out) in grey
         .values
@@ -434,6 +474,7 @@ fn blurred(grey: &GreyPicture) -> Vec<f32> {
             }
         }
     }
+    // Then along columns, again a row at a time.
     let mut both = vec![0.0_f32; width * height];
     for (y, out) in both.chunks_exact_mut(width.max(1)).enumerate() {
         for (step, weight) in kernel.iter().enumerate() {
@@ -446,12 +487,12 @@ fn blurred(grey: &GreyPicture) -> Vec<f32> {
     both
 }
 
-/// The side of a cell, px.
+/// Side of a cell, px.
 const CELL_PX: usize = 2;
 const GROUND: u8 = 1;
 const STROKE: u8 = 2;
 
-/// What a picture shows, cell by cell.
+/// What a picture shows, as one byte of flags for each cell of [`CELL_PX`].
 #[derive(Clone, Debug)]
 struct Cells {
     size: ImageSize,
@@ -482,7 +523,7 @@ impl Cells {
         self.flags[row.min(self.rows - 1) * self.columns + column.min(self.columns - 1)]
     }
 
-    /// Marks the cells around a place on a stroke.
+    /// Marks the 5 × 5 cells around a marking pixel.
     fn mark_stroke(&mut self, at: ImagePoint) {
         const REACH: usize = 2;
         let (column, row) = (at.x as usize / CELL_PX, at.y as usize / CELL_PX);

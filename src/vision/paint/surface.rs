@@ -1,58 +1,73 @@
-//! What the ground of a picture looks like: the colours of its turf or wood, whatever the light.
+//! The colours of a picture's ground, turf or floor, in any light.
+//!
+//! # Method
+//!
+//! A colour is represented by its chromaticity, the shares of red and green in the sum of the three
+//! channels, so that light and shade have one colour. The chromaticities of a subsample of pixels
+//! are counted in a histogram of 64 × 64 bins. The ground is the most common bin and everything
+//! connected to it through bins that are common enough. This assumes only that the ground is the
+//! most common colour.
+//!
+//! Floors have painted areas (keys, circles) of other colours. They are found by position: their
+//! pixels lie between pieces of floor in a column of the picture. Turf has none.
 
 use crate::media::Picture;
 
-/// Shares of red and of green in a colour's brightness are told apart in this many steps each.
+/// Bins of the histogram of chromaticities, per axis.
 const BINS: usize = 64;
 
-/// The shares of red and green that the bins cover; colours outside fall into the outermost bin.
+/// The range of the shares of red and green that the bins cover. Colours outside fall into the
+/// outermost bins.
 const SHARES: (f64, f64) = (0.12, 0.60);
 
-/// One column and one row in this many is looked at.
+/// Every n-th column and row is sampled.
 const STRIDE: usize = 8;
 
-/// A colour belongs to the ground if it is at least this common, as a share of the most common one,
-/// and its neighbours connect it to that one.
+/// Minimum count of a bin of the ground, as a share of the largest count.
 const LEAST_COMMON: f64 = 0.03;
 
-/// The same for its most common colours alone, which hardly anything beside the field has.
+/// The same for the ground's most common colours, which hardly anything outside the field has.
 const LEAST_COMMON_BARE: f64 = 0.08;
 
-/// Darker pixels than this (sum of three channels) have no colour worth the name.
+/// Pixels with a smaller sum of the three channels have no reliable chromaticity.
 const DARK: u32 = 36;
 
-/// Ground is turf if its share of green exceeds those of red and blue by this.
+/// Ground is turf if its share of green exceeds those of red and of blue by this.
 const GREEN: f64 = 0.01;
 
-/// Areas painted on a floor: at most this many colours,
+/// Maximum number of colours of painted areas.
 const MOST_AREAS: usize = 3;
 
-/// each at least this common between pieces of the floor, as a share of the floor itself;
+/// Minimum size of an area, in pixels between pieces of floor, as a share of the floor's pixels.
 const LEAST_AREA: f64 = 0.03;
 
-/// their colours are at least this common, as a share of the most common one of the area.
+/// Minimum count of a bin of an area, as a share of the area's largest count.
 const LEAST_COMMON_AREA: f64 = 0.12;
 
-/// Greys, white paint among them, are no area: their shares are this near to a third.
+/// A bin is grey, such as white paint, if its shares of red and green are this near to a third.
+/// Grey bins belong to no area.
 const GREY: f64 = 0.025;
 
-/// The floor begins and ends in a column of the picture where all but one of so many pixels looked
-/// at are of it: single ones may be skin.
+/// In a column, the floor begins and ends at runs of this many samples of which at most one is not
+/// floor. Single samples may be skin.
 const RUN: usize = 4;
 
 /// The colours of the ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
+    /// For each bin, whether it belongs to the ground.
     of_ground: Vec<bool>,
-    /// The bins of its most common colours.
+    /// Whether the bin is one of the ground's most common colours.
     of_bare_ground: Vec<bool>,
-    /// The bins of areas painted on it: keys, circles, what surrounds a court. Turf has none.
+    /// Whether the bin belongs to a painted area: a key, a circle, the surroundings of a court. All
+    /// false on turf.
     of_areas: Vec<bool>,
     is_turf: bool,
+    /// Share of the sampled pixels that have the ground's colours.
     share: f64,
 }
 
-/// What a pixel of the ground belongs to.
+/// The part of the ground that a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum GroundPart {
     /// Turf, or the floor's own colour.
@@ -61,17 +76,18 @@ pub(super) enum GroundPart {
     Area,
 }
 
-/// The share in the middle of a bin, along one axis.
+/// The share at the centre of a bin, along one axis.
 fn share_of(step: usize) -> f64 {
     SHARES.0 + (step as f64 + 0.5) / BINS as f64 * (SHARES.1 - SHARES.0)
 }
 
-/// The bin of a colour; none where it is too dark to have one.
+/// The bin of a colour. None if it is too dark.
 fn bin([red, green, blue]: [u8; 3]) -> Option<usize> {
     let sum = u32::from(red) + u32::from(green) + u32::from(blue);
     if sum < DARK {
         return None;
     }
+    // The shares of red and green; blue's is the rest.
     let step = |channel: u8| {
         let share = f64::from(channel) / f64::from(sum);
         let at = (share - SHARES.0) / (SHARES.1 - SHARES.0) * BINS as f64;
@@ -81,13 +97,11 @@ fn bin([red, green, blue]: [u8; 3]) -> Option<usize> {
 }
 
 impl Surface {
-    /// The ground of a picture: its most common colour and what is continuous with it.
-    ///
-    /// Colours are shares of red, green and blue, so that stripes of light and shade are one
-    /// colour.
+    /// The colours of a picture's ground.
     #[must_use]
     pub fn of(picture: &Picture) -> Self {
         let bins = Bins::of(picture);
+        // Histogram, smoothed so that a sparse histogram stays connected.
         let mut counts = vec![0_f64; BINS * BINS];
         for bin in bins.rows.iter().flatten().flatten() {
             counts[*bin] += 1.0;
@@ -103,6 +117,7 @@ impl Surface {
             .map(|(count, _)| count)
             .sum();
         let all = bins.rows.iter().map(Vec::len).sum::<usize>() as f64;
+        // Turf or floor, by the most common colour.
         let (red, green) = (share_of(peak / BINS), share_of(peak % BINS));
         let is_turf = green - red.max(1.0 - red - green) > GREEN;
         let of_areas = if is_turf {
@@ -119,13 +134,13 @@ impl Surface {
         }
     }
 
-    /// Whether a colour is one of the ground's, or of an area that is painted on it.
+    /// Whether a colour belongs to the ground or to an area painted on it.
     #[must_use]
     pub fn holds(&self, colour: [u8; 3]) -> bool {
         self.part(colour).is_some()
     }
 
-    /// What a colour belongs to; none where it is not the ground's.
+    /// The part of the ground that a colour belongs to. None if it is not the ground's.
     #[must_use]
     pub(super) fn part(&self, colour: [u8; 3]) -> Option<GroundPart> {
         let bin = bin(colour)?;
@@ -136,15 +151,14 @@ impl Surface {
         }
     }
 
-    /// Whether a colour is one of the ground's most common ones, or of an area that is painted on
-    /// it.
+    /// Whether a colour is one of the ground's most common ones or belongs to a painted area.
     #[must_use]
     pub(super) fn is_common(&self, colour: [u8; 3]) -> bool {
         bin(colour).is_some_and(|bin| self.of_bare_ground[bin] || self.of_areas[bin])
     }
 
-    /// Whether the ground is green: its lines are brighter than it. Those of other floors may be
-    /// darker, or of another colour.
+    /// Whether the ground is green. Lines on turf are lighter than it; lines on other floors may be
+    /// darker or of another hue.
     #[must_use]
     pub const fn is_turf(&self) -> bool {
         self.is_turf
@@ -157,7 +171,7 @@ impl Surface {
     }
 }
 
-/// The bins of the pixels that are looked at, row by row.
+/// The bins of the sampled pixels, row by row. None for dark pixels.
 struct Bins {
     rows: Vec<Vec<Option<usize>>>,
 }
@@ -180,11 +194,11 @@ impl Bins {
         }
     }
 
-    /// The bins of areas painted on a floor of `floor` pixels: common colours that lie, in a column
-    /// of the picture, between pieces of it.
+    /// The bins of areas painted on a floor of `floor` sampled pixels.
     fn areas(&self, of_ground: &[bool], floor: f64) -> Vec<bool> {
         let mut between = vec![0_f64; BINS * BINS];
         for column in 0..self.rows.first().map_or(0, Vec::len) {
+            // A column shows floor from its first run of floor samples to its last.
             let of_floor = |row: usize| self.rows[row][column].is_some_and(|bin| of_ground[bin]);
             let runs =
                 |row: &usize| (*row..*row + RUN).filter(|row| of_floor(*row)).count() + 1 >= RUN;
@@ -192,6 +206,8 @@ impl Bins {
             let (Some(first), last) = (starts.next(), starts.next_back()) else {
                 continue;
             };
+            // Whatever is in between and neither floor nor grey is counted. People are, too, but
+            // they have many colours, none of them common.
             for row in first..last.unwrap_or(first) {
                 if let Some(bin) =
                     self.rows[row][column].filter(|bin| !of_ground[*bin] && !is_grey(*bin))
@@ -200,6 +216,8 @@ impl Bins {
                 }
             }
         }
+        // The most common of these colours, with what is connected to it, is an area; then the
+        // next.
         let mut left = blurred(&between);
         let mut areas = vec![false; BINS * BINS];
         for _ in 0..MOST_AREAS {
@@ -223,6 +241,7 @@ impl Bins {
     }
 }
 
+/// Whether the bin's chromaticity is near that of grey.
 fn is_grey(bin: usize) -> bool {
     let off = |step: usize| (share_of(step) - 1.0 / 3.0).abs();
     off(bin / BINS) < GREY && off(bin % BINS) < GREY
@@ -235,7 +254,7 @@ fn peak_of(counts: &[f64]) -> usize {
         .unwrap_or(0)
 }
 
-/// Every count averaged with its eight neighbours.
+/// Every count averaged with its eight neighbours; neighbours outside count as empty.
 fn blurred(counts: &[f64]) -> Vec<f64> {
     let at = |row: usize, column: usize| {
         let mut sum = 0.0;
@@ -251,11 +270,13 @@ fn blurred(counts: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// The bins that are common enough and reached from the most common one over such bins.
+/// Flood fill from the most common bin through bins with more than `least_common` of its count,
+/// diagonals included.
 fn connected_to_the_peak(counts: &[f64], least_common: f64) -> Vec<bool> {
     let mut reached = vec![false; counts.len()];
     let peak = peak_of(counts);
     let least = counts[peak] * least_common;
+    // Bins are tested when they leave the stack; neighbours are pushed without a test.
     let mut open = vec![peak];
     while let Some(bin) = open.pop() {
         if reached[bin] || !(counts[bin] > least) {

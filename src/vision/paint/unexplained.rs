@@ -1,5 +1,5 @@
-//! Paint that a camera does not predict: ridges found along rows and columns of the picture, away
-//! from every line.
+//! Paint that a camera does not predict: ridges along rows and columns of the picture that lie away
+//! from every predicted line.
 
 use super::GroundPicture;
 use super::across::Across;
@@ -9,22 +9,21 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
 use touchline_core::markings::LineSample;
 
-/// Rows and columns are looked at this far apart, px at 1920 px width.
+/// Distance between the rows and columns that are searched, px at 1920 px width.
 const SPACING_PX: f64 = 40.0;
 
-/// A row or column is looked at in pieces this long, px at 1920 px width, each with its own width
-/// of paint.
+/// Length of the pieces into which a row or column is divided, px at 1920 px width. The expected
+/// width of paint is constant within a piece.
 const PIECE_PX: f64 = 240.0;
 
-/// Paint nearer than this to a predicted line is explained by it, px at 1920 px width.
+/// Size of the cells that a predicted line explains, with their neighbours, px at 1920 px width.
 const NEAR_PX: f64 = 16.0;
 
-/// Fewer places of paint say nothing.
+/// Minimum number of ridges for a share to be given.
 const FEWEST: usize = 12;
 
-/// The share, 0 to 1, of the paint on the playing area that none of the samples of the predicted
-/// lines explains; none where there is too little paint. `samples` lie no farther apart than 16 px
-/// at 1920 px width.
+/// Share, 0 to 1, of the ridges on the playing area that none of the predicted lines explains. None
+/// if there are too few ridges. `samples` lie at most 16 px apart, at 1920 px width.
 pub(super) fn unexplained_share(
     ground: &GroundPicture,
     field: &FieldModel,
@@ -33,6 +32,7 @@ pub(super) fn unexplained_share(
 ) -> Option<f64> {
     let scale = ground.size().scale_from_1920();
     let explained = Explained::by(samples, ground, NEAR_PX * scale);
+    // Any painted line may be missing, so the widest sets the expected width.
     let width_m = field
         .lines
         .iter()
@@ -46,6 +46,7 @@ pub(super) fn unexplained_share(
     let mut finder = RidgeFinder::default();
     let mut found = Vec::new();
     let (mut all, mut alone) = (0_usize, 0_usize);
+    // Rows find steep lines, columns find level ones.
     for (along, length, breadth) in [
         (Vec2::new(1.0, 0.0), width, height),
         (Vec2::new(0.0, 1.0), height, width),
@@ -54,6 +55,8 @@ pub(super) fn unexplained_share(
         for row in middles(breadth, SPACING_PX * scale) {
             for piece in middles(length, PIECE_PX * scale) {
                 let at = ImagePoint::new(0.0, 0.0).moved(along * piece + across * row);
+                // The middle of the piece gives its expected width; pieces whose middle shows no
+                // field are skipped.
                 let Some(width_px) = paint_px(camera, field, at, along, width_m) else {
                     continue;
                 };
@@ -64,6 +67,7 @@ pub(super) fn unexplained_share(
                     width_px,
                     outward: 0.0,
                 };
+                // Along the piece itself: its direction is the normal of the paint that is sought.
                 finder.find(
                     ground,
                     &place,
@@ -71,6 +75,8 @@ pub(super) fn unexplained_share(
                     1.0,
                     &mut found,
                 );
+                // Only paint on the playing area counts: boards and signs beside it are not the
+                // camera's to explain.
                 for ridge in &found {
                     let at = place.point(ridge.offset_px);
                     if !ground.is_masked(at) && on_field(camera, field, at).is_some() {
@@ -84,20 +90,20 @@ pub(super) fn unexplained_share(
     (all >= FEWEST).then(|| alone as f64 / all as f64)
 }
 
-/// The middles of the pieces of about a given length that a length is divided into.
+/// The middles of equal pieces, of about the given length, of a length.
 fn middles(length: f64, piece: f64) -> impl Iterator<Item = f64> {
     let count = (length / piece).round().max(1.0);
     (0..count as u32).map(move |index| (f64::from(index) + 0.5) * length / count)
 }
 
-/// The place of the playing area that a pixel shows.
+/// The point of the playing area that a pixel shows, m.
 fn on_field(camera: &PtzCamera, field: &FieldModel, at: ImagePoint) -> Option<Vec3> {
     let place = camera.plane_from_image(at, 0.0)?;
     (place.x.abs() <= field.length_m / 2.0 && place.y.abs() <= field.width_m / 2.0).then_some(place)
 }
 
-/// How wide paint that is `width_m` wide and crosses a direction at a right angle is at a pixel, px
-/// along the direction.
+/// Extent, along a direction in the picture, of paint that is `width_m` wide and crosses that
+/// direction at a right angle on the ground, px.
 fn paint_px(
     camera: &PtzCamera,
     field: &FieldModel,
@@ -105,6 +111,7 @@ fn paint_px(
     along: Vec2,
     width_m: f64,
 ) -> Option<f64> {
+    // The mapping from ground to picture, linearised; its inverse gives metres per px.
     let here = camera
         .image_from_world_jacobian(on_field(camera, field, at)?)
         .ok()?;
@@ -123,10 +130,12 @@ struct Explained {
 
 impl Explained {
     fn by(samples: &[LineSample], ground: &GroundPicture, near_px: f64) -> Self {
+        // A coarse raster instead of distances to all samples: it is looked up for every ridge.
         let cell_px = near_px.max(1.0);
         let count = |extent: u32| (f64::from(extent) / cell_px) as usize + 1;
         let (columns, rows) = (count(ground.size().width), count(ground.size().height));
         let mut cells = vec![false; columns * rows];
+        // The cell of each sample and its eight neighbours: at least `near_px` in all directions.
         for sample in samples {
             let (column, row) = (
                 (sample.image.x / cell_px) as usize,
