@@ -143,8 +143,8 @@ pub(super) struct CholeskyFactor {
 }
 
 impl CholeskyFactor {
-    /// The least `L_kk² / A_kk`: the share of what is known of a parameter that those before it do
-    /// not take. Nearly 0 where the matrix leaves a direction open.
+    /// The least `L_kk² / A_kk`: the share of the information on a parameter that remains after the
+    /// parameters before it are eliminated. Nearly 0 if the matrix leaves a direction undetermined.
     pub fn least_pivot_share(&self) -> f64 {
         self.least_pivot_share
     }
