@@ -1,17 +1,18 @@
-//! How far cameras are apart, and which references are nearest to one.
+//! Distances between cameras, and the references nearest to one.
 
 use touchline_core::camera::Ptz;
 
-/// How far two cameras are apart: the turn of the axis in rad, and the logarithm of the ratio of
-/// their focal lengths.
+/// The difference of two cameras: rotation of the optical axis, rad, and logarithm of the ratio of
+/// the focal lengths.
 pub(super) fn apart(one: &Ptz, other: &Ptz) -> (f64, f64) {
+    // Small-angle arc: a pan moves the axis by its cosine of tilt.
     let pan = one.pan.turn_from(other.pan).radians() * one.tilt.radians().cos();
     let tilt = (one.tilt - other.tilt).radians();
     (pan.hypot(tilt), (one.focal_px / other.focal_px).ln())
 }
 
-/// The references nearest to a camera, at most `most`, by their places, the nearest first. A turn
-/// by a rad and a zoom by a factor of e count alike.
+/// Indices of at most `most` references nearest to a camera, the nearest first. A rotation by 1 rad
+/// and a zoom by a factor e count alike.
 pub(super) fn nearest(ptz: &Ptz, references: &[Ptz], most: usize) -> Vec<usize> {
     let distance = |reference: &Ptz| {
         let (turn, zoom) = apart(ptz, reference);

@@ -10,7 +10,7 @@ use nalgebra::{Matrix6, Vector6};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::{Mat3, Vec3};
 
-/// Options of [`smooth`].
+/// Options of [`smooth()`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothOptions {
     /// A frame that a person accepted moves by at most this many of its 1-σ. Default: 1.
