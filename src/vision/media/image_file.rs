@@ -13,12 +13,12 @@ use std::path::Path;
 use touchline_core::files::read_named;
 use touchline_core::geometry::ImageSize;
 
-/// How large a picture may be, so that a few bytes cannot claim all memory.
+/// Size limits of pictures: a small file could otherwise claim all memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ImageLimits {
-    /// The longest side, px. 16,384 by default, the side of a texture that graphics adapters take.
+    /// The longest side, px. Default: 16,384, the largest texture of common graphics adapters.
     pub max_side_px: u32,
-    /// The largest area, millions of px. 100 by default, 400 MB once decoded.
+    /// The largest area, millions of px. Default: 100, which is 400 MB decoded.
     pub max_megapixels: u64,
 }
 
@@ -31,13 +31,13 @@ impl Default for ImageLimits {
     }
 }
 
-/// What a PNG begins with.
+/// The signature of a PNG.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// What may be read of a PNG beside its pixels: colour profile, EXIF, texts.
+/// Maximum size of a PNG's metadata: colour profile, EXIF, texts.
 const MAX_METADATA_BYTES: u64 = 16 << 20;
 
-/// Bytes that a decoder may allocate for one px: four channels of 32 bits at most.
+/// Memory that a decoder may allocate per px: at most four channels of 32 bits.
 const MAX_BYTES_PER_PX: u64 = 16;
 
 impl ImageLimits {
@@ -139,8 +139,8 @@ fn open_decoder(
                 path: path.to_path_buf(),
             });
         };
-        // The size is checked below, with its numbers; this bounds what a decoder allocates before
-        // and beside it.
+        // The size is checked below, with a message that has its numbers; this bounds what a
+        // decoder allocates before and in addition.
         let mut decoder_limits = Limits::no_limits();
         decoder_limits.max_alloc = Some(max_alloc);
         reader.limits(decoder_limits);
@@ -149,8 +149,8 @@ fn open_decoder(
             .map_err(|error| named(path, limits, &error))?;
         Ok((format, decoder))
     };
-    // A colour profile unfolds before the size of a PNG is known, so it is opened with little
-    // first.
+    // The compressed colour profile of a PNG is inflated before its size is known, so the first
+    // attempt has a small limit.
     let (format, mut decoder) = open(if is_png(path)? {
         MAX_METADATA_BYTES
     } else {
@@ -188,7 +188,7 @@ fn orientation_of(decoder: &mut impl ImageDecoder) -> Orientation {
     decoder.orientation().unwrap_or(Orientation::NoTransforms)
 }
 
-/// Multiplies straight alpha in and makes every pixel opaque.
+/// Composites straight alpha over black, and makes every pixel opaque.
 fn lay_over_black(rgba: &mut image::RgbaImage) {
     for pixel in rgba.pixels_mut() {
         let alpha = u16::from(pixel[3]);

@@ -1,9 +1,9 @@
 //! Which neighbours of the current frame to decode next, and in which order.
 
-/// Which way the user has been stepping.
+/// The direction in which the user steps through frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StepDirection {
-    /// Not known, as after a jump.
+    /// Unknown, as after a jump.
     #[default]
     Unknown,
     /// To later frames.
@@ -33,9 +33,9 @@ pub struct PrefetchOptions {
     pub ahead: usize,
     /// How many frames the other way. 2 by default.
     pub behind: usize,
-    /// Frames come cheaply only in rising order, as those of a video do: stepping back, whole
-    /// blocks of `ahead` frames are then decoded from their first frame on, rather than one jump
-    /// for each. False by default (image files).
+    /// Whether frames are cheap only in ascending order, as in a video. Stepping back then decodes
+    /// whole blocks of `ahead` frames from their first frame on, instead of one seek per frame.
+    /// Default: false (image files).
     pub in_blocks: bool,
 }
 
@@ -91,6 +91,7 @@ pub fn prefetch_plan(
             .chain(earlier(options.behind))
             .collect(),
         StepDirection::Backward if options.in_blocks => {
+            // The rest of the current block in ascending order, then the block before it.
             let block = options.ahead.max(1);
             let own = current / block * block;
             let before = own.saturating_sub(block)..own;

@@ -61,7 +61,7 @@ mod tests {
         let mut jerk = even.clone();
         jerk[4] = Some(Ptz::from_degrees(0.5, -10.0, 2000.0));
         let jerk = Jitter::of(&jerk).unwrap();
-        // .1 − 2 · .1 + .1: second differences of .1, −.2 and .1 among seven.
+        // 0.1 − 2 · 0.1 + 0.1: second differences of 0.1, −0.2 and 0.1 among seven.
         assert!(
             (jerk.pan_deg - (0.06_f64 / 7.0).sqrt()).abs() < 1e-9,
             "{jerk:?}"
