@@ -1,4 +1,4 @@
-//! Errors of reading frames: which file, what is wrong with it, how to fix it.
+//! Errors of reading frames. Each names the file, the problem, and a remedy.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -111,7 +111,7 @@ pub enum MediaError {
         path: PathBuf,
         /// The program or library that reads it.
         reader: String,
-        /// What happened.
+        /// The cause, as the reader reports it.
         reason: String,
     },
     /// No decoder recognises it as a video.
@@ -160,7 +160,7 @@ pub enum MediaError {
         /// The panic's message.
         message: String,
     },
-    /// A buffer whose length does not fit its size.
+    /// A buffer length that does not match the size of the picture.
     #[error("{bytes} bytes are not a picture of {width} × {height} px with 4 bytes each")]
     WrongLength {
         /// Length of the buffer.

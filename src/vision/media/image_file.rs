@@ -1,5 +1,5 @@
-//! Image files: PNG, JPEG, TIFF, BMP and WebP, known by their content, turned upright as their EXIF
-//! data say.
+//! Image files: PNG, JPEG, TIFF, BMP and WebP, recognised by their content and made upright by
+//! their EXIF orientation.
 
 use super::error::open_file;
 use super::jpeg_end::is_cut_off;

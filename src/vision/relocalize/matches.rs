@@ -65,7 +65,7 @@ impl RayMatches {
         (rest, kept)
     }
 
-    /// How many features have candidates.
+    /// Number of features with candidates.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.points.len()

@@ -60,9 +60,9 @@ pub struct Pose {
     pub own_covariance: Mat3,
     /// 1-σ of the overlay at the worst corner of the picture, px, by `covariance`.
     pub worst_corner_sigma_px: f64,
-    /// The same by the features alone.
+    /// The same for the covariance of the features alone.
     pub features_sigma_px: f64,
-    /// The same by features and labels, as if the base were exact.
+    /// The same for the covariance of features and labels, given the base.
     pub labelled_sigma_px: f64,
     /// Rotation and zoom relative to the nearest reference, if references are known.
     pub from_reference: FromReference,

@@ -27,7 +27,7 @@
 //!
 //! The sums run over the rows k whose envelope reaches to column j. So does that of row i, and
 //! therefore `Z_ik`, the block between two such rows, lies in the envelope too: nothing outside it
-//! is ever asked for.
+//! is needed.
 
 use touchline_core::geometry::{Mat3, Vec3};
 
@@ -90,7 +90,7 @@ impl Envelope {
         self.rows[row].block(column)
     }
 
-    /// The Cholesky factor; none if the matrix is not positive definite.
+    /// The Cholesky factor; `None` if the matrix is not positive definite.
     ///
     /// Computed row by row, since row i needs only the rows above it:
     ///

@@ -121,7 +121,7 @@ pub fn filled(known: &[Option<Ptz>], turns: &[Ptz], ties: &[Tie]) -> Option<Vec<
             }
             let beside = nearest(frame)?;
             let there = known[beside]?;
-            // The known neighbour's camera ties the common frame to `base`. The optical axis is
+            // The known neighbour's camera relates the common frame to `base`. The optical axis is
             // mapped and roll is dropped; the focal length keeps its ratio to the neighbour's.
             let base_from_common = turn(&there).transpose() * turn(&turns[beside]);
             let ahead = base_from_common * turn(&turns[frame]).row(2).transpose();

@@ -72,7 +72,7 @@ impl Video {
         })
     }
 
-    /// What is known about the video.
+    /// The result of the survey of the video.
     #[must_use]
     pub const fn info(&self) -> &VideoInfo {
         &self.info

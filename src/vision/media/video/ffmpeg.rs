@@ -484,14 +484,14 @@ fn as_file(path: &Path) -> io::Result<OsString> {
     Ok(file)
 }
 
-/// The value of `30000/1001` or `4:3`; none where it is not positive.
+/// The value of a ratio such as `30000/1001` or `4:3`; `None` if it is not positive.
 fn ratio(text: &str) -> Option<f64> {
     let (above, below) = text.split_once(['/', ':'])?;
     let value = above.parse::<f64>().ok()? / below.parse::<f64>().ok()?;
     (value.is_finite() && value > 0.0).then_some(value)
 }
 
-/// What `ffprobe` prints: `streams.stream.0.width=1280`.
+/// The output of `ffprobe`, lines such as `streams.stream.0.width=1280`.
 struct Properties(BTreeMap<String, String>);
 
 impl Properties {

@@ -27,12 +27,12 @@ use std::path::Path;
 use std::sync::Arc;
 use touchline_core::geometry::ImageSize;
 
-/// What is known about a video once it has been opened.
+/// The result of the survey of a video.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VideoInfo {
     /// The video's file.
     pub path: Arc<Path>,
-    /// The size of its frames as they are returned, turned upright, px.
+    /// The size of its frames as returned, upright, px.
     pub size: ImageSize,
     /// Clockwise rotation that was applied to the stored frames to make them upright, degrees: 0,
     /// 90, 180 or 270.

@@ -159,7 +159,7 @@ impl Capture for OpenCvCapture {
     }
 }
 
-/// What the container states, by OpenCV's properties.
+/// The properties that the container states, as reported by OpenCV.
 fn stated_by(inner: &VideoCapture) -> StatedProperties {
     let side = |id| property(inner, id).max(0.0) as u32;
     let fps = property(inner, videoio::CAP_PROP_FPS);

@@ -31,7 +31,7 @@ pub enum ForestFileError {
     /// Cut off, altered, or inconsistent in itself.
     #[error("this forest is damaged ({what}); train it again")]
     Damaged {
-        /// What does not fit.
+        /// The inconsistency found.
         what: &'static str,
     },
 }

@@ -30,7 +30,7 @@ impl Samples {
         self.frame_ends.push(self.descriptors.len());
     }
 
-    /// How many samples there are.
+    /// Number of samples.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.descriptors.len()
@@ -42,7 +42,7 @@ impl Samples {
         self.descriptors.is_empty()
     }
 
-    /// How many frames they are from.
+    /// Number of frames that were added.
     #[must_use]
     pub const fn frames(&self) -> usize {
         self.frame_ends.len()

@@ -14,7 +14,7 @@ const LEAF: u32 = 1 << 31;
 /// The exclusive upper bound of the number of nodes and of leaves of a tree.
 pub(super) const MAX_ITEMS: usize = LEAF as usize;
 
-/// What a branch leads to.
+/// The target of a branch.
 pub(super) enum Child {
     Node(usize),
     Leaf(usize),
@@ -128,7 +128,7 @@ pub struct Forest {
 }
 
 impl Forest {
-    /// How many trees it has.
+    /// Number of trees.
     #[must_use]
     pub const fn trees(&self) -> usize {
         self.trees.len()
@@ -142,7 +142,7 @@ impl Forest {
         }
     }
 
-    /// How many leaves all trees have.
+    /// Number of leaves of all trees.
     #[must_use]
     pub fn leaves(&self) -> usize {
         self.trees.iter().map(|tree| tree.leaf_ends.len()).sum()

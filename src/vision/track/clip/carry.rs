@@ -257,7 +257,7 @@ impl March<'_> {
         let [moving, still] = [moving, still].map(|some: Vec<(usize, Sighting)>| {
             some.into_iter().map(|(_, it)| it).collect::<Vec<_>>()
         });
-        // A turning camera is fitted to the moving points alone. Points that stand still in the
+        // A rotating camera is fitted to the moving points alone. Points that stand still in the
         // image would pull the fit towards no motion, since some are of burnt-in graphics. A camera
         // at rest is fitted to all points.
         let from = self.camera.with_known_focal(frame, from);
@@ -278,8 +278,8 @@ impl March<'_> {
         if (agreeing.len() as f64) < enough || !self.spread(&agreeing) || !ptz.is_finite() {
             return Err((sightings.len(), agreeing.len()));
         }
-        // Count a strike against each outlier. While the camera turns, a point that stands still in
-        // the image and fits worse than 1 px (at 1920) is of a graphic, even within `agrees_px`.
+        // Count a strike against each outlier. While the camera rotates, a point that stands still
+        // in the image and fits worse than 1 px (at 1920) is of a graphic, even within `agrees_px`.
         let stands = |it: &(usize, Sighting)| is_turning && moved_px(it) <= MOVED_PX;
         let off_px = |sighting: &Sighting| {
             sighting
@@ -301,14 +301,15 @@ impl March<'_> {
         Ok(ptz)
     }
 
-    /// The camera fitted to the moving points if the camera turns; `None` if it is at rest.
+    /// The camera fitted to the moving points if the camera rotates or zooms; `None` if it is at
+    /// rest.
     ///
     /// Two things stand still in the image: the scene while the camera is at rest, and a burnt-in
-    /// graphic always. Two things move: the scene while the camera turns, and players always.
-    /// Shares of points do not separate these cases, because players carry many points. But the
+    /// graphic always. Two things move: the scene while the camera rotates, and players always.
+    /// Shares of points do not separate these cases, because players have many points. But the
     /// scene fills the picture and moves as one, while a graphic occupies a corner and players move
-    /// independently. So the camera turns if the moving points that agree on one rotation and zoom
-    /// occupy more cells of the picture than the points that stand still.
+    /// independently. So the camera is rotating if the moving points that agree on one rotation and
+    /// zoom occupy more cells of the picture than the points that stand still.
     fn turned_camera(
         &self,
         frame: usize,

@@ -90,11 +90,11 @@ impl PointFollower {
         self.tracks
     }
 
-    /// Follows the points into the next picture, none into or out of the masks; how many were found
-    /// there.
+    /// Tracks the points into the next picture and returns how many were found there. Points inside
+    /// a mask are dropped, and none is detected in one.
     ///
     /// # Errors
-    /// OpenCV refused; or the program was built without it.
+    /// OpenCV returned an error, or the program was built without it.
     #[cfg(not(feature = "opencv"))]
     pub fn add(&mut self, _: &Picture, _: &[PixelBox]) -> Result<usize, TrackError> {
         Err(TrackError::WithoutOpenCv)
@@ -107,11 +107,11 @@ const DISTANCE_SHARE: f64 = 0.016;
 
 #[cfg(feature = "opencv")]
 impl PointFollower {
-    /// Follows the points into the next picture, none into or out of the masks; how many were found
-    /// there.
+    /// Tracks the points into the next picture and returns how many were found there. Points inside
+    /// a mask are dropped, and none is detected in one.
     ///
     /// # Errors
-    /// OpenCV refused.
+    /// OpenCV returned an error.
     pub fn add(&mut self, picture: &Picture, masks: &[PixelBox]) -> Result<usize, TrackError> {
         self.follow(picture, masks)
             .map_err(|error| TrackError::of_opencv(&error))

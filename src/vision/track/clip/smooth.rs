@@ -47,7 +47,7 @@ pub fn smooth(frames: &[Unsmoothed], options: &SmoothOptions) -> Vec<Ptz> {
         return frames.iter().map(|frame| frame.ptz).collect();
     }
     // Accumulate (pan rad, tilt rad, ln f) from frame to frame, relative to the first: pan then
-    // does not wrap if the camera turns by more than half a circle.
+    // does not wrap if the camera rotates by more than half a circle.
     let steps = frames.windows(2).map(|two| offset(two[0].ptz, two[1].ptz));
     let seen: Vec<Vec3> = std::iter::once(Vec3::zeros())
         .chain(steps.scan(Vec3::zeros(), |at, step| {
