@@ -78,6 +78,7 @@ pub fn load_image(path: &Path) -> Result<Picture, MediaError> {
 /// As [`load_image`].
 pub fn load_image_within(path: &Path, limits: ImageLimits) -> Result<Picture, MediaError> {
     let (format, mut decoder) = open_decoder(path, limits)?;
+    // The decoder fills a truncated JPEG with grey and reports no error.
     if format == ImageFormat::Jpeg {
         let limit = limits
             .max_megapixels

@@ -257,6 +257,7 @@ impl Group {
     /// labels included.
     fn believed(&self, labels: &[Label], scatter: Scatter) -> Vec<&Tie> {
         let known = |place: usize| labels[self.members[place]].scattered(scatter);
+        // Mahalanobis distance of the offset under C + T Λᵢ Tᵀ + Λⱼ, with both variance factors.
         let is_believed = |tie: &&Tie| {
             let [one, other] = tie.places.map(known);
             let all =
@@ -335,6 +336,7 @@ impl Group {
             let explained = (self.covariance(place, place) * information).trace() / scatter.clicks;
             let expected = clicks.expected + (3.0 - explained).max(0.0);
             let chi_squared = clicks.chi_squared + by.dot(&(information * by));
+            // Capped, so that one reference with a wrong click does not inflate the factor for all.
             Some(Misfit {
                 chi_squared: chi_squared.min(MOST_OF_ONE * scatter.clicks * expected),
                 expected,

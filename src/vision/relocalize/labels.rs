@@ -89,6 +89,7 @@ pub(super) fn label_covariance(
         let moved = moved_by_label(ptz, &reference.ptz());
         covariance += moved * label * moved.transpose() * (share / all);
     }
+    // Symmetric but for rounding; made exactly so.
     (covariance + covariance.transpose()) * 0.5
 }
 

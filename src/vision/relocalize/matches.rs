@@ -120,6 +120,7 @@ impl RayMatches {
         let fold_squared = camera.fold_radius().powi(2);
         let mut best = None::<(f64, Vec3)>;
         for &ray in self.rays(feature) {
+            // The negated comparison also rejects NaN.
             let in_cam = rotation * ray;
             if !(in_cam.z > touchline_core::camera::MIN_DEPTH) {
                 continue;
@@ -129,6 +130,8 @@ impl RayMatches {
             if radius_squared >= fold_squared {
                 continue;
             }
+            // The distorted projection, compared with the pixel in normalised coordinates; px² at
+            // the end.
             let stretch = lens.stretch(radius_squared);
             let (dx, dy) = (x * stretch - offset.x, y * stretch - offset.y);
             let squared = (dx * dx + dy * dy) * ptz.focal_px * ptz.focal_px;

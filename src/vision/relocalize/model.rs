@@ -161,6 +161,8 @@ impl ForestModel {
             body.extend(camera.seen.shown.right.to_le_bytes());
             write_forest(&camera.forest, &mut body);
         }
+        // The header allows a reader to reject a truncated or altered file before it interprets any
+        // of it.
         let mut file = Vec::with_capacity(body.len() + 24);
         file.extend(MAGIC);
         file.extend(FOREST_VERSION.to_le_bytes());

@@ -107,6 +107,7 @@ impl Pose {
         image_size: ImageSize,
         seen: &SeenRange,
     ) -> Self {
+        // Errors of features and labels are independent; `Uncertainty` adds that of the base.
         let by_features = covariance_in_radians(&self.own_covariance);
         let by_labels =
             label_covariance((&self.ptz, &self.inliers), matches, base, image_size, seen);

@@ -84,6 +84,7 @@ fn repeated(
     standing_px: f64,
 ) -> Option<PtzCamera> {
     let needed = REPEATED_SHARE * pose.inliers.len() as f64;
+    // Only references near the answer can be repeated by it.
     let near = nearest(&pose.ptz, references, NEAREST).into_iter();
     near.map(|number| PtzCamera::new(*base, references[number]))
         .find(|reference| {

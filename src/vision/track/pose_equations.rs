@@ -21,6 +21,7 @@ use touchline_core::solve::{Equations, Loss, NO_VALUE_SIGMAS};
 pub(super) struct PointEquations {
     /// For each frame that shows it: the frame's row, its part of U and of g, and its part of W.
     frames: Vec<(usize, Mat3, Vec3, Matrix3x2<f64>)>,
+    /// Its block of V.
     point: Matrix2<f64>,
     gradient: Vec2,
     cost: f64,
@@ -98,6 +99,7 @@ pub(super) struct PairResidual {
 /// The equations of all frames and points.
 #[derive(Clone, Debug)]
 pub(super) struct PoseEquations {
+    /// The first column of each row's envelope.
     first: Vec<usize>,
     /// The diagonal blocks of U and g, without the parts that points contribute.
     frames: Vec<(Mat3, Vec3)>,

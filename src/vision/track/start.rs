@@ -20,6 +20,7 @@ pub(super) struct Step {
 /// in which frames are reached. The root is the frame with the most inliers and is its own first
 /// step. Frames that are not connected to it are missing.
 pub(super) fn steps(count: usize, ties: &[Tie], centre: ImagePoint) -> Vec<Step> {
+    // Root: the frame with the most inliers in total, the first of equals.
     let mut strength = vec![0_usize; count];
     for tie in ties {
         strength[tie.first] += tie.agreeing;

@@ -160,10 +160,13 @@ impl FfmpegCapture {
                 self.start_s,
             )?),
         };
+        // End of the pixels: only the exit of the process shows whether it is the end of the video.
         if !decoder.read_pixels(&mut self.bytes)? {
             decoder.check_end()?;
             return Ok(false);
         }
+        // Time stamps count from an arbitrary origin; times here are relative to the stream's
+        // start.
         let pts = decoder.read_time_stamp()?;
         self.time_s = pts.map(|pts| (pts - self.stream.start_pts) as f64 * self.stream.time_base_s);
         Ok(true)
@@ -335,6 +338,7 @@ impl<R: Read + std::os::fd::AsFd> Read for Patient<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         use rustix::event::{PollFd, PollFlags, Timespec, poll};
         let patience = Timespec::try_from(PATIENCE).map_err(io::Error::other)?;
+        // Wait for data with a timeout: a plain read would block forever if the process hangs.
         let ready = poll(&mut [PollFd::new(&self.0, PollFlags::IN)], Some(&patience))?;
         if ready == 0 {
             return Err(io::Error::other(format!(

@@ -63,6 +63,7 @@ impl Examination {
                 .changed
                 .wait_timeout(state, TOLD_EVERY)
                 .unwrap_or_else(PoisonError::into_inner);
+            // Copy the count and release the lock before reporting: the callback may take long.
             let counted = if let State::UnderWay(counted) = &*state {
                 counted.clone()
             } else {
@@ -137,6 +138,7 @@ pub(super) fn known_or(
             capture: open_capture(path, backend)?,
         });
     }
+    // The guard reopens the survey if `survey` fails or panics, so that waiting threads go on.
     let mut begun = Begun {
         examination: &examination,
         found: None,

@@ -83,6 +83,7 @@ impl OpenCvCapture {
     /// Notes the time of the frame just grabbed; false when it falls back.
     fn note_time(&mut self) -> bool {
         let time_ms = self.property(videoio::CAP_PROP_POS_MSEC);
+        // A time of 0 is real for the very first frame only; see the module.
         let is_known = time_ms.is_finite() && (time_ms != 0.0 || self.is_fresh);
         self.is_fresh = false;
         self.time_s = is_known.then_some(time_ms / 1000.0);

@@ -48,6 +48,7 @@ enum Advance {
 impl Player {
     /// Makes `target` the last frame grabbed.
     pub(super) fn go_to(&mut self, info: &VideoInfo, target: usize) -> Result<(), MediaError> {
+        // Read on if the target is a little ahead; otherwise seek.
         let farthest = READ_ON_FRAMES.max(self.preroll);
         if self
             .position

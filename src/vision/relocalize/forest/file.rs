@@ -193,6 +193,7 @@ impl<'a> Reader<'a> {
             (leaves, LEAF_BYTES),
             (means, MEAN_BYTES),
         ];
+        // Check the sizes before reserving memory: a damaged count must not allocate gigabytes.
         let needed = needed.iter().try_fold(0usize, |sum, (count, bytes)| {
             sum.checked_add(count.checked_mul(*bytes)?)
         });
@@ -222,6 +223,7 @@ impl<'a> Reader<'a> {
             })
             .collect::<Result<_, ForestFileError>>()?;
         let leaf_ends: Vec<u32> = (0..leaves).map(|_| self.u32()).collect::<Result<_, _>>()?;
+        // Leaves must partition the means in order.
         if !leaf_ends.is_sorted() || leaf_ends.last().is_some_and(|&last| last as usize != means) {
             return Err(ForestFileError::Damaged {
                 what: "a leaf ends before it begins",
@@ -232,6 +234,7 @@ impl<'a> Reader<'a> {
             .as_chunks::<DESCRIPTOR_BYTES>();
         let descriptors: Vec<Descriptor> =
             descriptors.iter().map(|bytes| Descriptor(*bytes)).collect();
+        // Sketches follow from the descriptors and are computed on reading.
         let sketches = descriptors.iter().map(Sketch::of).collect();
         let rays = (0..means)
             .map(|_| {

@@ -120,6 +120,7 @@ impl pulp::WithSimd for Examination<'_> {
     )]
     fn with_simd<S: pulp::Simd>(mut self, _: S) {
         self.begin();
+        // With a budget beyond the first leaves, branches not taken are recorded for later.
         for (number, tree) in self.trees.iter().enumerate() {
             if self.more == 0 {
                 self.walk(tree)
@@ -127,6 +128,7 @@ impl pulp::WithSimd for Examination<'_> {
                 self.walk_and_note(number as u32, tree)
             }
         }
+        // First leaves of all trees, then the extra leaves query by query.
         self.scan();
         self.compare();
         for whose in 0..self.group.len() {
@@ -165,6 +167,7 @@ impl Examination<'_> {
             let mut ways = [tree.root; WAYS];
             let mut leaves = [0; WAYS];
             let mut under_way = true;
+            // One step of each descent in turn: while one waits for its node, the others proceed.
             while under_way {
                 under_way = false;
                 for ((way, leaf), descriptor) in ways.iter_mut().zip(&mut leaves).zip(together) {
@@ -202,8 +205,9 @@ impl Examination<'_> {
             likely,
             ..
         } = &mut *self.search;
+        // Touch the sketches of all leaves before comparing any; `black_box` keeps the compiler
+        // from removing the loop.
         let mut touched = 0u32;
-        // Touch the sketches first; `black_box` keeps the compiler from removing the loop.
         for (tree, leaves) in self.trees.iter().zip(leaves.chunks(self.group.len())) {
             for &leaf in leaves {
                 let known = &tree.sketches[tree.held(leaf as usize)];
@@ -240,8 +244,8 @@ impl Examination<'_> {
         let Search {
             likely, nearest, ..
         } = &mut *self.search;
-        let mut touched = 0u32;
         // Touch first and last byte of each descriptor, and its ray, before comparing any.
+        let mut touched = 0u32;
         for at in &*likely {
             let (tree, number) = (&self.trees[at.tree as usize], at.number as usize);
             let [first, .., last] = tree.descriptors[number].0;
@@ -254,6 +258,7 @@ impl Examination<'_> {
             number,
         } in &*likely
         {
+            // A full list only accepts what is nearer than its last entry.
             let nearest = &mut nearest[whose as usize];
             let limit = if nearest.len() < NEAREST {
                 self.gate
@@ -284,6 +289,7 @@ impl Examination<'_> {
             let Some(Reverse((margin, number, branch))) = self.search.missed[whose].pop() else {
                 break;
             };
+            // The limit shrinks as better neighbours are found.
             let best = self.search.nearest[whose]
                 .first()
                 .map_or(self.gate, |near| near.squared_distance);

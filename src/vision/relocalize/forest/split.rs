@@ -42,6 +42,7 @@ pub(super) fn choose_split(
 
 /// At most `count` of the samples, evenly spaced.
 fn some(at: &[u32], count: usize) -> impl ExactSizeIterator<Item = u32> + Clone {
+    // By stride, not at random: no draws are spent on it.
     let considered = at.len().min(count);
     (0..considered).map(move |i| at[i * at.len() / considered])
 }
@@ -85,6 +86,7 @@ fn widest_gap(
                         gap,
                         Split {
                             dimension,
+                            // The middle of the gap, farthest from both sides.
                             threshold: last + (value - 1 - last) / 2,
                         },
                     ));

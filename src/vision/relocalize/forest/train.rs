@@ -82,6 +82,7 @@ pub fn train_without(
             frames: samples.frames(),
         });
     }
+    // Each tree draws its own frames; all trees grow in parallel.
     let drawn: Vec<Vec<u32>> = (0..options.trees.max(1))
         .map(|tree| draw(samples, used.clone(), options, tree))
         .collect();
@@ -112,6 +113,8 @@ fn draw(samples: &Samples, mut frames: Vec<usize>, options: &TrainOptions, tree:
     if let Some(count) = options.frames_per_tree
         && (count as usize) < frames.len()
     {
+        // The seed is complemented, so that this draw is independent of the splits of the same
+        // tree.
         let mut rng = Pcg64Mcg::seed_from_u64(mixed(!options.seed, u64::from(tree)));
         frames.shuffle(&mut rng);
         frames.truncate(count.max(1) as usize);
@@ -251,6 +254,7 @@ fn add(grown: &Grown, tree: &mut Tree) -> Branch {
         Grown::Node(split, children) => {
             let index = tree.nodes.len();
             let (dimension, threshold) = (split.dimension, split.threshold);
+            // Reserve the node's place before its children, then fill in where they went.
             tree.nodes.push(Node {
                 dimension,
                 threshold,

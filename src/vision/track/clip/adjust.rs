@@ -188,6 +188,7 @@ pub fn adjust_clip(
     } else {
         fine.state.ptz
     };
+    // Back from rows to frames, and from ln f to f in px.
     let frames = row_of.iter().enumerate().map(|(frame, row)| {
         let row = (*row)?;
         let ptz = camera.with_known_focal(frame, ptz[row]);
@@ -260,8 +261,8 @@ fn widening(
     (contradiction > CONTRADICTED).then(|| contradiction.sqrt().clamp(1.5, 4.0))
 }
 
-/// Drift correction: shifts the cameras that follow from the points alone (`straight`) smoothly
-/// towards those of the inflated adjustment (`widened`).
+/// Drift correction: shifts the cameras of the adjustment before inflation (`straight`), which
+/// follow the points, smoothly towards those after it (`widened`), which agree with the priors.
 ///
 /// The error of a lens or a base varies as slowly as the camera moves. Cameras of inflated points
 /// jump at every prior instead; so only their slowly varying difference from `straight` is applied.
@@ -300,6 +301,7 @@ fn seen(tracks: &PointTracks, moving: &[bool], row_of: &[Option<usize>]) -> Vec<
         .iter()
         .zip(moving)
         .filter(|(_, moving)| !**moving);
+    // Rows ascend within a track; one observation alone says nothing about the camera.
     let of_track = |(track, _): (&super::PointTrack, &bool)| {
         let sightings: Vec<_> = track
             .points
@@ -321,6 +323,7 @@ fn directions(problem: &PoseProblem<'_>, ptz: &[Ptz]) -> Vec<Vec3> {
             .sightings
             .iter()
             .filter_map(|(row, at)| cameras[*row].ray_from_image(*at).ok());
+        // Without a ray within the lens model, any direction serves as a start.
         let sum: Vec3 = rays.map(PanTilt::direction).sum();
         sum.try_normalize(1e-9).unwrap_or_else(Vec3::z)
     };

@@ -164,10 +164,12 @@ pub fn carry(
 struct March<'a> {
     camera: &'a ClipCamera,
     tracks: &'a PointTracks,
+    /// Track and index within it of all observations of each frame.
     by_frame: Vec<Vec<(usize, usize)>>,
     /// Image px per px at 1920 px width.
     px: f64,
     options: &'a CarryOptions,
+    /// Tracks found to move in the scene, in any run so far.
     moving: Vec<bool>,
     stops: Vec<CarryStop>,
 }
@@ -179,6 +181,7 @@ struct Direction {
     sum: Vec3,
     /// Its first position in the image, px.
     first: ImagePoint,
+    /// Number of frames in which it was an outlier.
     strikes: u8,
 }
 
@@ -194,6 +197,8 @@ impl March<'_> {
         ptz: Ptz,
         frames: impl Iterator<Item = usize>,
     ) -> Vec<(usize, Ptz)> {
+        // The known frame gives the first ray of every point that it shows; each frame reached adds
+        // one.
         let mut directions: Vec<Direction> = vec![Direction::default(); self.tracks.tracks.len()];
         self.learn(&mut directions, from, ptz, &[]);
         let (mut last, mut found) = ((from, ptz), Vec::new());
@@ -257,9 +262,9 @@ impl March<'_> {
         let [moving, still] = [moving, still].map(|some: Vec<(usize, Sighting)>| {
             some.into_iter().map(|(_, it)| it).collect::<Vec<_>>()
         });
-        // A rotating camera is fitted to the moving points alone. Points that stand still in the
-        // image would pull the fit towards no motion, since some are of burnt-in graphics. A camera
-        // at rest is fitted to all points.
+        // Image motion decides whether the camera rotates. A rotating camera is fitted to the
+        // moving points alone: points that stand still in the image are partly of burnt-in graphics
+        // and would pull the fit towards no motion. A camera at rest is fitted to all points.
         let from = self.camera.with_known_focal(frame, from);
         let turned = self.turned_camera(frame, from, &moving, &still);
         let is_turning = turned.is_some();
@@ -343,6 +348,7 @@ impl March<'_> {
             f64::from(self.tracks.image_size.width),
             f64::from(self.tracks.image_size.height),
         );
+        // Distinct cells, so that many points in one place count once.
         let part = |at: ImagePoint| {
             (
                 (at.x / width * COLUMNS) as i32,
@@ -431,6 +437,7 @@ impl March<'_> {
         {
             let direction = &mut directions[seen.0];
             let at = self.point(seen);
+            // Rays of all frames so far are summed; the direction is normalised when it is used.
             if let Ok(ray) = camera.ray_from_image(at) {
                 if direction.sum == Vec3::zeros() {
                     direction.first = at;

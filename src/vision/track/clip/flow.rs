@@ -40,6 +40,7 @@ pub(super) struct FlowPicture {
 impl FlowPicture {
     pub fn of(grey: &GreyPicture) -> opencv::Result<Self> {
         let size = grey.size;
+        // `rows` borrows the pixels; the clone owns them.
         let rows = Mat::new_rows_cols_with_bytes::<u8>(
             size.height as i32,
             size.width as i32,
@@ -172,6 +173,7 @@ impl FlowPicture {
         if points.is_empty() {
             return Ok(Vec::new());
         }
+        // Track forth from the guess, then back from where that ended, and compare with the start.
         let from: Vector<Point2f> = points.iter().map(|(from, _)| to_opencv(*from)).collect();
         let guess: Vector<Point2f> = points.iter().map(|(_, guess)| to_opencv(*guess)).collect();
         let (there, found) = flow(&self.levels, &into.levels, &from, guess)?;

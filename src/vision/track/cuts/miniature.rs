@@ -38,6 +38,8 @@ impl Miniature {
             places(width, WIDTH * SAMPLES),
             places(height, HEIGHT * SAMPLES),
         );
+        // The mean of 6 × 6 samples per cell; a full average would visit every pixel of every
+        // frame.
         let mut cells = Vec::with_capacity(WIDTH * HEIGHT);
         for rows in rows.chunks_exact(SAMPLES) {
             for columns in columns.chunks_exact(SAMPLES) {
@@ -85,6 +87,7 @@ impl Miniature {
     /// from one to the other.
     #[must_use]
     pub fn difference_from_blend(&self, before: &Self, after: &Self) -> f32 {
+        // Midway through a cross-fade a frame is the mean of both pictures, colour by colour.
         let blended = before.cells.iter().zip(&after.cells);
         let sum: f32 = self
             .cells
