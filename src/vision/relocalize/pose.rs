@@ -51,8 +51,8 @@ use touchline_core::solve::{Loss, Observation, Uncertainty, covariance_in_radian
 pub struct Pose {
     /// Pan, tilt, focal length.
     pub ptz: Ptz,
-    /// Covariance of (pan deg, tilt deg, focal px): of the features, close ones counted as one;
-    /// after [`Pose::stated`] it includes labels and base.
+    /// Covariance of (pan deg, tilt deg, focal px). From [`pose_from_candidates`] it is that of the
+    /// features alone, close ones counted as one; after relocalization it includes labels and base.
     #[serde(serialize_with = "geometry::rows")]
     pub covariance: Mat3,
     /// The same, given the base.

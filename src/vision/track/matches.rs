@@ -12,9 +12,9 @@ const RATIO: f32 = 0.8;
 pub(super) fn mutual_matches(first: &Described, second: &Described) -> Vec<(usize, usize)> {
     let mut forth = vec![Nearest::NONE; first.lengths.len()];
     let mut back = vec![Nearest::NONE; second.lengths.len()];
-    // |a − b|² = |a|² + |b|² − 2 aᵀb: one matrix product gives all distances. The sums of 128
-    // products of bytes stay below 2²⁴, so `f32` represents them exactly. `tr_mul` would compute one
-    // scalar product at a time.
+    // Squared distances are |a|² + |b|² − 2 aᵀb, so one matrix product gives all of them. The sums
+    // of 128 products of bytes stay below 2²⁴, so `f32` represents them exactly. `tr_mul` would
+    // compute one scalar product at a time.
     let products = first.descriptors.transpose() * &second.descriptors;
     for (to, there) in back.iter_mut().enumerate() {
         let length = second.lengths[to];

@@ -42,7 +42,8 @@ impl Forest {
         );
     }
 
-    /// [`Self::predict`] for many descriptors, several times as fast: hands on the number of each with its candidates.
+    /// [`Self::predict`] for many descriptors, several times as fast. Passes the index of each to
+    /// `found` with its candidates.
     pub fn predict_all(
         &self,
         descriptors: &[Descriptor],
