@@ -50,7 +50,7 @@ pub fn list_images(folder: &Path) -> Result<FolderListing, MediaError> {
     Ok(listing)
 }
 
-/// Whether a name ends as an image's does.
+/// Whether a name has an image's extension.
 pub(super) fn has_image_extension(path: &Path) -> bool {
     path.extension().is_some_and(|extension| {
         IMAGE_EXTENSIONS

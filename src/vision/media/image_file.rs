@@ -122,7 +122,8 @@ pub fn image_size(path: &Path) -> Result<ImageSize, MediaError> {
     })
 }
 
-/// The format and a decoder that has read the header and found the stated size within the limits.
+/// The format, and a decoder that has read the header, after the stated size was checked against
+/// the limits.
 fn open_decoder(
     path: &Path,
     limits: ImageLimits,
@@ -174,7 +175,7 @@ fn open_decoder(
     Ok((format, decoder))
 }
 
-/// Whether a file begins as a PNG does.
+/// Whether a file begins with the signature of a PNG.
 fn is_png(path: &Path) -> Result<bool, MediaError> {
     let mut begin = Vec::new();
     let read = open_file(path)?

@@ -49,7 +49,7 @@ pub enum Notice {
     },
 }
 
-/// The file's own name, for a line that a person reads.
+/// The name of the file without its folder, for messages.
 fn name(path: &Path) -> std::borrow::Cow<'_, str> {
     path.file_name()
         .unwrap_or(path.as_os_str())

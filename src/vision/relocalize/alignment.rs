@@ -183,7 +183,7 @@ struct Group {
     /// Their corrections, stacked (pan rad, tilt rad, focal px), and the covariance of these.
     corrections: DVector<f64>,
     covariance: DMatrix<f64>,
-    /// The problem has a solution.
+    /// Whether the problem has a solution with small corrections.
     is_adjusted: bool,
 }
 

@@ -54,7 +54,7 @@ const MOST_ALONE: usize = 16;
 /// Minimum number of distant references that must contradict an isolated one.
 const MANY: usize = 2;
 
-/// The references whose labels contradict each other, the greatest disagreement first.
+/// Pairs of references whose labels contradict each other, the greatest disagreement first.
 #[must_use]
 pub fn contradictions(
     references: &[Reference],

@@ -17,7 +17,7 @@ pub enum TrackError {
         /// OpenCV's message, on one line.
         reason: String,
     },
-    /// Nothing to adjust.
+    /// Too few frames, or frames that matches do not connect.
     #[error(
         "{frames} frames with {ties} ties between them; at least 2 frames that show the same are needed"
     )]

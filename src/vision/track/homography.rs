@@ -53,7 +53,7 @@ pub(super) fn robust_homography(
     )))
 }
 
-/// None: this program was built without OpenCV.
+/// Always an error: the program was built without OpenCV.
 #[cfg(not(feature = "opencv"))]
 pub(super) fn robust_homography(
     _pairs: &[(ImagePoint, ImagePoint)],

@@ -36,7 +36,7 @@ const KEPT: usize = 48;
 /// pair.
 ///
 /// # Errors
-/// The program was built without OpenCV, or OpenCV refused.
+/// The program was built without OpenCV, or OpenCV returned an error.
 pub fn tie_frames(
     frames: &[Features],
     progress: &Progress<'_, Share>,

@@ -16,7 +16,7 @@ pub enum FrameClock {
         /// Frames a second.
         fps: f64,
     },
-    /// Uneven spacing: the time of every frame, s, increasing.
+    /// Irregular times: the time of every frame, s, ascending.
     Listed(Arc<[f64]>),
 }
 

@@ -358,7 +358,7 @@ impl<R: Read> Read for Patient<R> {
 }
 
 impl Stream {
-    /// Asks `ffprobe`.
+    /// Reads the properties of the stream with `ffprobe`.
     ///
     /// # Errors
     /// It finds no video in the file.

@@ -13,7 +13,7 @@ use touchline_core::progress::Progress;
 /// Number of surveys kept.
 const REMEMBERED: usize = 32;
 
-/// Examinations, each of a file as it was.
+/// Surveys, each of a file in one state.
 type Examinations = Vec<(FileState, Arc<Examination>)>;
 
 /// Surveys of the videos opened last, the latest at the end.

@@ -365,7 +365,7 @@ fn tabled(
     Ok(agree.then_some(times_s))
 }
 
-/// The time of every frame, by playing them all.
+/// The time of every frame, by decoding all of them.
 fn play_through(
     path: &Path,
     backend: VideoBackend,

@@ -12,10 +12,10 @@ const SAME_RAY_RAD: f64 = 9e-4;
 /// Maximum number of candidates of a feature.
 const CANDIDATES: usize = 5;
 
-/// A ray that a descriptor may show.
+/// A candidate ray of a descriptor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayCandidate {
-    /// In `base`.
+    /// The ray in `base`.
     pub ray: PanTilt,
     /// Squared distance between the descriptor and the nearest known one of this ray, both of unit
     /// length.

@@ -20,9 +20,9 @@ const WAYS: usize = 8;
 /// Number of nearest descriptors kept per query; several may show the same place of the stadium.
 const NEAREST: usize = 12;
 
-/// A descriptor is compared if its sketch has no more than the gate's squared distance divided by
-/// this. Of SIFT descriptors that pass the gate, one in a hundred has more than half its squared
-/// distance in its sketch, and that one passes narrowly; of outliers in the same leaf, one in
+/// A descriptor is compared if the squared distance of its sketch, times this, is within the gate.
+/// Of SIFT descriptors that pass the gate, one in a hundred has more than half of its squared
+/// distance in its sketch, and such a one passes narrowly; of outliers in the same leaf, one in
 /// thirty has less.
 const SKETCH_SHARE: u32 = 2;
 

@@ -47,8 +47,8 @@ fn some(at: &[u32], count: usize) -> impl ExactSizeIterator<Item = u32> + Clone 
     (0..considered).map(move |i| at[i * at.len() / considered])
 }
 
-/// Of the bytes drawn the one that leaves each side its share, and of those the one with the widest
-/// gap.
+/// The widest gap between neighbouring values of a byte, over the bytes drawn. Splits that leave
+/// both sides their share come first; among these the gap decides.
 fn widest_gap(
     samples: &Samples,
     at: &[u32],

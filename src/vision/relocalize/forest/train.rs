@@ -23,7 +23,7 @@ pub struct TrainProgress {
     pub total: usize,
 }
 
-/// Why there is no forest.
+/// Why training gave no forest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Stopped {
     /// `progress` cancelled it.

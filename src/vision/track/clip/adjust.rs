@@ -1,5 +1,5 @@
-//! One adjustment of a clip: pan, tilt and focal length of every frame and the direction of every
-//! followed point, from all sightings and pose priors at once.
+//! The joint adjustment of a clip: pan, tilt and focal length of every frame and the direction of
+//! every tracked point, from all observations and pose priors at once.
 
 use super::super::pose_prior::{PosePrior, PriorSource, by_focal_px, moved, offset};
 use super::super::pose_problem::{AdjustedFrame, PoseProblem, PoseState, Seen};
@@ -40,7 +40,7 @@ impl Default for AdjustOptions {
     }
 }
 
-/// A clip after its adjustment.
+/// A clip after the joint adjustment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AdjustedClip {
     /// The adjusted camera of each frame; `None` for a frame that was not reached.

@@ -20,7 +20,7 @@ pub struct Miniature {
 }
 
 impl Miniature {
-    /// Reduces a picture.
+    /// Reduces a picture to cells.
     #[must_use]
     pub fn of(picture: &Picture) -> Self {
         let (width, height) = (

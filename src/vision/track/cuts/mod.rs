@@ -32,7 +32,7 @@ const EMPTY: f32 = 4.0;
 /// stronger one.
 const APART: usize = 2 * HALF_FADE;
 
-/// A cut that was found.
+/// A shot boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FoundCut {
     /// The first frame of the new shot, from 0.
@@ -52,7 +52,7 @@ pub struct CutFinder {
 /// Measurements of one frame.
 #[derive(Clone, Copy, Debug)]
 struct Measured {
-    /// The difference from the frame before.
+    /// The difference from the previous frame, grey levels.
     step: f32,
     /// The smallest difference between one of the two frames before it and this frame or the next
     /// one. After a flash it is small.
