@@ -80,7 +80,7 @@ impl OpenCvCapture {
         })
     }
 
-    /// Records the time of the frame just grabbed; false if it is earlier than a previous one.
+    /// Records the time of the frame just grabbed; false if it is not later than all before.
     fn note_time(&mut self) -> bool {
         let time_ms = self.property(videoio::CAP_PROP_POS_MSEC);
         // A time of 0 is real for the very first frame only; see the module.
