@@ -1,13 +1,12 @@
-//! Decoded frames within a budget of bytes.
+//! A least-recently-used cache of decoded frames with a byte budget.
 
 use super::{FrameRef, Picture};
 use lru::LruCache;
 
-/// Keeps decoded frames, and forgets those not used for longest when they take more memory than
-/// allowed.
+/// Keeps decoded frames; evicts those not used for longest when they exceed the budget.
 ///
-/// The frame put in last always stays, even one larger than the whole budget: it is what the user
-/// looks at.
+/// The frame inserted last always stays, even if it is larger than the whole budget: the user is
+/// looking at it.
 #[derive(Debug)]
 pub struct FrameCache {
     budget_bytes: usize,
@@ -37,8 +36,7 @@ impl FrameCache {
         self.frames.contains(frame)
     }
 
-    /// Keeps a frame in place of what was kept for it before, and forgets others until the budget
-    /// holds.
+    /// Inserts or replaces a frame, and evicts others until the budget holds.
     pub fn insert(&mut self, frame: FrameRef, picture: Picture) {
         self.bytes += picture.bytes();
         if let Some(before) = self.frames.put(frame, picture) {
@@ -47,7 +45,7 @@ impl FrameCache {
         self.keep_budget();
     }
 
-    /// Changes the memory that they may take, and forgets frames until that holds.
+    /// Changes the budget, and evicts frames until it holds.
     pub fn set_budget(&mut self, budget_bytes: usize) {
         self.budget_bytes = budget_bytes;
         self.keep_budget();
@@ -62,7 +60,7 @@ impl FrameCache {
         }
     }
 
-    /// Keeps a frame only if it fits beside the others, and as the first to be forgotten.
+    /// Inserts a frame only if it fits into the remaining budget, as the first to be evicted.
     pub fn offer(&mut self, frame: &FrameRef, picture: &Picture) {
         if self.bytes + picture.bytes() <= self.budget_bytes && !self.contains(frame) {
             self.insert(frame.clone(), picture.clone());
@@ -70,7 +68,7 @@ impl FrameCache {
         }
     }
 
-    /// The memory that they may take.
+    /// The budget, bytes.
     #[must_use]
     pub const fn budget_bytes(&self) -> usize {
         self.budget_bytes

@@ -1,4 +1,4 @@
-//! Errors of reading frames: which file, what is wrong with it, how to fix it.
+//! Errors of reading frames. Each names the file, the problem, and a remedy.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use touchline_core::files::open_named;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MediaError {
-    /// Nothing is at the path.
+    /// Nothing exists at the path.
     #[error("{}: there is no such file; check whether it was moved or renamed", path.display())]
     Missing {
         /// The path asked for.
@@ -39,7 +39,7 @@ pub enum MediaError {
     Unreadable {
         /// The path asked for.
         path: PathBuf,
-        /// The operating system's words.
+        /// The operating system's message.
         reason: String,
     },
     /// Zero bytes long.
@@ -54,12 +54,12 @@ pub enum MediaError {
         /// The file.
         path: PathBuf,
     },
-    /// An image, but of a kind that is not read.
+    /// An image of a kind that is not supported.
     #[error("{}: this kind of image is not supported ({what}); convert it to PNG or JPEG", path.display())]
     UnsupportedImage {
         /// The file.
         path: PathBuf,
-        /// The format or the feature of it.
+        /// The format, or the feature of it that is not supported.
         what: String,
     },
     /// The header is readable, the pixels are not.
@@ -67,7 +67,7 @@ pub enum MediaError {
     DamagedImage {
         /// The file.
         path: PathBuf,
-        /// The decoder's words.
+        /// The decoder's message.
         reason: String,
     },
     /// The picture states a size beyond the limits.
@@ -104,17 +104,17 @@ pub enum MediaError {
         /// The video.
         path: PathBuf,
     },
-    /// What reads the video broke down in the middle.
+    /// The video reader failed midway.
     #[error("{}: {reader} broke down while reading it ({reason}); open the video again", path.display())]
     ReaderFailed {
         /// The video.
         path: PathBuf,
         /// The program or library that reads it.
         reader: String,
-        /// What happened.
+        /// The cause, as the reader reports it.
         reason: String,
     },
-    /// No decoder takes it for a video.
+    /// No decoder recognises it as a video.
     #[error("{}: not a video that can be read; convert it to MP4 (H.264)", path.display())]
     NotAVideo {
         /// The file.
@@ -143,10 +143,10 @@ pub enum MediaError {
         path: PathBuf,
         /// The frame asked for, from 0.
         index: usize,
-        /// The decoder's words.
+        /// The decoder's message.
         reason: String,
     },
-    /// The caller did not wait for the end of a count.
+    /// The caller cancelled a count.
     #[error("{}: the frames were not counted to the end; open the video again", path.display())]
     Stopped {
         /// The video.
@@ -160,7 +160,7 @@ pub enum MediaError {
         /// The panic's message.
         message: String,
     },
-    /// A buffer whose length does not fit its size.
+    /// A buffer length that does not match the size of the picture.
     #[error("{bytes} bytes are not a picture of {width} × {height} px with 4 bytes each")]
     WrongLength {
         /// Length of the buffer.
@@ -173,7 +173,7 @@ pub enum MediaError {
 }
 
 impl MediaError {
-    /// The named form of what the operating system said about `path`.
+    /// The error variant for what the operating system reported about `path`.
     pub(super) fn from_io(path: &Path, error: &io::Error) -> Self {
         let path = path.to_path_buf();
         match error.kind() {

@@ -3,10 +3,10 @@
 use super::{MediaError, Notice};
 use std::path::{Path, PathBuf};
 
-/// The endings by which an image in a folder is known, in lower case; capitals count as well.
+/// File name extensions of images in lower case; case is ignored.
 pub const IMAGE_EXTENSIONS: [&str; 7] = ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "webp"];
 
-/// What a folder holds.
+/// The images of a folder.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FolderListing {
     /// The image files, `folder` included in their paths, in natural order: `frame9.png` before
@@ -16,8 +16,8 @@ pub struct FolderListing {
     pub notices: Vec<Notice>,
 }
 
-/// The images directly in a folder, known by their endings. Hidden files (a leading dot) and
-/// folders are passed over.
+/// Lists the images directly in a folder, by their extensions. Hidden files (with a leading dot)
+/// and subfolders are ignored.
 ///
 /// # Errors
 /// The folder is missing, is not a folder or cannot be read.
@@ -43,14 +43,14 @@ pub fn list_images(folder: &Path) -> Result<FolderListing, MediaError> {
             listing.notices.push(Notice::NameNotUtf8 { path });
         }
     }
-    // Names that compare equal naturally ("1.png", "01.png") still need one order.
+    // Names that are equal in natural order ("1.png", "01.png") still need a definite order.
     listing
         .images
         .sort_by(|a, b| alphanumeric_sort::compare_path(a, b).then_with(|| a.cmp(b)));
     Ok(listing)
 }
 
-/// Whether a name ends as an image's does.
+/// Whether a name has an image's extension.
 pub(super) fn has_image_extension(path: &Path) -> bool {
     path.extension().is_some_and(|extension| {
         IMAGE_EXTENSIONS

@@ -1,14 +1,14 @@
-//! A picture in grey, at full or reduced size.
+//! Grey pictures, at full or reduced size.
 
 use super::Picture;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 
-/// Grey values, rows from the top.
+/// A grey picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GreyPicture {
     /// Columns and rows after reduction.
     pub size: ImageSize,
-    /// One byte a pixel, no padding.
+    /// One byte per pixel, row by row from the top, no padding.
     pub values: Vec<u8>,
 }
 
@@ -27,7 +27,7 @@ fn weighed([red, green, blue, _]: [u8; 4]) -> u32 {
 pub fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
     let full = picture.size();
     if factor == 1 {
-        // Nothing to sum up.
+        // Fast path: no blocks to average.
         let values = picture
             .rgba()
             .as_chunks::<4>()
@@ -42,6 +42,7 @@ pub fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
     let size = ImageSize::new(full.width / factor, full.height / factor);
     let (factor, width) = (factor as usize, size.width as usize);
     let row_bytes = 4 * full.width as usize;
+    // Sums are in 1/256 of a grey level and start at half the divisor, so that the division rounds.
     let divisor = (factor * factor) as u32 * 256;
     let mut values = Vec::with_capacity(width * size.height as usize);
     let mut sums = vec![0u32; width];
@@ -76,6 +77,7 @@ impl GreyPicture {
         ) else {
             return 0.0;
         };
+        // Pixel centres are at half-integers in the corner convention.
         let x = (point.x - 0.5).clamp(0.0, right as f64);
         let y = (point.y - 0.5).clamp(0.0, bottom as f64);
         let (column, row) = (x as usize, y as usize);

@@ -1,5 +1,5 @@
-//! Image files: PNG, JPEG, TIFF, BMP and WebP, known by their content, turned upright as their EXIF
-//! data say.
+//! Image files: PNG, JPEG, TIFF, BMP and WebP, recognised by their content and made upright by
+//! their EXIF orientation.
 
 use super::error::open_file;
 use super::jpeg_end::is_cut_off;
@@ -13,12 +13,12 @@ use std::path::Path;
 use touchline_core::files::read_named;
 use touchline_core::geometry::ImageSize;
 
-/// How large a picture may be, so that a few bytes cannot claim all memory.
+/// Size limits of pictures: a small file could otherwise claim all memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ImageLimits {
-    /// The longest side, px. 16,384 by default, the side of a texture that graphics adapters take.
+    /// The longest side, px. Default: 16,384, the largest texture of common graphics adapters.
     pub max_side_px: u32,
-    /// The largest area, millions of px. 100 by default, 400 MB once decoded.
+    /// The largest area, millions of px. Default: 100, which is 400 MB decoded.
     pub max_megapixels: u64,
 }
 
@@ -31,13 +31,13 @@ impl Default for ImageLimits {
     }
 }
 
-/// What a PNG begins with.
+/// The signature of a PNG.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// What may be read of a PNG beside its pixels: colour profile, EXIF, texts.
+/// Maximum size of a PNG's metadata: colour profile, EXIF, texts.
 const MAX_METADATA_BYTES: u64 = 16 << 20;
 
-/// Bytes that a decoder may allocate for one px: four channels of 32 bits at most.
+/// Memory that a decoder may allocate per px: at most four channels of 32 bits.
 const MAX_BYTES_PER_PX: u64 = 16;
 
 impl ImageLimits {
@@ -78,6 +78,7 @@ pub fn load_image(path: &Path) -> Result<Picture, MediaError> {
 /// As [`load_image`].
 pub fn load_image_within(path: &Path, limits: ImageLimits) -> Result<Picture, MediaError> {
     let (format, mut decoder) = open_decoder(path, limits)?;
+    // The decoder fills a truncated JPEG with grey and reports no error.
     if format == ImageFormat::Jpeg {
         let limit = limits
             .max_megapixels
@@ -121,7 +122,8 @@ pub fn image_size(path: &Path) -> Result<ImageSize, MediaError> {
     })
 }
 
-/// The format and a decoder that has read the header and found the stated size within the limits.
+/// The format, and a decoder that has read the header, after the stated size was checked against
+/// the limits.
 fn open_decoder(
     path: &Path,
     limits: ImageLimits,
@@ -139,8 +141,8 @@ fn open_decoder(
                 path: path.to_path_buf(),
             });
         };
-        // The size is checked below, with its numbers; this bounds what a decoder allocates before
-        // and beside it.
+        // The size is checked below, with a message that has its numbers; this bounds what a
+        // decoder allocates before and in addition.
         let mut decoder_limits = Limits::no_limits();
         decoder_limits.max_alloc = Some(max_alloc);
         reader.limits(decoder_limits);
@@ -149,8 +151,8 @@ fn open_decoder(
             .map_err(|error| named(path, limits, &error))?;
         Ok((format, decoder))
     };
-    // A colour profile unfolds before the size of a PNG is known, so it is opened with little
-    // first.
+    // The compressed colour profile of a PNG is inflated before its size is known, so the first
+    // attempt has a small limit.
     let (format, mut decoder) = open(if is_png(path)? {
         MAX_METADATA_BYTES
     } else {
@@ -173,7 +175,7 @@ fn open_decoder(
     Ok((format, decoder))
 }
 
-/// Whether a file begins as a PNG does.
+/// Whether a file begins with the signature of a PNG.
 fn is_png(path: &Path) -> Result<bool, MediaError> {
     let mut begin = Vec::new();
     let read = open_file(path)?
@@ -188,7 +190,7 @@ fn orientation_of(decoder: &mut impl ImageDecoder) -> Orientation {
     decoder.orientation().unwrap_or(Orientation::NoTransforms)
 }
 
-/// Multiplies straight alpha in and makes every pixel opaque.
+/// Composites straight alpha over black, and makes every pixel opaque.
 fn lay_over_black(rgba: &mut image::RgbaImage) {
     for pixel in rgba.pixels_mut() {
         let alpha = u16::from(pixel[3]);

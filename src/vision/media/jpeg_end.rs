@@ -1,21 +1,21 @@
-//! Whether a JPEG file ends before its picture does.
+//! Detection of truncated JPEG files.
 //!
 //! Decoders silently fill missing data with grey; a frame that is half grey must not be accepted.
 
-/// End of the picture (ITU-T T.81, table B.1).
+/// The marker "end of image" (ITU-T T.81, table B.1).
 const END: u8 = 0xd9;
 
-/// Whether the bytes, which begin as a JPEG does, run out before the marker that ends the picture.
+/// Whether the bytes of a JPEG run out before its "end of image" marker.
 ///
-/// Segments are stepped over by their lengths, so that a thumbnail inside one does not count (T.81,
-/// B.1.1.4); in the data of a scan 0xff is always followed by a marker, or by 0 where it is data
-/// (B.1.1.5).
+/// Segments are skipped by their lengths, so that the end of an embedded thumbnail does not count
+/// (T.81, B.1.1.4). In entropy-coded data 0xff is always followed by a marker, or by 0 if it is
+/// data (B.1.1.5).
 pub(super) fn is_cut_off(bytes: &[u8]) -> bool {
     let mut at = 2;
     while let Some((marker, after)) = next_marker(bytes, at) {
         match marker {
             END => return false,
-            // Markers without a segment: restarts, a start, a temporary one, and stuffed data.
+            // Markers without a segment: stuffed data, temporary, restarts, start of image.
             0 | 0x01 | 0xd0..=0xd8 => at = after,
             _ => {
                 let Some(&[high, low]) = bytes.get(after..after + 2).and_then(<[u8]>::first_chunk)
@@ -29,8 +29,8 @@ pub(super) fn is_cut_off(bytes: &[u8]) -> bool {
     true
 }
 
-/// The next marker at or behind a place and where it ends. Fill bytes (0xff) before a marker belong
-/// to it.
+/// The next marker at or after a position, and the position after it. Fill bytes (0xff) before a
+/// marker belong to it.
 fn next_marker(bytes: &[u8], from: usize) -> Option<(u8, usize)> {
     let start = from + bytes.get(from..)?.iter().position(|&byte| byte == 0xff)?;
     let after_fill = start + bytes[start..].iter().position(|&byte| byte != 0xff)?;

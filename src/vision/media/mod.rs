@@ -1,17 +1,17 @@
-//! Where frames come from: folders of images and videos.
+//! Sources of frames: folders of images, and videos.
 //!
 //! | what | where |
 //! |---|---|
 //! | [`Picture`] | decoded pixels, cheap to clone |
 //! | [`load_image`], [`image_size`], [`list_images`] | image files: PNG, JPEG, TIFF, BMP, WebP; EXIF orientation applied |
-//! | [`Video`], [`VideoInfo`] | frames of a video by their true number (feature `opencv`) |
-//! | [`FrameSource`], [`FrameRef`], [`FrameReader`] | a folder or a video; one of its frames; what fetches frames |
-//! | [`FrameStream`] | a list of frames, read in its order |
+//! | [`Video`], [`VideoInfo`] | frames of a video by their index among the frames that decode (through `ffmpeg`, or OpenCV if built in) |
+//! | [`FrameSource`], [`FrameRef`], [`FrameReader`] | a folder or a video; one of its frames; reading of frames |
+//! | [`FrameStream`] | a list of frames, read in order |
 //! | `FrameCache`, [`prefetch_plan`] | decoded frames within a byte budget; which neighbours to decode next |
 //! | [`letterboxed`] | thumbnails |
-//! | [`Notice`] | remarks for the user about a source that is usable |
+//! | [`Notice`] | remarks for the user about a usable source |
 //!
-//! Nothing here starts a thread; the background work is in `jobs`.
+//! Nothing here starts a background thread; background work is in `jobs`.
 //!
 //! Pixel coordinates of pictures follow [`touchline_core::conventions`].
 

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// A remark about a folder or a video: shown once, stops nothing.
+/// A remark about a folder or a video, shown once; the source can be used.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Notice {
@@ -11,25 +11,25 @@ pub enum Notice {
     FramesStated {
         /// The video.
         path: PathBuf,
-        /// What the container says.
+        /// The number that the container states.
         stated: usize,
-        /// What decodes.
+        /// The number that decodes.
         decoded: usize,
     },
-    /// The frames do not follow each other at one rate, so that their times were read one by one.
+    /// The frame rate is not constant, so the time of every frame was read.
     UnevenFrameTimes {
         /// The video.
         path: PathBuf,
         /// The rate that the container states, frames a second.
         fps: f64,
     },
-    /// The frames are made of two fields, taken one after the other.
+    /// The frames are interlaced: two fields, taken one after the other.
     Interlaced {
         /// The video.
         path: PathBuf,
     },
-    /// Jumping within the video gave other pictures than playing it, so that it is played from its
-    /// start instead.
+    /// Seeking in the video gave other pictures than playing it, so it is played from its start
+    /// instead.
     NoJumping {
         /// The video.
         path: PathBuf,
@@ -42,14 +42,14 @@ pub enum Notice {
         /// Width of a pixel over its height.
         aspect: f64,
     },
-    /// A file name that is not UTF-8 and therefore cannot stand in a document.
+    /// A file name that is not UTF-8, which a document cannot store.
     NameNotUtf8 {
         /// The file left out.
         path: PathBuf,
     },
 }
 
-/// The file's own name, for a line that a person reads.
+/// The name of the file without its folder, for messages.
 fn name(path: &Path) -> std::borrow::Cow<'_, str> {
     path.file_name()
         .unwrap_or(path.as_os_str())

@@ -66,7 +66,7 @@ impl Picture {
         self.rgba.get(at..at + 4)?.try_into().ok()
     }
 
-    /// How much memory the pixels take.
+    /// Memory of the pixels, bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.rgba.len()

@@ -1,9 +1,9 @@
 //! Which neighbours of the current frame to decode next, and in which order.
 
-/// Which way the user has been stepping.
+/// The direction in which the user steps through frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StepDirection {
-    /// Not known, as after a jump.
+    /// Unknown, as after a jump.
     #[default]
     Unknown,
     /// To later frames.
@@ -26,16 +26,16 @@ impl StepDirection {
     }
 }
 
-/// How far ahead frames are decoded.
+/// Numbers of frames to decode in advance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PrefetchOptions {
-    /// How many frames in the direction of stepping. 12 by default.
+    /// Number of frames in the direction of stepping. Default: 12.
     pub ahead: usize,
-    /// How many frames the other way. 2 by default.
+    /// Number of frames in the other direction. Default: 2.
     pub behind: usize,
-    /// Frames come cheaply only in rising order, as those of a video do: stepping back, whole
-    /// blocks of `ahead` frames are then decoded from their first frame on, rather than one jump
-    /// for each. False by default (image files).
+    /// Whether frames are cheap only in ascending order, as in a video. Stepping back then decodes
+    /// whole blocks of `ahead` frames from their first frame on, instead of one seek per frame.
+    /// Default: false (image files).
     pub in_blocks: bool,
 }
 
@@ -50,12 +50,12 @@ impl Default for PrefetchOptions {
 }
 
 impl PrefetchOptions {
-    /// The same, but with no more frames than half of a cache holds: 1,080p frames take 8 MB each,
+    /// Limits the numbers to half of the frames that a cache holds: 1,080p frames take 8 MB each,
     /// 4K frames 33 MB.
     #[must_use]
     pub fn within(self, budget_bytes: usize, picture_bytes: usize) -> Self {
         let room = budget_bytes / 2 / picture_bytes.max(1);
-        // Stepping back in blocks keeps two blocks at once.
+        // Stepping back in blocks keeps two blocks at a time.
         let ahead = if self.in_blocks {
             room / 2
         } else {
@@ -69,10 +69,10 @@ impl PrefetchOptions {
     }
 }
 
-/// The frames to decode beside `current` of `count` frames, the most urgent first, none twice and
-/// never `current`.
+/// The neighbours of frame `current` to decode, of `count` frames: the most urgent first, without
+/// duplicates and without `current`.
 ///
-/// Empty when `current` is not among them.
+/// Empty if `current` is not among the frames.
 #[must_use]
 pub fn prefetch_plan(
     current: usize,
@@ -91,6 +91,7 @@ pub fn prefetch_plan(
             .chain(earlier(options.behind))
             .collect(),
         StepDirection::Backward if options.in_blocks => {
+            // The rest of the current block in ascending order, then the block before it.
             let block = options.ahead.max(1);
             let own = current / block * block;
             let before = own.saturating_sub(block)..own;

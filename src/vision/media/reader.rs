@@ -6,15 +6,15 @@ use std::path::Path;
 use std::sync::Arc;
 use touchline_core::progress::Progress;
 
-/// Whatever fetches frames: a [`FrameReader`], or a test's stand-in for one.
+/// A reader of frames: a [`FrameReader`], or a fake in tests.
 pub trait ReadFrames {
     /// The pixels of a frame.
     ///
     /// # Errors
-    /// The frame cannot be had.
+    /// The frame cannot be read.
     fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError>;
 
-    /// What the user should know about the videos opened since the last call.
+    /// Remarks for the user about the videos opened since the last call.
     fn take_notices(&mut self) -> Vec<Notice> {
         Vec::new()
     }
@@ -30,19 +30,19 @@ impl<R: ReadFrames + ?Sized> ReadFrames for &mut R {
     }
 }
 
-/// Fetches frames of images and videos. Belongs to one thread: a video's decoder stands at one
-/// place at a time.
+/// Reads frames of images and videos. Use one per thread, because the decoder of a video has one
+/// read position.
 pub struct FrameReader {
     /// The videos used last, the latest at the end.
     videos: Vec<Video>,
-    /// The videos whose notices have been given.
+    /// The videos whose notices were returned before.
     noticed: BTreeSet<Arc<Path>>,
     notices: Vec<Notice>,
-    /// Of the counting of a video's frames, for each video anew.
+    /// Receives the progress of counting a video's frames, from 0 for each video.
     counting: Progress<'static, CountProgress>,
 }
 
-/// How many videos stay open: each holds a decoder with some twenty reference frames.
+/// Number of videos kept open: each holds a decoder with about twenty reference frames.
 const OPEN_VIDEOS: usize = 2;
 
 impl Default for FrameReader {
@@ -59,8 +59,8 @@ impl FrameReader {
     }
 
     /// A reader that reports to `counting` while it counts the frames of a video: see
-    /// [`Video::open_with_progress`]. Where that is cancelled the video is not opened; the next
-    /// read tries again.
+    /// [`Video::open_with_progress`]. If that cancels, the video is not opened; the next read tries
+    /// again.
     #[must_use]
     pub fn with_progress(counting: Progress<'static, CountProgress>) -> Self {
         Self {
@@ -82,12 +82,12 @@ impl FrameReader {
         }
     }
 
-    /// What the user should know about the videos opened since the last call, once for each video.
+    /// Remarks for the user about the videos opened since the last call, once per video.
     pub fn take_notices(&mut self) -> Vec<Notice> {
         std::mem::take(&mut self.notices)
     }
 
-    /// What is known about a video; it is opened if it is not open already.
+    /// The survey of a video, which is opened if necessary.
     ///
     /// # Errors
     /// Those of [`Video::open`].

@@ -1,4 +1,4 @@
-//! Where the frames of a project come from, and how one of them is named.
+//! The source of a project's frames, and references to single frames.
 
 use super::folder::has_image_extension;
 use super::{
@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::UNIX_EPOCH;
 use touchline_core::progress::Progress;
 
-/// One frame: an image file, or a frame of a video by its number among the decoded frames.
+/// One frame: an image file, or a frame of a video by its index among the decoded frames.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FrameRef {
     /// An image file.
@@ -19,7 +19,7 @@ pub enum FrameRef {
     Video {
         /// The video's file.
         path: Arc<Path>,
-        /// Counts decoded frames from 0, never the container's count.
+        /// Index among the decoded frames, from 0; not the container's count.
         index: usize,
     },
 }
@@ -48,8 +48,9 @@ impl FrameRef {
         }
     }
 
-    /// What stands for the hash of a video's frame: hashing a match takes minutes, so path, length
-    /// and time of the file do. None for an image, and where the file is out of reach.
+    /// A substitute for the hash of a video's frame: path, length and modification time of the
+    /// file, because hashing a match takes minutes. `None` for an image, and if the file cannot be
+    /// accessed.
     #[must_use]
     pub fn video_identity(&self) -> Option<String> {
         let Self::Video { path, index } = self else {
@@ -95,8 +96,8 @@ impl FrameSource {
         Self::open_with_progress(path, &Progress::default())
     }
 
-    /// Opens as [`FrameSource::open`] does; `progress` hears how far the counting of a video's
-    /// frames has come, and may cancel it.
+    /// Opens as [`FrameSource::open`] does; `progress` receives reports while the frames of a video
+    /// are counted, and may cancel.
     ///
     /// # Errors
     /// As [`FrameSource::open`]; [`MediaError::Stopped`] when `progress` cancelled it.
@@ -116,7 +117,7 @@ impl FrameSource {
         }
     }
 
-    /// How many frames there are.
+    /// Number of frames.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
@@ -131,7 +132,7 @@ impl FrameSource {
         self.len() == 0
     }
 
-    /// The frame at a place, from 0; none beyond the last.
+    /// The frame at an index, from 0; `None` beyond the last.
     #[must_use]
     pub fn frame(&self, index: usize) -> Option<FrameRef> {
         match self {
@@ -146,7 +147,7 @@ impl FrameSource {
         }
     }
 
-    /// What the user should know, though nothing failed.
+    /// Remarks for the user about the source.
     #[must_use]
     pub fn notices(&self) -> &[Notice] {
         match self {
@@ -156,7 +157,7 @@ impl FrameSource {
     }
 }
 
-/// Images in an order of the caller's.
+/// Images in the order given.
 impl From<Vec<PathBuf>> for FrameSource {
     fn from(images: Vec<PathBuf>) -> Self {
         Self::Folder(FolderListing {

@@ -1,32 +1,33 @@
-//! Frames read one after the other.
+//! A list of frames, read one after the other.
 
 use super::{FrameReader, FrameRef, MediaError, Picture, ReadFrames};
 use std::fmt;
 use touchline_core::progress::{Progress, Share};
 
-/// Reads a list of frames in its order: the frames of a clip, every tenth frame of a video, the
-/// images of a folder.
+/// Reads a list of frames in order: the frames of a clip, every tenth frame of a video, the images
+/// of a folder.
 ///
-/// Each frame is read once, when it is asked for, and is the same picture that
-/// [`FrameReader::read`] gives for it. A frame that cannot be read is an item like any other, so
-/// that its receiver decides what to make of it. The stream has a decoder of its own, unless it
-/// [borrows one](Self::with_reader); a video is read in order without a seek where no other reads with that decoder meanwhile.
+/// Each frame is read once, when it is requested, and is the same picture that
+/// [`FrameReader::read`] returns for it. A frame that cannot be read is an item like any other; its
+/// receiver decides what to do. The stream has a decoder of its own, unless it [borrows
+/// one](Self::with_reader). A video is read in order without a seek if nothing else reads with that
+/// decoder meanwhile.
 ///
-/// The stream reports to its progress before each frame, and ends early where that cancels it.
+/// The stream reports to its progress before each frame, and ends early if that cancels it.
 pub struct FrameStream<'a, I> {
     reader: Box<dyn ReadFrames + 'a>,
     frames: I,
     progress: Progress<'a, Share>,
-    /// Frames that were asked for, of all.
+    /// Number of frames requested so far, of all.
     asked: Share,
 }
 
 /// A frame of a stream.
 #[derive(Clone, Debug)]
 pub struct StreamedFrame {
-    /// Which frame it is.
+    /// The frame.
     pub source: FrameRef,
-    /// Its pixels, or why there are none.
+    /// Its pixels, or the reason why it could not be read.
     pub picture: Result<Picture, MediaError>,
 }
 
@@ -47,8 +48,8 @@ impl<'a, I: ExactSizeIterator<Item = FrameRef>> FrameStream<'a, I> {
         }
     }
 
-    /// Reads with a decoder that others use before and after: a video that it has open is not
-    /// opened again.
+    /// Reads with a decoder that is used elsewhere before and after: a video that it has open is
+    /// not opened again.
     #[must_use]
     pub fn with_reader(self, reader: impl ReadFrames + 'a) -> Self {
         Self {
@@ -57,8 +58,8 @@ impl<'a, I: ExactSizeIterator<Item = FrameRef>> FrameStream<'a, I> {
         }
     }
 
-    /// Reports how many frames are done before each one is read. Where that is cancelled there is
-    /// no further frame.
+    /// Reports the number of finished frames before each one is read. If that cancels, no further
+    /// frame follows.
     #[must_use]
     pub fn with_progress(self, progress: Progress<'a, Share>) -> Self {
         Self { progress, ..self }

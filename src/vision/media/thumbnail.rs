@@ -5,7 +5,7 @@ use std::iter::StepBy;
 use std::ops::Range;
 use touchline_core::geometry::ImageSize;
 
-/// How many pixels in each direction make a pixel of a thumbnail.
+/// Maximum number of samples per thumbnail pixel in each direction.
 const SAMPLES: u32 = 4;
 const BLACK: [u8; 4] = [0, 0, 0, 255];
 
@@ -34,8 +34,8 @@ pub fn letterboxed(picture: &Picture, size: ImageSize) -> Picture {
     Picture::new(size, rgba).unwrap_or_else(|_| Picture::filled(size, BLACK))
 }
 
-/// The mean of the pixels that one pixel of a smaller picture covers: of all of them up to
-/// [`SAMPLES`] in each direction, else of about as many, evenly spread.
+/// The mean of the pixels that one pixel of a smaller picture covers: all of them up to [`SAMPLES`]
+/// in each direction, beyond that about as many, evenly spaced.
 fn mean_below(picture: &Picture, small: ImageSize, x: u32, y: u32) -> [u8; 4] {
     let mut sum = [0_u32; 3];
     let mut count = 0;
@@ -54,7 +54,7 @@ fn mean_below(picture: &Picture, small: ImageSize, x: u32, y: u32) -> [u8; 4] {
     [red, green, blue, 255]
 }
 
-/// The places in a row of `large` px that pixel `at` of a row of `small` px covers: at least one.
+/// The indices in a row of `large` px that pixel `at` of a row of `small` px covers: at least one.
 fn covered(at: u32, small: u32, large: u32) -> StepBy<Range<u32>> {
     let edge = |at: u32| (u64::from(at) * u64::from(large) / u64::from(small.max(1))) as u32;
     let (start, end) = (edge(at), edge(at + 1).max(edge(at) + 1));

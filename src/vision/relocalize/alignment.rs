@@ -1,21 +1,21 @@
-//! References whose labels are made to fit each other.
+//! Joint adjustment of the labels of references.
 //!
-//! Clicks tell where a reference looks to a few pixels; what two pictures share tells where one
-//! looks as seen from the other to a few tenths of a pixel. All labels of a camera are therefore
-//! adjusted together. With the correction `δᵢ` of the label (pan, tilt, focal length) of reference
-//! i, of the covariance `Λᵢ` by its clicks, the least squares problem is
+//! Clicks determine where a reference looks to a few pixels; common features of two pictures
+//! determine their relative pan, tilt and zoom to a few tenths of a pixel. All labels of a camera
+//! are therefore adjusted together. Let `δᵢ` be the correction of label i in (pan, tilt, focal
+//! length), and `Λᵢ` its covariance by clicks. The adjustment minimises
 //!
 //! `Σ δᵢᵀ Λᵢ⁻¹ δᵢ + Σ (rᵢⱼ − δⱼ + Tᵢⱼ δᵢ)ᵀ Cᵢⱼ⁻¹ (rᵢⱼ − δⱼ + Tᵢⱼ δᵢ)`
 //!
-//! where `rᵢⱼ` is how far j looks from its label by the rays of i, and `Tᵢⱼ` how that moves with
-//! the label of i. `Cᵢⱼ` is what features leave open, and what a lens and a base that are not quite
-//! right make of a turn between the two (measured on real matches). Neighbours that disagree by
-//! more than clicks can explain take no part: their labels are for a person to look at.
+//! where `rᵢⱼ` is the offset of j from its label according to the rays of i, and `Tᵢⱼ` is its
+//! derivative by the label of i. `Cᵢⱼ` is the covariance by features, plus what small errors of
+//! lens and base add with the rotation between the two (measured on real matches). Neighbours that
+//! disagree by more than clicks can explain take no part: those labels need to be checked by the
+//! user.
 //!
-//! How far clicks scatter is learnt on the way, as a person's clicks may be better or worse than is
-//! taken for granted, and how well neighbours are seen from each other as well, as lenses and bases
-//! are known more or less well: χ² of each after the adjustment, over what is surplus (Förstner's
-//! estimate of variance components), scales `Λᵢ` and `Cᵢⱼ`.
+//! Annotators click more or less accurately than assumed, and lens and base are known more or less
+//! well. So both `Λᵢ` and `Cᵢⱼ` are scaled by an estimated variance factor: χ² after the adjustment
+//! over its redundancy (Förstner's estimate of variance components).
 
 use super::confidence::FromReference;
 use super::labels::moved_by_label;
@@ -26,13 +26,13 @@ use touchline_core::camera::Ptz;
 use touchline_core::geometry::{Angle, AngleRange, Mat3, Vec3};
 use touchline_core::solve::covariance_in_radians;
 
-/// What is known of where a reference looks.
+/// The label of a reference: the uncertainty of its camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Label {
-    /// Covariance of (pan rad, tilt rad, focal px), if the base is exact.
+    /// Covariance of (pan rad, tilt rad, focal px), given the base.
     pub covariance: Mat3,
-    /// How well its clicks fit; none where it rests on no clicks: then its covariance is taken as
-    /// it is.
+    /// How well its clicks fit. `None` if the label does not come from clicks; its covariance is
+    /// then not rescaled.
     pub misfit: Option<Misfit>,
 }
 
@@ -41,55 +41,57 @@ pub struct Label {
 pub struct Misfit {
     /// Σ (distance / σ)².
     pub chi_squared: f64,
-    /// What that is on average where clicks scatter as they are taken to.
+    /// The expected value of that if clicks scatter as assumed: their redundancy.
     pub expected: f64,
 }
 
-/// At most so many references, next to each other by pan, are adjusted together: the work grows
-/// with the cube.
+/// Maximum number of references that are adjusted together, neighbours by pan: the work grows with
+/// the cube.
 const TOGETHER: usize = 100;
 
-/// Every reference is compared with as many that look nearest to where it looks.
+/// Number of nearest neighbours, by viewing direction, with which every reference is compared.
 const NEIGHBOURS: usize = 4;
 
-/// Features compared of each, the strongest.
+/// Number of features of each reference that are compared, the strongest.
 const FEATURES: usize = 300;
 
-/// Neighbours that disagree by more, in 1-σ of what they may disagree by, take no part.
+/// Neighbours take no part if they disagree by more than this many 1-σ of their expected
+/// disagreement.
 const MOST_SIGMAS: f64 = 4.0;
 
-/// 1-σ by which an overlay is off at least by what features of another picture tell, px at 1920 px
+/// Minimum 1-σ of the overlay as determined by the features of another picture, px at 1920 px
 /// width.
 const LEAST_PX: f64 = 0.3;
 
-/// 1-σ by which it is off more where the camera turned by the width of its picture, px at 1920 px
-/// width: all over the picture, and by the focal length at its left and right edge (see
+/// Additional 1-σ of the overlay per rotation by the width of the picture, px at 1920 px width:
+/// over the whole picture, and at its left and right edges by the focal length (see
 /// [`super::Evidence`]).
 const PER_TURN_PX: [f64; 2] = [11.0, 17.0];
 
-/// What is known of either's scatter before any is seen: as much as so many surplus equations tell.
+/// Weight of the assumption that both variance factors are 1, as a number of redundant equations.
 const SUPPOSED: f64 = 12.0;
 
-/// The clicks of one reference count by no more than this multiple of what is expected of them: a
-/// wrong one is no scatter.
+/// The χ² of one reference's clicks is capped at this multiple of its expectation: an outlier is
+/// not scatter.
 const MOST_OF_ONE: f64 = 9.0;
 
-/// No label is corrected by more: a turn, rad, and a share of the focal length.
+/// Maximum correction of a label: rad, and as a share of the focal length.
 const MOST_TURN: f64 = 0.1;
 const MOST_FOCAL: f64 = 0.3;
 
-/// Rounds of adjusting and learning the scatter.
+/// Number of rounds of adjusting labels and estimating variance factors.
 const ROUNDS: usize = 4;
 
-/// References as they look when their labels fit each other, with what is known of them then: the
-/// covariance of (pan rad, tilt rad, focal px), if the base is exact. Labels that leave the problem
-/// without a solution stay as they are.
+/// Adjusts the labels of references to each other. Returns each reference's camera and the
+/// covariance of its (pan rad, tilt rad, focal px), given the base. If a group's problem has no
+/// solution, its labels stay as they are.
 #[must_use]
 pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
     let pans: Vec<Angle> = references
         .iter()
         .map(|reference| reference.camera.ptz().pan)
         .collect();
+    // Split the references into groups of neighbours by pan, beginning at the largest gap.
     let order = AngleRange::along_smallest(&pans);
     let mut groups: Vec<Group> = order
         .chunks(TOGETHER)
@@ -99,6 +101,8 @@ pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
         clicks: 1.0,
         ties: 1.0,
     };
+    // Alternate: adjust with the current variance factors, then estimate these over all groups from
+    // χ² and redundancy. The prior term keeps them finite where little is redundant.
     for _ in 0..ROUNDS {
         let supposed = Misfit {
             chi_squared: SUPPOSED,
@@ -120,6 +124,7 @@ pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
         .zip(labels)
         .map(|(reference, label)| (reference.camera.ptz(), label.covariance))
         .collect();
+    // Apply the corrections.
     for group in groups.iter().filter(|group| group.is_adjusted) {
         for (place, &member) in group.members.iter().enumerate() {
             let by = group.correction(place);
@@ -139,8 +144,7 @@ pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
     found
 }
 
-/// The squares of how much farther clicks, and neighbours as seen from each other, scatter than
-/// they are taken to.
+/// Variance factors of clicks and of relative poses: actual over assumed variance.
 #[derive(Clone, Copy)]
 struct Scatter {
     clicks: f64,
@@ -158,10 +162,10 @@ impl std::ops::Add for Misfit {
     }
 }
 
-/// A neighbour as seen from another reference, both by their places in a group.
+/// The pose of a reference relative to another one; both are indices into a group.
 struct Tie {
     places: [usize; 2],
-    /// `r`, (rad, rad, px).
+    /// `r`: (pan rad, tilt rad, focal px).
     off: Vec3,
     /// `T`.
     moved: Mat3,
@@ -169,22 +173,22 @@ struct Tie {
     covariance: Mat3,
 }
 
-/// References that are adjusted together.
+/// References that are adjusted together, and their solution.
 struct Group {
-    /// Their places among all.
+    /// Their indices among all references.
     members: Vec<usize>,
     /// Their focal lengths by their labels, px.
     focal_px: Vec<f64>,
     ties: Vec<Tie>,
-    /// Their corrections, (rad, rad, px) after each other, and the covariance of those.
+    /// Their corrections, stacked (pan rad, tilt rad, focal px), and the covariance of these.
     corrections: DVector<f64>,
     covariance: DMatrix<f64>,
-    /// The problem has a solution.
+    /// Whether the problem has a solution with small corrections.
     is_adjusted: bool,
 }
 
 impl Tie {
-    /// Where the second looks as seen from the first; none where the pictures do not tell.
+    /// The pose of the second relative to the first; `None` if their pictures do not determine it.
     fn of(places: [usize; 2], references: &[Reference]) -> Option<Self> {
         let [first, second] = places.map(|place| &references[place]);
         let told = seen_from(first, second, FEATURES)?;
@@ -195,6 +199,10 @@ impl Tie {
             (told.ptz.tilt - other.tilt).radians(),
             told.ptz.focal_px - other.focal_px,
         );
+        // Errors of lens and base grow with the rotation between the two. In px of the overlay they
+        // are a pan and tilt error over the whole picture, and a focal length error that shows at
+        // the left and right edges: δx = (w/2) δf/f, so δf = 2 f δx/w. Pan is scaled by
+        // 1/cos(tilt), the arc that a pan moves the axis.
         let image_size = second.features.image_size;
         let width_px = f64::from(image_size.width);
         let turn = FromReference::between(&other, &one, image_size).turn;
@@ -217,7 +225,7 @@ impl Tie {
         })
     }
 
-    /// How far the two are apart beyond what their corrections explain.
+    /// The residual `r − δⱼ + T δᵢ` after the corrections.
     fn left(&self, group: &Group) -> Vec3 {
         let [one, other] = self.places;
         self.off - group.correction(other) + self.moved * group.correction(one)
@@ -245,9 +253,11 @@ impl Group {
         }
     }
 
-    /// The ties that clicks can explain.
+    /// The relative poses whose offset is within [`MOST_SIGMAS`] of its covariance, that of both
+    /// labels included.
     fn believed(&self, labels: &[Label], scatter: Scatter) -> Vec<&Tie> {
         let known = |place: usize| labels[self.members[place]].scattered(scatter);
+        // Mahalanobis distance of the offset under C + T Λᵢ Tᵀ + Λⱼ, with both variance factors.
         let is_believed = |tie: &&Tie| {
             let [one, other] = tie.places.map(known);
             let all =
@@ -259,7 +269,7 @@ impl Group {
         self.ties.iter().filter(is_believed).collect()
     }
 
-    /// Solves the least squares problem where clicks and ties scatter by so much.
+    /// Solves the least squares problem for given variance factors.
     fn adjust(&mut self, labels: &[Label], scatter: Scatter) {
         let size = 3 * self.members.len();
         let (mut normal, mut right) = (
@@ -271,6 +281,7 @@ impl Group {
             view += block;
         };
         for (place, &member) in self.members.iter().enumerate() {
+            // The prior of each label.
             add(
                 [place, place],
                 labels[member]
@@ -279,6 +290,8 @@ impl Group {
                     .unwrap_or_else(Mat3::zeros),
             );
         }
+        // The normal equations of each relative pose: the residual has the derivative −I by δⱼ and
+        // T by δᵢ.
         for tie in self.believed(labels, scatter) {
             let ([one, other], moved) = (tie.places, tie.moved);
             let Some(weight) = (tie.covariance * scatter.ties).try_inverse() else {
@@ -293,7 +306,8 @@ impl Group {
             let mut of_one = right.fixed_rows_mut::<3>(3 * one);
             of_one -= moved.transpose() * weight * tie.off;
         }
-        // In units of each number's own σ, so that radians and px do not spoil the factorisation.
+        // Scale the unknowns by their own σ, so that radians and px do not spoil the condition of
+        // the factorisation.
         let sigmas = normal
             .diagonal()
             .map(|information| information.max(f64::MIN_POSITIVE).sqrt().recip());
@@ -307,7 +321,11 @@ impl Group {
         self.is_adjusted = (0..self.members.len()).all(|place| self.is_small(place));
     }
 
-    /// χ² of all clicks after the adjustment, in the σ that they are taken to have.
+    /// χ² of all clicks after the adjustment, in the assumed σ, and its redundancy.
+    ///
+    /// The label stands for the clicks: its misfit from the fit of the camera, plus the squared
+    /// correction. A label adds three observations; the trace of adjusted times prior information
+    /// is the part of them that the correction uses up (redundancy numbers; Förstner).
     fn misfit_of_clicks(&self, labels: &[Label], scatter: Scatter) -> Misfit {
         let of_reference = |(place, &member): (usize, &usize)| {
             let (clicks, information) = (
@@ -318,6 +336,7 @@ impl Group {
             let explained = (self.covariance(place, place) * information).trace() / scatter.clicks;
             let expected = clicks.expected + (3.0 - explained).max(0.0);
             let chi_squared = clicks.chi_squared + by.dot(&(information * by));
+            // Capped, so that one reference with a wrong click does not inflate the factor for all.
             Some(Misfit {
                 chi_squared: chi_squared.min(MOST_OF_ONE * scatter.clicks * expected),
                 expected,
@@ -330,10 +349,11 @@ impl Group {
             .fold(Misfit::default(), |sum, one| sum + one)
     }
 
-    /// The same of the ties.
+    /// The same of the relative poses: three observations each, less what the corrections use up.
     fn misfit_of_ties(&self, labels: &[Label], scatter: Scatter) -> Misfit {
         let of_tie = |tie: &Tie| {
             let ([one, other], information) = (tie.places, tie.covariance.try_inverse()?);
+            // The covariance of the adjusted observation δⱼ − T δᵢ.
             let crossed = tie.moved * self.covariance(one, other);
             let explained = tie.moved * self.covariance(one, one) * tie.moved.transpose()
                 + self.covariance(other, other)
@@ -352,8 +372,7 @@ impl Group {
             .fold(Misfit::default(), |sum, one| sum + one)
     }
 
-    /// Whether a correction is as small as a label's error can be: what is linear here is that
-    /// nowhere else.
+    /// Whether a correction is small enough for a label's error, and for the linearisation to hold.
     fn is_small(&self, place: usize) -> bool {
         let by = self.correction(place);
         by.x.hypot(by.y) < MOST_TURN && by.z.abs() < MOST_FOCAL * self.focal_px[place]
@@ -371,7 +390,7 @@ impl Group {
 }
 
 impl Label {
-    /// The covariance where clicks scatter by a multiple of what they are taken to.
+    /// The covariance scaled by the variance factor of clicks, if the label comes from clicks.
     fn scattered(&self, scatter: Scatter) -> Mat3 {
         if self.misfit.is_some() {
             self.covariance * scatter.clicks

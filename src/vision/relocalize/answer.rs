@@ -1,4 +1,4 @@
-//! A picture's features to its camera.
+//! Relocalization: from the features of a picture to its camera.
 
 use super::{
     Forest, NotFound, Pose, PoseOptions, PredictOptions, RayMatches, SeenRange, pose_of_moving,
@@ -9,36 +9,35 @@ use touchline_core::camera::CameraBase;
 use touchline_core::geometry::Angle;
 use touchline_core::solve::PtzRanges;
 
-/// How a picture is relocalized.
+/// Options of [`relocalize()`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RelocalizeOptions {
-    /// How the forest is asked.
+    /// Options of the forest's predictions.
     pub predict: PredictOptions,
-    /// How the pose is looked for; without ranges of its own, near where the references looked.
+    /// Options of the pose search. Without ranges of its own, it searches near the references.
     pub pose: PoseOptions,
 }
 
-/// What became of a picture.
+/// The result for a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Relocalized {
-    /// Its camera, or why there is none.
+    /// Its camera, or the reason why there is none.
     pub pose: Result<Pose, NotFound>,
-    /// The time that asking the forest took.
+    /// Time spent on the forest's predictions.
     pub predict_time: Duration,
-    /// The time that finding the pose took.
+    /// Time spent on the pose.
     pub pose_time: Duration,
 }
 
-/// How far beyond the references' axes a camera may look: farther off it shares no feature with
-/// them.
+/// How far beyond the references' axes a camera may look, degrees: farther away it shares no
+/// feature with them.
 const BEYOND_PAN_DEG: f64 = 30.0;
 const BEYOND_TILT_DEG: f64 = 15.0;
-/// How much longer or shorter than the references' a focal length may be: SIFT bridges about two
-/// octaves.
+/// Largest ratio of a focal length to the references': SIFT matches over about two octaves.
 const BEYOND_FOCAL: f64 = 2.5;
 
 impl SeenRange {
-    /// Where a camera may be that shares features with the references.
+    /// The range of cameras that may share features with the references.
     #[must_use]
     pub fn plausible(&self) -> PtzRanges {
         let (lowest, highest) = (
@@ -63,8 +62,8 @@ pub fn candidates_of(features: &Features, forest: &Forest, options: &PredictOpti
     matches
 }
 
-/// The camera of a picture from its features, or why there is none. Features that stand still on
-/// the screen while others move carry no answer.
+/// The camera of a picture from its features, or the reason why there is none. Features that stand
+/// still on the screen while others move are excluded.
 #[must_use]
 pub fn relocalize(
     features: &Features,
@@ -82,6 +81,8 @@ pub fn relocalize(
         .ranges
         .clone()
         .unwrap_or_else(|| seen.plausible());
+    // The threshold on confidence applies only after labels and base are included in the
+    // uncertainty.
     let unsure = PoseOptions {
         ranges: Some(ranges),
         min_confidence: 0.0,

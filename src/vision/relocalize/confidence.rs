@@ -1,21 +1,21 @@
-//! How probable it is that an answer is right: its overlay within 10 px at 1920 px width.
+//! The probability that an answer is right: that its overlay is within 10 px at 1920 px width.
 //!
-//! Two things have to be so, and the probability is their product:
+//! It is the product of two probabilities:
 //!
 //! 1. **The features agree on the stadium**, and not on graphics, boards or by chance. The number
-//!    of agreeing features says little: those of one advertising board agree on a wrong camera in
-//!    any number. What tells is how far they spread where they spread least, and how well they fix
-//!    the overlay ([`Evidence::agreement`], a logistic curve fitted to 1,570 answers whose truth is
-//!    known).
-//! 2. **The overlay is exact enough.** Its error has a Rayleigh distribution whose 1-σ is what
-//!    labels leave open, and grows with the turn from the nearest reference: a lens that is not
-//!    quite right is made up for where a reference looks, and elsewhere it is not.
+//!    of inliers says little: those of one advertising board agree on a wrong camera in any number.
+//!    What discriminates is their extent along the axis of least spread, and how well they
+//!    determine the overlay ([`Evidence::agreement`], a logistic curve fitted to 1,570 answers with
+//!    known truth).
+//! 2. **The overlay is accurate enough.** Its error has a Rayleigh distribution. The 1-σ comes from
+//!    the uncertainty of the labels and grows with the rotation from the nearest reference: small
+//!    errors of the lens are absorbed by the camera of a reference, but not elsewhere.
 //!
-//! No probability is stated that references which were left out do not bear out
-//! ([`Evidence::at_most`]). The painted lines are other evidence; where a picture shows them they
+//! The result is bounded by the success rate on references that were left out of the training
+//! ([`Evidence::at_most`]). Painted lines are independent evidence; where a picture shows them they
 //! replace the first factor (`proposals::LineEvidence`).
 //!
-//! `cargo bench --bench relocalize reliability` fits the curve again, `trust` counts how often an
+//! `cargo bench --bench relocalize reliability` fits the curve again; `trust` counts how often an
 //! answer was certain and wrong.
 
 use super::SeenRange;
@@ -24,56 +24,55 @@ use serde::Serialize;
 use touchline_core::camera::{AngularDistance, Ptz};
 use touchline_core::geometry::ImageSize;
 
-/// What speaks for an answer. How many features agree says little: those of one advertising board,
-/// or of a row of them, agree on a wrong camera in any number. Boards are narrow, though, and what
-/// narrow evidence fixes is fixed badly.
+/// The evidence for an answer. The number of inliers is not part of it: those of one advertising
+/// board, or of a row of them, agree on a wrong camera in any number. But boards are narrow, and
+/// narrow evidence determines the camera badly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
-    /// How far agreeing features spread where they spread least, px at 1920 px width.
+    /// Standard deviation of the inliers along the axis of least spread, px at 1920 px width.
     pub breadth_px: f64,
     /// 1-σ of the overlay at the worst corner of the picture by the features alone, px at 1920 px
     /// width.
     pub features_sigma_px: f64,
-    /// The same with what the references' labels leave open. What the base leaves open is not in
-    /// it: it is the same for all frames, and the references show it.
+    /// The same, with the uncertainty of the references' labels. That of the base is excluded: it
+    /// is common to all frames, references included.
     pub labelled_sigma_px: f64,
-    /// How far the camera turned and zoomed from the nearest reference.
+    /// Rotation and zoom relative to the nearest reference.
     pub from_reference: FromReference,
-    /// No greater probability is stated, by what references that were left out show.
+    /// Upper bound of the probability, from answers about references left out of the training.
     pub at_most: f64,
 }
 
-/// How far a camera is from the nearest reference.
+/// Rotation and zoom of a camera relative to the nearest reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FromReference {
-    /// The turn of the axis, as a share of the picture's width.
+    /// Rotation of the optical axis, as a share of the picture's width.
     pub turn: f64,
-    /// The logarithm of the ratio of the focal lengths, without its sign.
+    /// Absolute logarithm of the ratio of the focal lengths.
     pub zoom: f64,
 }
 
-/// 1-σ by which an overlay is off more at its worst corner where the camera turned away from the
-/// nearest reference by the width of its picture, px at 1920 px width.
+/// Additional 1-σ of the overlay at its worst corner per rotation by the width of the picture from
+/// the nearest reference, px at 1920 px width.
 ///
-/// A lens and a base that are not quite right are made up for by the camera of each reference, as
-/// well as its clicks show where it looks. Elsewhere that fits less well: features seen at one edge
-/// of the reference are at the other edge now. Of greatest likelihood, over 337 answers on frames
-/// of three real matches with all references of other clips, those farther than 8° away and two
-/// (`cargo bench --bench relocalize trust`), are 11 px across the picture and, by the focal length,
-/// 17 px at its left and right edge. One match alone gives 5 to 18 and 10 to 24 px, so that this is
-/// an average over cameras: it says how probable a right overlay is, and does not widen the
-/// covariance of each.
+/// The camera of a reference absorbs small errors of lens and base where the reference looks.
+/// Elsewhere that fits less well: features seen at one edge of the reference are at the other edge
+/// now. The maximum likelihood values are 11 px across the picture and, by the focal length, 17 px
+/// at its left and right edges. They come from 337 answers on frames of three real matches, with
+/// references of other clips: all, those farther than 8° away, and two (`cargo bench --bench
+/// relocalize trust`). Single matches give 5 to 18 and 10 to 24 px. So this is an average over
+/// cameras: it enters the probability of an answer, but does not inflate the covariance of each.
 const PER_TURN_PX: f64 = 22.0;
 
-/// From this turn on, in widths of the picture, an overlay is not off more: so far away features
-/// agree on a camera only where much else is seen.
+/// The additional error stops growing at this rotation, in picture widths: so far away features
+/// agree on a camera only if they cover much of the picture otherwise.
 const FARTHEST_TURN: f64 = 0.35;
 
-/// An overlay that is off by no more is right, px at 1920 px width.
+/// An overlay with at most this error is right, px at 1920 px width.
 const RIGHT_PX: f64 = 10.0;
 
 impl FromReference {
-    /// How far a camera is from the nearest reference; nothing where none is known.
+    /// Relative to the nearest reference; zero if none is known.
     pub(super) fn of(ptz: &Ptz, image_size: ImageSize, seen: &SeenRange) -> Self {
         let Some(number) = nearest(ptz, &seen.cameras, 1).into_iter().next() else {
             return Self::default();
@@ -81,7 +80,7 @@ impl FromReference {
         Self::between(ptz, &seen.cameras[number], image_size)
     }
 
-    /// How far a camera is from a reference.
+    /// Relative to a given reference.
     pub(super) fn between(ptz: &Ptz, reference: &Ptz, image_size: ImageSize) -> Self {
         let AngularDistance { turn, log_zoom } = AngularDistance::between(ptz, reference);
         Self {
@@ -91,21 +90,23 @@ impl FromReference {
     }
 }
 
-/// The logarithm of the odds that an overlay is right within 10 px at 1920 px width, by
-/// [`Evidence::terms`]: the logistic curve of greatest likelihood over 1086 answers on frames of
-/// three real matches, each from references of other clips and mostly from too few of them, and 484
-/// on drawn pictures where chance and repeated boards agree, these at 0.3 of the weight.
-/// `cargo bench --bench relocalize reliability` fits it again and says what it is worth on matches
-/// that it was not fitted to. The number of places, the share and the crowding of agreeing features
-/// and their distances were tried as well: they add nothing on matches not seen in the fit.
+/// Coefficients of the log odds that an overlay is right within 10 px at 1920 px width, for
+/// [`Evidence::terms`].
+///
+/// Maximum likelihood logistic curve over 1086 answers on frames of three real matches, each from
+/// references of other clips and mostly from too few of them, and 484 answers on drawn pictures
+/// where chance and repeated boards agree, the latter with weight 0.3. `cargo bench --bench
+/// relocalize reliability` fits it again and evaluates it on matches that it was not fitted to.
+/// Number of occupied cells, share of inliers, their crowding and their distances were tried as
+/// further terms: they gain nothing on matches outside the fit.
 const LOG_ODDS: [f64; Evidence::TERMS] = [-1.86, -1.63, 1.35];
 
 impl Evidence {
-    /// How many [`Self::terms`] there are.
+    /// Number of [`Self::terms`].
     pub const TERMS: usize = 3;
 
-    /// What the logarithm of the odds is linear in: 1, and the logarithms of the error to be
-    /// expected and of the breadth.
+    /// The terms in which the log odds are linear: 1, and the logarithms of the expected error and
+    /// of the extent.
     #[must_use]
     pub fn terms(&self) -> [f64; Self::TERMS] {
         [
@@ -115,7 +116,7 @@ impl Evidence {
         ]
     }
 
-    /// The probability that the features agree on what they show, and not on graphics, boards or by
+    /// The probability that the features agree on the stadium, and not on graphics, boards or by
     /// chance.
     #[must_use]
     pub fn agreement(&self) -> f64 {
@@ -134,11 +135,13 @@ impl Evidence {
         self.confidence_if(self.agreement(), 0.0)
     }
 
-    /// The same if it is known otherwise how probable it is that the features agree on what they
-    /// show: then the overlay errs as the labels and the way from them leave it, and by what else
-    /// is seen of it, a 1-σ in px at 1920 px width. The error's length has a Rayleigh distribution.
+    /// The same with a given probability that the features agree on the stadium, from other
+    /// evidence such as painted lines, and with a further 1-σ of the overlay from that evidence, px
+    /// at 1920 px width.
     #[must_use]
     pub fn confidence_if(&self, agreement: f64, seen_sigma_px: f64) -> f64 {
+        // The error's length has a Rayleigh distribution, P(e ≤ r) = 1 − exp(−r²/s²), where s² is
+        // the expected squared length, twice the variance along one axis.
         let by_turning = PER_TURN_PX * self.from_reference.turn.min(FARTHEST_TURN);
         let sigma_px = self
             .labelled_sigma_px

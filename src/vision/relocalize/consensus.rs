@@ -1,11 +1,11 @@
 //! Two-point RANSAC on exact rays.
 //!
-//! Pairs are drawn from the features most alike to a reference first (as PROSAC does: Chum and
-//! Matas, CVPR 2005), distant pairs favoured, as the focal length is hardly known from near ones.
-//! Two points give four equations for three unknowns: a pair whose second point does not come back
-//! is dropped at once. What remains is scored over all features, each by its best candidate, and
-//! given up early where it falls far behind; a new best is refined over its features (Chum, Matas,
-//! Kittler, DAGM 2003).
+//! Pairs are drawn first from the features most similar to a reference (as PROSAC does: Chum and
+//! Matas, CVPR 2005). Distant pairs are preferred, because near ones hardly determine the focal
+//! length. Two points give four equations for three unknowns: a hypothesis that does not reproject
+//! both is rejected at once. The others are scored over all features, each by its best candidate,
+//! and abandoned early if they fall far behind; a new best is refined over its inliers (Chum,
+//! Matas, Kittler, DAGM 2003).
 
 use super::RayMatches;
 use super::pose_options::{ENOUGH, MIN_INLIERS, PoseOptions};
@@ -15,38 +15,39 @@ use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImageSize, Vec3};
 use touchline_core::solve::{Loss, refine_until, solve_two_points};
 
-/// The camera that most features agree on, not refined over all of them.
+/// The result of the search, not refined over all features.
 pub(super) struct Consensus {
-    /// None: no pair of features gave a camera.
+    /// The best camera; `None` if no pair of features gave one.
     pub ptz: Option<Ptz>,
-    /// Features that agree.
+    /// Number of inliers among the features scored.
     pub agreeing: usize,
-    /// Pairs tried.
+    /// Number of pairs tried.
     pub hypotheses: usize,
 }
 
-/// Features that the first pairs are drawn from.
+/// Size of the pool from which the first pairs are drawn.
 const FIRST_FEATURES: usize = 24;
-/// Pairs after which all features take part.
+/// The pool grows linearly and holds all features after at most this many pairs.
 const GROWTH: usize = 300;
-/// The least distance of a pair, as a share of the picture's width, and how many draws it is worth.
+/// Minimum distance of a pair, as a share of the picture's width, and the number of draws to find a
+/// distant one.
 const MIN_SEPARATION: f64 = 0.1;
 const DRAWS: usize = 6;
-/// How often a feature speaks with its likeliest candidate.
+/// Probability that a feature is drawn with its most likely candidate.
 const FIRST_CANDIDATE: f64 = 0.7;
-/// Pairs tried at least.
+/// Minimum number of pairs.
 const MIN_HYPOTHESES: usize = 16;
-/// A hypothesis is looked at in blocks of features, and given up where it has less than this share
-/// of what the best had there.
+/// A hypothesis is scored in blocks of features and abandoned if it has less than this share of the
+/// score expected of the best so far.
 const BLOCK: usize = 48;
 const FAR_BEHIND: f64 = 0.3;
-/// Features that hypotheses are scored over, drawn once: more tell cameras apart no better.
+/// Number of features that score hypotheses, drawn once: more do not discriminate better.
 const SCORED_FEATURES: usize = 400;
-/// Features that a new best is refined over.
+/// Maximum number of features that a new best is refined over.
 const LOCAL_FEATURES: usize = 80;
 
-/// Looks for the camera that most features agree on. `base` stands at the origin: the world is the
-/// base's own frame.
+/// Finds the camera that most features agree on. `base` is at the origin: the world is the base's
+/// own frame.
 pub(super) fn find_consensus(
     matches: &RayMatches,
     base: &CameraBase,
@@ -66,6 +67,7 @@ pub(super) fn find_consensus(
     };
     let (mut hypotheses, mut wanted) = (0, options.max_hypotheses);
     while hypotheses < wanted {
+        // Draw a pair from the growing pool, and a candidate ray for each of its features.
         hypotheses += 1;
         let pool = (FIRST_FEATURES + order.len() * hypotheses / GROWTH).min(order.len());
         let Some(pair) = draw_pair(matches, &order[..pool], min_separation_px, &mut rng) else {
@@ -76,6 +78,8 @@ pub(super) fn find_consensus(
         let Ok(solutions) = solve_two_points(base, rays, pixels) else {
             continue;
         };
+        // Up to two roots of the focal length. Cheap checks come first: the allowed ranges, then
+        // reprojection of the pair.
         for ptz in solutions.iter() {
             if !options.allows(&ptz, image_size) {
                 continue;
@@ -97,6 +101,8 @@ pub(super) fn find_consensus(
             if score <= best.score {
                 continue;
             }
+            // Local optimisation of each new best, then a new estimate of the number of pairs
+            // needed.
             best = Best {
                 ptz: Some(ptz),
                 score,
@@ -122,7 +128,7 @@ struct Best {
 }
 
 impl Best {
-    /// Refines over features that agree, and keeps that if more agree then.
+    /// Refines over inliers and keeps the result if its score is higher.
     fn improve(
         &mut self,
         matches: &RayMatches,
@@ -164,9 +170,10 @@ impl Best {
     }
 }
 
-/// How many pairs make it improbable to have missed a camera that this share of features agrees on.
+/// Number of pairs after which the probability of never having drawn a good one is
+/// `miss_probability`, given the share of inliers: ln(miss) / ln(1 − good).
 fn enough(share: f64, options: &PoseOptions) -> usize {
-    // Both features must agree, and each must have spoken with the right candidate.
+    // A pair is good if both features are inliers and both are drawn with the right candidate.
     let good = (share * FIRST_CANDIDATE).powi(2).clamp(1e-9, 1.0 - 1e-9);
     let wanted = options.miss_probability.ln() / (-good).ln_1p();
     (wanted.ceil() as usize).clamp(
@@ -175,7 +182,8 @@ fn enough(share: f64, options: &PoseOptions) -> usize {
     )
 }
 
-/// Two features, far apart if some draws find such.
+/// Draws two features: the first at random, the second as the most distant of some draws. `None` if
+/// all are too close.
 fn draw_pair(
     matches: &RayMatches,
     pool: &[usize],
@@ -191,6 +199,7 @@ fn draw_pair(
         if farthest.is_none_or(|(most, _)| distance_px > most) {
             farthest = Some((distance_px, second));
         }
+        // Far enough to determine the focal length.
         if distance_px >= 3.0 * apart_px {
             break;
         }
@@ -208,8 +217,8 @@ fn draw_candidate(rays: &[Vec3], rng: &mut Pcg64Mcg) -> Vec3 {
     }
 }
 
-/// The sum of 1 − (distance / agreement)² over the features that agree (Torr and Zisserman's MSAC),
-/// and how many those are; none once it is far behind `best`.
+/// The sum of 1 − (distance / threshold)² over the inliers (MSAC; Torr and Zisserman, 2000), and
+/// their number; `None` once the hypothesis cannot beat `best` or is far behind it.
 fn score(
     matches: &RayMatches,
     camera: &PtzCamera,
@@ -229,6 +238,9 @@ fn score(
             }
         }
         seen += block.len();
+        // Two bail-outs: even if all remaining features scored 1, it would not win; or it has less
+        // than `FAR_BEHIND` of the score that the best has in as many features. The second may
+        // reject a good hypothesis; features are shuffled, so that is rare.
         let rest = order.len() - seen;
         let expected = best * seen as f64 / order.len() as f64;
         if score + rest as f64 <= best || (rest > 0 && score + 1.0 < FAR_BEHIND * expected) {

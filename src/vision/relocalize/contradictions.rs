@@ -1,14 +1,14 @@
 //! References that contradict each other.
 //!
-//! Two references that look the same way share features. The features of one, with the rays that
-//! its label gives them, say where the other looks, as the forest would; where that is not what the
-//! other's label says, one of the two labels is wrong. Which one, a third reference tells: the
-//! label that contradicts most others is the one to look at.
+//! Two references with overlapping views share features. The features of one, with the rays from
+//! its label, determine where the other looks, as a forest would; if its label says otherwise, one
+//! of the two labels is wrong. A third reference decides which: the label that contradicts most
+//! others is the suspect.
 //!
-//! A grossly wrong label, as one with mirrored names, says that it looks where none of the pictures
-//! is like its own: nothing there contradicts it. A reference that shares nothing with those that
-//! look nearest is therefore compared with all others, and believed to be wrong if two of them at
-//! least say so: one alone may be like it by chance, as repeated boards are.
+//! A grossly wrong label, for instance with mirrored names, points where no other picture is
+//! similar, so no neighbour contradicts it. A reference that shares nothing with its neighbours is
+//! therefore compared with all others, and reported if at least two of them contradict it: a single
+//! one may be similar by chance, as repeated boards are.
 
 use super::reference_pairs::{Reference, pairs, seen_from};
 use rayon::prelude::*;
@@ -17,24 +17,24 @@ use std::collections::BTreeSet;
 /// Two references whose labels do not agree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contradiction {
-    /// Their places among the references, in ascending order.
+    /// Their indices, ascending.
     pub references: [usize; 2],
-    /// How far the overlay of the second lies from where the first says it is, at the worst corner,
-    /// px at 1920 px width.
+    /// The distance between the overlay of the second and where the first places it, at the worst
+    /// corner, px at 1920 px width.
     pub disagreement_px: f64,
-    /// Features that the two share.
+    /// Number of inliers that the two share.
     pub shared: usize,
 }
 
-/// When references contradict each other.
+/// Options of [`contradictions()`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContradictionOptions {
-    /// Labels that differ by less agree, px at 1920 px width. 15 by default: people's clicks make
+    /// Labels that differ by less agree, px at 1920 px width. Default: 15; click noise makes
     /// references differ by about a third of that.
     pub tolerance_px: f64,
-    /// Every reference is compared with as many that look nearest to where it looks. 4 by default.
+    /// Number of nearest neighbours with which each reference is compared. Default: 4.
     pub neighbours: usize,
-    /// Features compared of each, the strongest. 400 by default.
+    /// Number of features of each that are compared, the strongest. Default: 400.
     pub features: usize,
 }
 
@@ -48,19 +48,19 @@ impl Default for ContradictionOptions {
     }
 }
 
-/// At most this many references that share nothing with those beside them are compared with all
-/// others.
+/// Maximum number of isolated references that are compared with all others.
 const MOST_ALONE: usize = 16;
 
-/// At least this many others, far from where a label says that it looks, have to contradict it.
+/// Minimum number of distant references that must contradict an isolated one.
 const MANY: usize = 2;
 
-/// The references whose labels contradict each other, the greatest disagreement first.
+/// Pairs of references whose labels contradict each other, the greatest disagreement first.
 #[must_use]
 pub fn contradictions(
     references: &[Reference],
     options: &ContradictionOptions,
 ) -> Vec<Contradiction> {
+    // Compare neighbours first; references that gave no result are isolated.
     let near = pairs(references, options.neighbours);
     let mut compared = compare(references, &near, options);
     let alone = (0..references.len()).filter(|index| {
@@ -69,6 +69,8 @@ pub fn contradictions(
             .any(|found| found.references.contains(index))
     });
     let alone: Vec<usize> = alone.take(MOST_ALONE).collect();
+    // Compare isolated references with all others; keep a comparison only if enough others
+    // contradict the label.
     let everywhere: Vec<[usize; 2]> = alone
         .iter()
         .flat_map(|&one| (0..references.len()).map(move |other| [one.min(other), one.max(other)]))
@@ -77,6 +79,7 @@ pub fn contradictions(
         .into_iter()
         .collect();
     let far = compare(references, &everywhere, options);
+    // The negated comparison also counts NaN and infinity as contradictions.
     let contradicts = |found: &&Contradiction| !(found.disagreement_px <= options.tolerance_px);
     let by = |index: usize| {
         far.iter()
@@ -101,8 +104,9 @@ pub fn contradictions(
     found
 }
 
-/// The references to look at: again and again the one that most of the remaining contradictions
-/// name, the one with the greater disagreement of equals. Without it they would be gone.
+/// The suspects: repeatedly the reference with the most remaining contradictions, of equals the one
+/// with the greatest disagreement. Its contradictions are removed before the next. A greedy vertex
+/// cover: without the suspects no contradiction remains.
 #[must_use]
 pub fn suspects(contradictions: &[Contradiction]) -> Vec<usize> {
     let mut rest = contradictions.to_vec();
@@ -125,7 +129,7 @@ pub fn suspects(contradictions: &[Contradiction]) -> Vec<usize> {
     suspects
 }
 
-/// How far the labels of pairs are apart, as far as their pictures tell.
+/// The disagreement of each pair of labels, where their pictures determine it.
 fn compare(
     references: &[Reference],
     pairs: &[[usize; 2]],
@@ -137,7 +141,7 @@ fn compare(
         .collect()
 }
 
-/// How far a pair's labels are apart; none where the pictures do not tell.
+/// The disagreement of a pair of labels; `None` if their pictures do not determine it.
 fn disagreement(
     references: &[Reference],
     pair: [usize; 2],

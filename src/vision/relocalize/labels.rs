@@ -1,20 +1,21 @@
-//! What the labels of references leave open in an answer.
+//! The uncertainty that the labels of references leave in an answer.
 //!
-//! The forest's rays were read off references whose cameras are known by clicks. What a reference's
-//! camera errs by, all its rays err by: an answer repeats the error, however many features agree.
-//! An error δ of a reference's (pan, tilt, focal length) moves the camera that its rays alone would
-//! give by T δ, where T adds to pan and tilt what the wrong focal length does far from the
-//! reference's middle.
+//! The rays of a forest were computed from references whose cameras are known by clicks. An error
+//! of a reference's camera affects all its rays alike: an answer repeats it, however many features
+//! agree. An error δ of a reference's (pan, tilt, focal length) moves the camera estimated from its
+//! rays by T δ; T also adds to pan and tilt the effect of a wrong focal length away from the
+//! reference's centre.
 //!
-//! Where several references show a feature, its ray may be any one's: a consensus is where rays
-//! crowd, not their mean, and labels that were made to fit each other (see [`super::aligned`]) err
-//! together. So nothing averages out: the covariance is that of one reference, the mean over those
-//! that show the features. An error of the base, which all share, is told by
-//! [`Uncertainty::of_known`].
+//! Where several references show a feature, its ray may be from any of them: a consensus is where
+//! rays cluster, not their mean, and labels that were adjusted to each other (see
+//! [`super::aligned`]) have correlated errors. So nothing averages out: the covariance is that of
+//! one reference, averaged over those that show the features. An error of the base, which all
+//! references share, is added by [`Uncertainty::of_known`].
 //!
-//! Taken to be independent of each other, with each its share of the information, labels left 17 %
-//! and 19 % of answers about two drawn matches within the stated 68 % (16 references of four
-//! clicks; `cargo bench --bench relocalize clicked`), at 2.2 to 2.5 times the stated error.
+//! Treating labels as independent, each with its share of the information, was tried: 17 % and 19 %
+//! of the answers about two drawn matches were then within the stated 68 % region (16 references of
+//! four clicks; `cargo bench --bench relocalize clicked`), with errors of 2.2 to 2.5 times the
+//! stated ones.
 
 use super::nearest_references::nearest;
 use super::{RayMatches, SeenRange};
@@ -22,17 +23,17 @@ use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, subsample};
 use touchline_core::solve::covariance_of_four_points;
 
-/// References that an answer may rest on: those nearest to it.
+/// Number of references that an answer may rest on: the nearest ones.
 const NEAREST: usize = 12;
 
-/// Features from which the references' shares are computed.
+/// Number of features from which the shares of the references are computed.
 const FEATURES: usize = 64;
 
-/// 1-σ of a person's click, px at 1920 px width, where nothing is known of a label.
+/// 1-σ of a click, px at 1920 px width, for references without a stored covariance.
 const CLICK_PX: f64 = 2.0;
 
-/// Covariance of (pan rad, tilt rad, focal px) that the labels of the references leave in an answer
-/// on which these features agree; zero without references.
+/// The covariance of (pan rad, tilt rad, focal px) that the labels of the references leave in an
+/// answer with these inliers; zero without references.
 pub(super) fn label_covariance(
     (ptz, inliers): (&Ptz, &[usize]),
     matches: &RayMatches,
@@ -47,6 +48,8 @@ pub(super) fn label_covariance(
         .iter()
         .map(|&number| PtzCamera::new(at_base, seen.cameras[number]))
         .collect();
+    // Each feature divides one vote among the references whose picture contains its ray; if none
+    // does, the nearest reference gets it.
     let mut shares = vec![0.0; references.len()];
     for &feature in subsample(inliers, FEATURES) {
         let Some((_, ray)) = matches.nearest(&camera, feature) else {
@@ -69,6 +72,7 @@ pub(super) fn label_covariance(
             shares[number] += 1.0 / showing.len() as f64;
         }
     }
+    // Average T Λ Tᵀ over the references by their shares.
     let all: f64 = shares.iter().sum();
     let mut covariance = Mat3::zeros();
     for ((&number, reference), share) in near
@@ -85,11 +89,16 @@ pub(super) fn label_covariance(
         let moved = moved_by_label(ptz, &reference.ptz());
         covariance += moved * label * moved.transpose() * (share / all);
     }
+    // Symmetric but for rounding; made exactly so.
     (covariance + covariance.transpose()) * 0.5
 }
 
-/// T: how an answer moves with the (pan, tilt, focal length) of the reference that all its rays are
-/// read off.
+/// T: the derivative of an answer's (pan, tilt, focal length) by those of the reference that all
+/// its rays come from.
+///
+/// Pan and tilt errors carry over. With a focal length too long by δf, rays at a pan offset p from
+/// the reference's centre are computed at p (1 − δf/f); so the answer, p away, moves by −p δf/f,
+/// and its focal length scales by the same factor as the reference's. First order in the offsets.
 pub(super) fn moved_by_label(answer: &Ptz, reference: &Ptz) -> Mat3 {
     let (pan, tilt) = (
         answer.pan.turn_from(reference.pan).radians(),
@@ -109,8 +118,8 @@ pub(super) fn moved_by_label(answer: &Ptz, reference: &Ptz) -> Mat3 {
     )
 }
 
-/// The covariance of (pan rad, tilt rad, focal px) of a camera that four clicks tell, well apart;
-/// wherever its base stands.
+/// The covariance of (pan rad, tilt rad, focal px) of a camera from four clicks, well apart,
+/// independent of its base.
 fn usual_label(reference: &PtzCamera, image_size: ImageSize) -> Mat3 {
     covariance_of_four_points(
         reference,

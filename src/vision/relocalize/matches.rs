@@ -1,4 +1,4 @@
-//! Pixels with the rays that they may show.
+//! Features with their candidate rays.
 
 use super::RayCandidate;
 use std::ops::Range;
@@ -6,15 +6,15 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::{ImagePoint, Vec3};
 use touchline_core::solve::Observation;
 
-/// A picture's features with their candidate rays, in flat memory. A feature counts by its best
-/// candidate.
+/// The features of a picture with their candidate rays, in flat memory. A feature is scored by its
+/// best candidate.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RayMatches {
     points: Vec<ImagePoint>,
     ends: Vec<usize>,
     /// Unit directions in `base`.
     rays: Vec<Vec3>,
-    /// The least squared distance of each feature's candidates.
+    /// The squared descriptor distance of each feature's best candidate.
     distances: Vec<f32>,
 }
 
@@ -37,7 +37,8 @@ impl RayMatches {
         }
     }
 
-    /// Adds a feature with its candidates, the likeliest first; one without candidates is left out.
+    /// Adds a feature with its candidates, the most likely first; a feature without candidates is
+    /// ignored.
     pub fn push(&mut self, point: ImagePoint, candidates: &[RayCandidate]) {
         let Some(first) = candidates.first() else {
             return;
@@ -49,7 +50,7 @@ impl RayMatches {
         self.distances.push(first.squared_distance);
     }
 
-    /// These matches without some, and the numbers here of those that are left.
+    /// The matches without some features, and the original index of each that remains.
     pub(super) fn without(&self, left_out: &[bool]) -> (Self, Vec<usize>) {
         let kept: Vec<usize> = (0..self.len())
             .filter(|&feature| !left_out[feature])
@@ -64,7 +65,7 @@ impl RayMatches {
         (rest, kept)
     }
 
-    /// How many features have candidates.
+    /// Number of features with candidates.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.points.len()
@@ -76,13 +77,13 @@ impl RayMatches {
         self.points.is_empty()
     }
 
-    /// Where a feature is, px.
+    /// Position of a feature, px.
     #[must_use]
     pub fn point(&self, feature: usize) -> ImagePoint {
         self.points[feature]
     }
 
-    /// The candidate rays of a feature, unit directions in `base`, the likeliest first.
+    /// The candidate rays of a feature, unit directions in `base`, the most likely first.
     #[must_use]
     pub fn rays(&self, feature: usize) -> &[Vec3] {
         &self.rays[self.range(feature)]
@@ -97,7 +98,7 @@ impl RayMatches {
         start..self.ends[feature]
     }
 
-    /// The features from the most to the least alike to a reference.
+    /// The features in ascending order of descriptor distance.
     pub(super) fn by_distance(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.len()).collect();
         order.sort_by(|&a, &b| {
@@ -108,14 +109,18 @@ impl RayMatches {
         order
     }
 
-    /// The squared distance of a feature from its nearest candidate in a camera, px², and that
-    /// candidate's direction; none where no candidate has an image.
+    /// The squared distance of a feature from its nearest candidate as the camera projects it, px²,
+    /// and that candidate's direction; `None` if no candidate is in front of the camera and within
+    /// the lens model.
     pub(super) fn nearest(&self, camera: &PtzCamera, feature: usize) -> Option<(f64, Vec3)> {
         let (rotation, ptz, lens) = (camera.cam_from_base(), camera.ptz(), camera.lens());
+        // This is the inner loop of RANSAC: project by hand, in normalised coordinates, and skip
+        // rays behind the camera or beyond the fold of the lens.
         let offset = self.points[feature].offset_from(camera.base().principal_point) / ptz.focal_px;
         let fold_squared = camera.fold_radius().powi(2);
         let mut best = None::<(f64, Vec3)>;
         for &ray in self.rays(feature) {
+            // The negated comparison also rejects NaN.
             let in_cam = rotation * ray;
             if !(in_cam.z > touchline_core::camera::MIN_DEPTH) {
                 continue;
@@ -125,6 +130,8 @@ impl RayMatches {
             if radius_squared >= fold_squared {
                 continue;
             }
+            // The distorted projection, compared with the pixel in normalised coordinates; px² at
+            // the end.
             let stretch = lens.stretch(radius_squared);
             let (dx, dy) = (x * stretch - offset.x, y * stretch - offset.y);
             let squared = (dx * dx + dy * dy) * ptz.focal_px * ptz.focal_px;
@@ -135,7 +142,7 @@ impl RayMatches {
         best
     }
 
-    /// Features with the candidates nearest to them in a camera, as observations.
+    /// Features with their nearest candidates as observations.
     pub(super) fn observations(
         &self,
         camera: &PtzCamera,

@@ -1,10 +1,10 @@
-//! Cameras of frames that nobody clicked.
+//! Relocalization: cameras of frames without clicks.
 //!
-//! A pan-tilt forest learns from references which ray a descriptor shows ([`train`]); a new
-//! picture's features get candidate rays from it, and [`pose_from_candidates`] finds the camera
-//! that most of them agree on, or says by name why there is none ([`NotFound`]). [`relocalize()`]
-//! is both together; [`ForestModel`] is a forest on disk. Labels of references are made to fit each
-//! other by [`aligned`]; those that do not agree at all are found by [`contradictions()`].
+//! A pan-tilt forest learns from references which ray a descriptor shows ([`train`]). The features
+//! of a new picture get candidate rays from it, and [`pose_from_candidates`] finds the camera that
+//! most of them agree on, or the reason why there is none ([`NotFound`]). [`relocalize()`] does
+//! both; [`ForestModel`] is a forest on disk. [`aligned`] adjusts the labels of references to each
+//! other; [`contradictions()`] finds those that do not agree at all.
 
 mod alignment;
 mod answer;

@@ -1,4 +1,5 @@
-//! A forest file: forests by camera, the document they belong to, and how features were found.
+//! A forest file: one forest per camera, the document they belong to, and the options of feature
+//! detection.
 
 use super::Shown;
 use super::forest::{Forest, ForestFileError, Reader, write_forest};
@@ -7,31 +8,31 @@ use std::ops::RangeInclusive;
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::{Angle, AngleRange, Mat3};
 
-/// How a forest file begins.
+/// Magic bytes at the start of a forest file.
 const MAGIC: &[u8; 8] = b"TLFOREST";
 
-/// The version that is written.
+/// The version of files written.
 pub const FOREST_VERSION: u32 = 5;
 
-/// The oldest that is read: it does not hold the references' cameras.
+/// The oldest version read; it lacks the references' cameras.
 const OLDEST_VERSION: u32 = 3;
 
-/// The first that holds how well the references' cameras are known.
+/// The first version with the covariances of the references' cameras.
 const WITH_LABELS: u32 = 5;
 
-/// A reference's camera in a file.
+/// Bytes of a reference's camera in a file.
 const CAMERA_BYTES: usize = 24;
 
-/// How well it is known.
+/// Bytes of the covariance of a reference's camera.
 const LABEL_BYTES: usize = 48;
 
-/// What a forest file holds: enough to relocalize pictures without the project. It holds no paths.
+/// The content of a forest file: enough to relocalize pictures without the project. It holds no
+/// paths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForestModel {
-    /// The document's field and cameras as its JSON, without frames; text that this room does not
-    /// look into.
+    /// The document's field and cameras as JSON, without frames; opaque text here.
     pub document: String,
-    /// How the features of the references were found, and how those of other frames must be.
+    /// Options of feature detection for the references; those of other frames must be the same.
     pub features: FeatureOptions,
     /// A forest for each camera that has references.
     pub cameras: Vec<CameraForest>,
@@ -42,38 +43,36 @@ pub struct ForestModel {
 pub struct CameraForest {
     /// The camera's name in the document.
     pub camera: String,
-    /// Where its references looked.
+    /// The views of its references.
     pub seen: SeenRange,
     /// From descriptors to rays in the camera's base.
     pub forest: Forest,
 }
 
-/// Where the references of a camera looked, and how many there are.
+/// The views of a camera's references.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenRange {
-    /// Pan of the optical axis, degrees: the smallest arc that holds all, from its left end to its
-    /// right one, above 180 where the seam lies between (see [`SeenRange::pan`]).
+    /// Pan of the optical axis, degrees: the smallest arc that contains all, from its left end to
+    /// its right end; the right end exceeds 180 if the arc crosses ±180° (see [`SeenRange::pan`]).
     pub pan_deg: RangeInclusive<f64>,
     /// Tilt of the optical axis, degrees.
     pub tilt_deg: RangeInclusive<f64>,
     /// Focal length, px of the frame.
     pub focal_px: RangeInclusive<f64>,
-    /// How many references gave features.
+    /// Number of references with features.
     pub references: u32,
-    /// How each of them was pointed: an answer that repeats one is looked at twice (see
+    /// The camera of each reference: an answer that repeats one is checked again (see
     /// [`super::relocalize()`]). Empty in forests of earlier versions.
     pub cameras: Vec<Ptz>,
-    /// How well each of these cameras is known if the base is exact: covariance of (pan rad, tilt
-    /// rad, focal px). Empty in forests of earlier versions: then they are taken to be known as
-    /// four clicks tell.
+    /// Covariance of (pan rad, tilt rad, focal px) of each of these cameras, given the base. Empty
+    /// in forests of earlier versions; four clicks per reference are then assumed.
     pub labels: Vec<Mat3>,
-    /// What the references show that were left out and asked for; nothing where that was not
-    /// measured.
+    /// Success rate on references left out of the training; empty if it was not measured.
     pub shown: Shown,
 }
 
 impl SeenRange {
-    /// The range of some cameras; none without any.
+    /// The range of some cameras; `None` without any.
     #[must_use]
     pub fn of(cameras: &[Ptz]) -> Option<Self> {
         let range = |value: fn(&Ptz) -> f64| {
@@ -93,7 +92,7 @@ impl SeenRange {
         })
     }
 
-    /// The same with how well each of the cameras is known: see [`SeenRange::labels`].
+    /// The same with covariances: see [`SeenRange::labels`].
     #[must_use]
     pub fn with_labels(self, labels: Vec<Mat3>) -> Self {
         Self { labels, ..self }
@@ -162,6 +161,8 @@ impl ForestModel {
             body.extend(camera.seen.shown.right.to_le_bytes());
             write_forest(&camera.forest, &mut body);
         }
+        // The header allows a reader to reject a truncated or altered file before it interprets any
+        // of it.
         let mut file = Vec::with_capacity(body.len() + 24);
         file.extend(MAGIC);
         file.extend(FOREST_VERSION.to_le_bytes());
@@ -171,10 +172,10 @@ impl ForestModel {
         file
     }
 
-    /// What a file holds.
+    /// Reads a forest file.
     ///
     /// # Errors
-    /// It is no forest, comes from a newer or much older program, or is damaged.
+    /// The bytes are no forest, come from a newer or much older program, or are damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ForestFileError> {
         let mut header = Reader::new(bytes);
         if header.bytes(MAGIC.len()).ok() != Some(MAGIC) {

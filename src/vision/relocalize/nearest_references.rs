@@ -2,8 +2,8 @@
 
 use touchline_core::camera::{AngularDistance, Ptz};
 
-/// The references nearest to a camera, at most `most`, by their places, the nearest first. A turn
-/// by a rad and a zoom by a factor of e count alike.
+/// Indices of at most `most` references nearest to a camera, the nearest first. A rotation by 1 rad
+/// and a zoom by a factor e count alike.
 pub(super) fn nearest(ptz: &Ptz, references: &[Ptz], most: usize) -> Vec<usize> {
     let distance = |reference: &Ptz| {
         let AngularDistance { turn, log_zoom } = AngularDistance::between(ptz, reference);

@@ -1,24 +1,24 @@
-//! Why a picture has no camera.
+//! Reasons why relocalization returns no camera.
 
 use thiserror::Error;
 use touchline_core::geometry::Angle;
 
-/// Why no camera is returned. None of it is a failure of the program: some pictures cannot be
-/// answered.
+/// The reason why no camera is returned. None of these is a failure of the program: some pictures
+/// cannot be relocalized.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NotFound {
-    /// Hardly any feature looks like something in the references.
+    /// Too few features have a similar one in the references.
     #[error(
         "{matched} features look like the references, {needed} are needed; label a frame that looks here"
     )]
     FewMatches {
         /// Features with a candidate ray.
         matched: usize,
-        /// As many are needed.
+        /// Minimum number of such features.
         needed: usize,
     },
-    /// No camera is seen by enough features.
+    /// No camera has enough inliers.
     #[error(
         "{agreeing} of {matched} features agree on a camera, {needed} are needed; label a frame that looks here"
     )]
@@ -27,10 +27,10 @@ pub enum NotFound {
         matched: usize,
         /// Features that agree on the best camera.
         agreeing: usize,
-        /// As many are needed.
+        /// Minimum number of inliers.
         needed: usize,
     },
-    /// The features agree on a camera that does not look where this one can.
+    /// The features agree on a camera outside the range of pan, tilt and focal length of this one.
     #[error(
         "the features agree on pan {pan}, tilt {tilt}, focal length {focal_px:.0} px, which this camera cannot do"
     )]
@@ -42,7 +42,7 @@ pub enum NotFound {
         /// px of the frame.
         focal_px: f64,
     },
-    /// The features agree, but only on what stands still on the screen, as burnt-in graphics do.
+    /// The features agree, but all of them stand still on the screen, as burnt-in graphics do.
     #[error(
         "the {inliers} features that agree stand still on the screen while the picture moves, as a score bug or a logo does; \
          label a frame that looks here"
@@ -51,7 +51,7 @@ pub enum NotFound {
         /// Features that agree.
         inliers: usize,
     },
-    /// There is a camera, but too much speaks against it.
+    /// There is a camera, but its probability is below the required one.
     #[error(
         "{inliers} features in {places} places agree on a camera known to {worst_corner_sigma_px:.1} px: right with \
          probability {confidence:.2} only; label a frame that looks here"
@@ -61,7 +61,7 @@ pub enum NotFound {
         confidence: f64,
         /// Features that agree.
         inliers: usize,
-        /// In how many places of the picture.
+        /// Number of cells of the picture that contain them.
         places: usize,
         /// 1-σ of the overlay at the worst corner, px.
         worst_corner_sigma_px: f64,

@@ -1,37 +1,38 @@
-//! Pose from candidate rays: the camera that most features agree on, how well it is known, or why
-//! there is none (section 3.3 of the paper).
+//! Pose from candidate rays: the camera that most features agree on and its uncertainty, or the
+//! reason why there is none (section 3.3 of the paper).
 //!
 //! # Problem
 //!
-//! A forest gives each feature of a picture up to a few rays (pan and tilt) in which its like was
-//! seen. Most are wrong: players, boards that repeat, chance. Find the pan, tilt and focal length
-//! under which as many features as possible lie on one of their rays.
+//! A forest gives each feature of a picture up to five rays (pan and tilt) on which similar
+//! features were seen. Most rays are wrong: players, repeated boards, chance. Find the pan, tilt
+//! and focal length for which as many features as possible lie on one of their rays.
 //!
 //! # Method
 //!
-//! 1. **Consensus** (`consensus.rs`): RANSAC with the exact two-point solver. Pairs are drawn from
-//!    the features most alike to a reference first (PROSAC: Chum and Matas, CVPR 2005) and far from
-//!    each other, because a near pair hardly fixes the focal length. Two points give four equations
-//!    for three unknowns; a pair whose second point does not come back is dropped. The rest is
-//!    scored by MSAC (Torr and Zisserman, 2000) over 400 features, and given up early where it
-//!    falls behind. A new best is refined over its own features (Chum, Matas and Kittler, DAGM
-//!    2003).
-//! 2. **Refinement over all features** ([`pose_from_candidates`]): candidates are chosen again, the
-//!    noise is measured from the median of the distances, and the camera is adjusted with a Cauchy
+//! 1. **Consensus** (`consensus.rs`): RANSAC with the exact two-point solver. Pairs are drawn first
+//!    from the features most similar to a reference (PROSAC: Chum and Matas, CVPR 2005), and far
+//!    from each other, because a near pair hardly determines the focal length. Two points give four
+//!    equations for three unknowns; a hypothesis that does not reproject both is rejected. The rest
+//!    is scored by MSAC (Torr and Zisserman, 2000) over 400 features, and abandoned early if it
+//!    falls behind. A new best hypothesis is refined over its inliers (Chum, Matas and Kittler,
+//!    DAGM 2003).
+//! 2. **Refinement over all features** ([`pose_from_candidates`]): candidates are assigned again,
+//!    the noise is estimated from the median distance, and the camera is adjusted with a Cauchy
 //!    loss of 95 % efficiency.
-//! 3. **Covariance**. Features of one place share their references' errors and count as one: the
-//!    normal equations are widened by features per place, on a grid of 32 × 18.
-//! 4. **Labels and base** ([`Pose::stated`]). Everything above happens in the camera's base frame,
-//!    where the rays are. What the references' labels leave open is added by `labels.rs`, the
-//!    base's own covariance by `Uncertainty`.
-//! 5. **Probability** (`confidence.rs`): an answer below the wanted one is none, and says so
-//!    ([`NotFound`]).
+//! 3. **Covariance**. Features in one cell of the picture share the errors of their references and
+//!    count as one: the covariance is inflated by the number of features per occupied cell of a 32
+//!    × 18 grid.
+//! 4. **Labels and base** ([`Pose::stated`]). The steps above work in `base`, the frame of the
+//!    rays. The uncertainty of the references' labels is added by `labels.rs`, that of the base by
+//!    `Uncertainty`.
+//! 5. **Probability** (`confidence.rs`): an answer less probable than required is rejected with a
+//!    reason ([`NotFound`]).
 //!
-//! # What it is proof against
+//! # Robustness
 //!
-//! 90 % of wrong candidates; one board with any number of features (it is narrow, and what narrow
-//! evidence fixes is fixed badly); a graphic that stands on the screen, which is left out before
-//! (`features::burnt_in`).
+//! Robust against 90 % of wrong candidates; against a board with any number of features (it is
+//! narrow, and narrow evidence determines the camera badly); and against burnt-in graphics, which
+//! are excluded beforehand (`features::burnt_in`).
 
 use super::consensus::{Consensus, find_consensus};
 use super::labels::label_covariance;
@@ -50,41 +51,42 @@ use touchline_core::solve::{Loss, Observation, Uncertainty, covariance_in_radian
 pub struct Pose {
     /// Pan, tilt, focal length.
     pub ptz: Ptz,
-    /// Covariance of (pan deg, tilt deg, focal px): by the features alone, close ones counted as
-    /// one, and once it is stated by labels and base as well.
+    /// Covariance of (pan deg, tilt deg, focal px). From [`pose_from_candidates`] it is that of the
+    /// features alone, close ones counted as one; after relocalization it includes labels and base.
     #[serde(serialize_with = "geometry::rows")]
     pub covariance: Mat3,
-    /// The same with the base taken as exact.
+    /// The same, given the base.
     #[serde(serialize_with = "geometry::rows")]
     pub own_covariance: Mat3,
-    /// 1-σ of the overlay at the worst corner of the picture, px, by the same.
+    /// 1-σ of the overlay at the worst corner of the picture, px, by `covariance`.
     pub worst_corner_sigma_px: f64,
-    /// The same by the features alone.
+    /// The same for the covariance of the features alone.
     pub features_sigma_px: f64,
-    /// The same by features and labels, as if the base were exact.
+    /// The same for the covariance of features and labels, given the base.
     pub labelled_sigma_px: f64,
-    /// How far the camera turned and zoomed from the nearest reference, where references are known.
+    /// Rotation and zoom relative to the nearest reference, if references are known.
     pub from_reference: FromReference,
-    /// No greater probability is stated, by what references that were left out show.
+    /// Upper bound of the stated probability, from answers about references left out of the
+    /// training.
     pub at_most: f64,
-    /// Root mean square of the agreeing features' distances, px.
+    /// Root mean square distance of the inliers, px.
     pub rms_px: f64,
-    /// The features that agree, by their number in the matches.
+    /// The inliers, as indices into the matches.
     pub inliers: Vec<usize>,
-    /// In how many places of the picture features agree (cells of a 32 × 18 grid): one board's many
-    /// features are few places.
+    /// Number of cells of a 32 × 18 grid that contain an inlier: the many features of one board
+    /// occupy few.
     pub places: usize,
-    /// How far the agreeing features spread where they spread least: the smaller standard deviation
-    /// of their positions, px at 1920 px width. A row of boards is long and narrow.
+    /// The smaller principal standard deviation of the inliers' positions, px at 1920 px width. A
+    /// row of boards is long and narrow.
     pub breadth_px: f64,
     /// The probability that the overlay is right within 10 px at 1920 px width.
     pub confidence: f64,
-    /// Hypotheses tried.
+    /// Number of hypotheses tried.
     pub hypotheses: usize,
 }
 
 impl Pose {
-    /// What speaks for it in a picture of this size.
+    /// The evidence for the pose in a picture of this size.
     #[must_use]
     pub fn evidence(&self, image_size: ImageSize) -> Evidence {
         let scale = image_size.scale_from_1920();
@@ -97,8 +99,7 @@ impl Pose {
         }
     }
 
-    /// The same with what the references' labels and the base leave open in its covariance and 1-σ,
-    /// and its confidence by that.
+    /// Adds the uncertainty of labels and base to covariance and 1-σ, and updates the confidence.
     pub(super) fn stated(
         mut self,
         matches: &RayMatches,
@@ -106,6 +107,7 @@ impl Pose {
         image_size: ImageSize,
         seen: &SeenRange,
     ) -> Self {
+        // Errors of features and labels are independent; `Uncertainty` adds that of the base.
         let by_features = covariance_in_radians(&self.own_covariance);
         let by_labels =
             label_covariance((&self.ptz, &self.inliers), matches, base, image_size, seen);
@@ -124,7 +126,7 @@ impl Pose {
         self
     }
 
-    /// The pose, if it is right with at least this probability.
+    /// The pose if its probability reaches `min_confidence`, else the reason for rejection.
     pub(super) fn if_sure(self, min_confidence: f64) -> Result<Self, NotFound> {
         if self.confidence >= min_confidence {
             return Ok(self);
@@ -139,28 +141,28 @@ impl Pose {
     }
 }
 
-/// Columns and rows of the grid by which the places of agreeing features are counted.
+/// Columns and rows of the grid whose occupied cells are counted.
 const PLACES: (f64, f64) = (32.0, 18.0);
 
-/// Rounds of choosing candidates and refining over all of them.
+/// Rounds of assigning candidates and refining.
 const ROUNDS: usize = 2;
 
-/// Features that a round before the last is content with: it has to find the noise, and a start.
+/// Number of features used before the last round, which suffices for the noise and a start.
 const FEATURES_AT_FIRST: usize = 200;
 
-/// The Cauchy constant of 95 % efficiency, sigmas.
+/// Scale of the Cauchy loss with 95 % efficiency for normal errors, in σ.
 const CAUCHY: f64 = 2.3849;
 
-/// Features beyond this do not agree once the noise is known, sigmas.
+/// Inlier threshold once the noise is known, in σ.
 const INLIER_SIGMAS: f64 = 4.0;
 
-/// No noise is taken to be smaller, px at 1920 px width: a keypoint's own.
+/// Lower bound of the noise, px at 1920 px width: that of a keypoint.
 const MIN_SIGMA_PX: f64 = 0.1;
 
 /// The camera that most features agree on.
 ///
 /// # Errors
-/// By name, why there is none: see [`NotFound`].
+/// [`NotFound`] names the reason why there is no pose.
 pub fn pose_from_candidates(
     matches: &RayMatches,
     base: &CameraBase,
@@ -173,6 +175,8 @@ pub fn pose_from_candidates(
             needed: MIN_INLIERS,
         });
     }
+    // Search at the origin: candidate rays are directions, so the position of the base does not
+    // matter.
     let at_base = base.at_origin();
     let found = find_consensus(matches, &at_base, image_size, options);
     let needed = MIN_INLIERS;
@@ -193,6 +197,8 @@ pub fn pose_from_candidates(
         agreeing,
         needed,
     };
+    // Refine over all features, then apply the checks: enough inliers, and a pose within the
+    // allowed ranges.
     let refined = refine_over_all(matches, &at_base, start, image_size, options)
         .ok_or_else(|| no_agreement(agreeing))?;
     let Refinement {
@@ -216,7 +222,8 @@ pub fn pose_from_candidates(
         inliers.iter().map(|&feature| matches.point(feature)),
         image_size,
     );
-    // Features of one place share their references' errors: they count as one.
+    // Features in one cell share the errors of their references and count as one: n features in m
+    // cells have their σ multiplied by √(n/m).
     let crowding = (inliers.len() as f64 / places as f64).sqrt();
     let observations: Vec<Observation> =
         matches.observations(&camera, inliers.iter().copied(), sigma_px * crowding);
@@ -245,7 +252,7 @@ pub fn pose_from_candidates(
     pose.if_sure(options.min_confidence)
 }
 
-/// In how many cells of the grid points lie.
+/// Number of cells of the grid that contain a point.
 fn places(points: impl Iterator<Item = ImagePoint>, image_size: ImageSize) -> usize {
     let (width, height) = (f64::from(image_size.width), f64::from(image_size.height));
     let cell = |point: ImagePoint| {
@@ -257,7 +264,8 @@ fn places(points: impl Iterator<Item = ImagePoint>, image_size: ImageSize) -> us
     points.map(cell).collect::<BTreeSet<_>>().len()
 }
 
-/// The smaller standard deviation of points, along the axis on which they spread least, px.
+/// The standard deviation of points along the axis of least spread, px: the root of the smaller
+/// eigenvalue of their 2 × 2 covariance, t/2 − √(t²/4 − d) with trace t and determinant d.
 fn breadth(points: impl Iterator<Item = ImagePoint> + Clone) -> f64 {
     let count = points.clone().count().max(1) as f64;
     let middle = points
@@ -284,8 +292,8 @@ struct Refinement {
     rms_px: f64,
 }
 
-/// Robust refinement over all features that agree, the noise measured from them; none if too few
-/// agree on the way.
+/// Robust refinement over all features that agree, with the noise estimated from them; `None` if
+/// fewer than three agree in some round.
 fn refine_over_all(
     matches: &RayMatches,
     base: &CameraBase,
@@ -298,6 +306,8 @@ fn refine_over_all(
     let (mut ptz, mut within_px) = (start, widest_px);
     for round in 0.. {
         let camera = PtzCamera::new(*base, ptz);
+        // Assign to each feature its nearest candidate ray; keep those within the current
+        // threshold.
         let near: Vec<(usize, f64)> = (0..matches.len())
             .filter_map(|feature| Some((feature, matches.nearest(&camera, feature)?.0.sqrt())))
             .filter(|(_, distance_px)| *distance_px <= within_px)
@@ -306,6 +316,8 @@ fn refine_over_all(
             return None;
         }
         let mut distances: Vec<f64> = near.iter().map(|(_, distance_px)| *distance_px).collect();
+        // Distances of two-dimensional normal errors have a Rayleigh distribution; its median gives
+        // σ robustly.
         let sigma_px = (median_high(&mut distances)? / median_rayleigh()).max(MIN_SIGMA_PX * scale);
         if round == ROUNDS {
             let rms_px =
@@ -318,6 +330,7 @@ fn refine_over_all(
                 rms_px,
             });
         }
+        // Adjust, and tighten the threshold to the noise.
         let most = if round + 1 < ROUNDS {
             FEATURES_AT_FIRST
         } else {

@@ -1,30 +1,31 @@
-//! How a pose is looked for: what the search for a consensus and the refinement over it share.
+//! Options of the pose search, shared by consensus and refinement.
 
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::ImageSize;
 use touchline_core::solve::PtzRanges;
 
-/// Steps (rad, rad, log f) that end a refinement: a thousandth of what the features leave open.
+/// Refinement ends when a step in (pan rad, tilt rad, ln f) is below this: a thousandth of the
+/// uncertainty that features leave.
 pub(super) const ENOUGH: f64 = 1e-8;
 
-/// Fewer agreeing features than this are chance, whatever else.
+/// Minimum number of inliers; fewer are chance.
 pub(super) const MIN_INLIERS: usize = 6;
 
-/// How a pose is looked for.
+/// Options of the pose search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseOptions {
-    /// A feature agrees with a camera within this distance, px at 1920 px width. 6 by default.
+    /// Inlier threshold, px at 1920 px width. Default: 6.
     pub agreement_px: f64,
-    /// Pan, tilt and focal length outside are no answer; none takes what any camera could do.
+    /// Allowed pan, tilt and focal length; `None` allows all that any camera could have.
     pub ranges: Option<PtzRanges>,
-    /// Hypotheses at most. 4000 by default; few features that agree need many.
+    /// Maximum number of hypotheses. Default: 4000; a small share of inliers needs many.
     pub max_hypotheses: usize,
-    /// The search ends when a better camera would have been missed with this probability. 0.001 by
-    /// default.
+    /// The search ends when the probability of having missed a better camera is below this.
+    /// Default: 0.001.
     pub miss_probability: f64,
-    /// Answers that are right with less than this probability are "not found". 0.5 by default.
+    /// Answers below this probability are "not found". Default: 0.5.
     pub min_confidence: f64,
-    /// Where chance starts.
+    /// Seed of the random draws.
     pub seed: u64,
 }
 
@@ -42,7 +43,7 @@ impl Default for PoseOptions {
 }
 
 impl PoseOptions {
-    /// Whether an answer lies where the camera may be.
+    /// Whether an answer is within the allowed ranges.
     pub(super) fn allows(&self, ptz: &Ptz, image_size: ImageSize) -> bool {
         match &self.ranges {
             Some(ranges) => ranges.contains(ptz),

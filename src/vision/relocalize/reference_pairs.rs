@@ -1,4 +1,4 @@
-//! References that look nearly the same way, and where one looks as seen from the other.
+//! Pairs of references with overlapping views, and the pose of one relative to the other.
 
 use super::{CERTAIN, Pose, PoseOptions, RayCandidate, RayMatches, pose_of_moving};
 use crate::features::{DESCRIPTOR_NORM, Descriptor, Features};
@@ -6,21 +6,21 @@ use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::Angle;
 use touchline_core::geometry::rotation::{angle_between, q_pan, q_tilt};
 
-/// A reference: what its picture looks like, and its label.
+/// A reference: the features of its picture, and its label.
 #[derive(Clone, Copy, Debug)]
 pub struct Reference<'a> {
     /// The features of its picture.
     pub features: &'a Features,
-    /// Its base, pointed as the label says.
+    /// Its camera according to the label.
     pub camera: PtzCamera,
 }
 
-/// The squared distance of descriptors that may show one place, of descriptors of unit length.
+/// Maximum squared distance of matching descriptors, of unit length.
 const MAX_SQUARED_DISTANCE: f32 = 0.2;
 
 impl Reference<'_> {
-    /// How far its overlay lies from where another camera at its place shows it, at the worst
-    /// corner, px at 1920 px width.
+    /// The distance between this camera's overlay and that of another camera on the same base, at
+    /// the worst corner, px at 1920 px width.
     pub(super) fn disagreement_px(&self, other: &Ptz) -> f64 {
         let size = self.features.image_size;
         let other = PtzCamera::new(*self.camera.base(), *other);
@@ -36,9 +36,11 @@ impl Reference<'_> {
     }
 }
 
-/// Where the second looks if the label of the first is right, by so many of the strongest features
-/// of each; none where the pictures do not tell.
+/// The pose of the second reference if the label of the first is right, from the strongest features
+/// of each; `None` if their pictures do not determine it.
 pub(super) fn seen_from(first: &Reference, second: &Reference, features: usize) -> Option<Pose> {
+    // Features of the first get rays from its label; those of the second are relocalized by them,
+    // as a forest's candidates are.
     let mut matches = RayMatches::new();
     for (one, other, squared_distance) in mutual(first.features, second.features, features) {
         let Ok(ray) = first
@@ -69,7 +71,8 @@ pub(super) fn seen_from(first: &Reference, second: &Reference, features: usize) 
     found.ok().map(|(pose, _)| pose)
 }
 
-/// Every reference with those that look nearest to where it looks and share some of its view.
+/// Pairs each reference with its nearest neighbours in viewing direction that share part of its
+/// view; ascending, each pair once.
 pub(super) fn pairs(references: &[Reference], neighbours: usize) -> Vec<[usize; 2]> {
     let turned = |ptz: Ptz| q_tilt(ptz.tilt) * q_pan(ptz.pan);
     let mut pairs = Vec::new();
@@ -83,6 +86,8 @@ pub(super) fn pairs(references: &[Reference], neighbours: usize) -> Vec<[usize; 
             .enumerate()
             .filter(|(other, _)| *other != index)
             .map(|(other, neighbour)| {
+                // Rotation between the two as a share of the sum of their half views: below 1 they
+                // overlap, zoom ignored.
                 let apart = angle_between(
                     &turned(reference.camera.ptz()),
                     &turned(neighbour.camera.ptz()),
@@ -105,9 +110,9 @@ pub(super) fn pairs(references: &[Reference], neighbours: usize) -> Vec<[usize; 
     pairs
 }
 
-/// The search for the nearest of each row among the columns and of each column among the rows:
-/// squared distance in bytes, number. No closure, as only what is inlined is compiled for the
-/// processor at hand.
+/// Brute-force nearest neighbours between two lists of descriptors: for each row and each column,
+/// the squared distance in bytes and the index. Not a closure, because only inlined code is
+/// compiled for the processor at hand.
 struct Nearest<'a> {
     rows: &'a [Descriptor],
     columns: &'a [Descriptor],
@@ -135,13 +140,14 @@ impl pulp::WithSimd for Nearest<'_> {
     }
 }
 
-/// Features of two pictures that are each other's nearest, and their squared distance.
+/// Mutual nearest neighbours among the first `limit` features of two pictures, with their squared
+/// distance.
 fn mutual(one: &Features, other: &Features, limit: usize) -> Vec<(usize, usize, f32)> {
     let (rows, columns) = (
         &one.descriptors[..one.len().min(limit)],
         &other.descriptors[..other.len().min(limit)],
     );
-    // The same code for every kind of processor, compiled for the instructions that this one has.
+    // Dispatch compiles the same code for several instruction sets and runs the best one.
     let (best_of_row, best_of_column) = pulp::Arch::new().dispatch(Nearest { rows, columns });
     let rows = best_of_row.into_iter().enumerate();
     let mutual = rows.filter(|(row, (_, column))| {

@@ -1,27 +1,27 @@
-//! What references show of a forest when they are left out of its training and asked for.
+//! The success rate of a forest on references that were left out of its training.
 
-/// How often a forest was right about references that it was not trained on.
+/// How often certain answers about left-out references were right.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shown {
-    /// Answers that were stated to be certain: see [`CERTAIN`].
+    /// Number of answers stated to be certain: see [`CERTAIN`].
     pub certain: u32,
-    /// Those of them that were right.
+    /// Number of those that were right.
     pub right: u32,
 }
 
-/// What the calibration on other matches is worth, in answers.
+/// Weight of the prior success rate, in answers.
 const BEFORE: f64 = 20.0;
 
-/// What it says of answers that are certain.
+/// Prior success rate of certain answers, from the calibration on other matches.
 const RIGHT_BEFORE: f64 = 0.998;
 
-/// An answer that is right with at least this probability is stated to be certain: other frames
-/// rest on it, and nobody has to look at it before it is used.
+/// An answer of at least this probability is called certain: it is used for other frames without
+/// confirmation by the user.
 pub const CERTAIN: f64 = 0.9;
 
 impl Shown {
-    /// No answer is stated with a greater probability than this: the share of certain answers that
-    /// were right, beside what is known from other matches. 1 where nothing was measured.
+    /// Upper bound of the stated probability: the success rate of certain answers, combined with
+    /// the prior rate. 1 if nothing was measured.
     #[must_use]
     pub fn at_most(&self) -> f64 {
         if self.certain == 0 {

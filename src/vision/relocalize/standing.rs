@@ -1,31 +1,34 @@
-//! No answer from what stands still on the screen.
+//! Rejects answers that rest on burnt-in graphics.
 //!
-//! The forest learns rays from a score bug as it does from the stadium. In another picture it lies
-//! at the same pixels, and all its features agree that the camera is exactly the reference's. An
-//! answer that repeats a reference is therefore believed only if the picture as a whole repeats it,
-//! as when the camera did not move; else what stands still is left out, and the rest is asked.
+//! A forest learns rays from a score bug as well as from the stadium. In another picture the score
+//! bug lies at the same pixels, and all its features agree that the camera is exactly that of the
+//! reference. An answer that repeats a reference is therefore accepted only if the picture as a
+//! whole repeats it, as when the camera did not move; otherwise the features that stand still are
+//! excluded and the pose is estimated again.
 
 use super::nearest_references::nearest;
 use super::{NotFound, Pose, PoseOptions, RayMatches, pose_from_candidates};
 use crate::features::{Features, STANDING_PX, WHOLE_PICTURE, place_share};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 
-/// References whose answers are taken apart one after the other.
+/// Maximum number of rounds of excluding the features that stand still.
 const MOST_REPEATED: usize = 6;
 
-/// References that an answer may repeat: those nearest to it.
+/// Number of nearest references that an answer is compared with.
 const NEAREST: usize = 12;
 
-/// An answer repeats a reference if this share of its features stand where they stood there.
+/// An answer repeats a reference if at least this share of its inliers lies at the same pixels in
+/// both.
 const REPEATED_SHARE: f64 = 0.6;
 
-/// The camera that most features agree on, leaving out those that stand still on the screen while
-/// the rest of the picture moves; with it what is to be said if the features that are left are not
-/// sure of it, where some were left out. `features` are those of the picture, all that were asked
-/// for; `references` the cameras of the training frames.
+/// The camera that most features agree on, without features that stand still on the screen while
+/// the rest of the picture moves. If some were excluded, the second value is the reason to state
+/// should the rest not suffice.
+///
+/// `features` are all features of the picture; `references` are the cameras of the training frames.
 ///
 /// # Errors
-/// By name, why there is none: see [`NotFound`].
+/// A [`NotFound`] that names the reason.
 pub fn pose_of_moving(
     matches: &RayMatches,
     features: &Features,
@@ -38,6 +41,7 @@ pub fn pose_of_moving(
     let mut left_out = vec![false; matches.len()];
     let mut stands_still = None;
     for _ in 0..MOST_REPEATED {
+        // Estimate without the excluded features, and restore the original indices.
         let (rest, numbers) = matches.without(&left_out);
         let mut pose = match pose_from_candidates(&rest, base, size, options) {
             Ok(pose) => pose,
@@ -46,6 +50,7 @@ pub fn pose_of_moving(
         for inlier in &mut pose.inliers {
             *inlier = numbers[*inlier];
         }
+        // Inliers in many cells of the picture are the stadium, whether they stand still or not.
         let points = pose.inliers.iter().map(|&inlier| matches.point(inlier));
         let all = features.keypoints.iter().map(|keypoint| keypoint.point);
         if place_share(points, all, size) >= WHOLE_PICTURE {
@@ -54,6 +59,7 @@ pub fn pose_of_moving(
         let Some(reference) = repeated(&pose, matches, base, references, standing_px) else {
             return Ok((pose, stands_still));
         };
+        // Exclude all features that stand still relative to this reference, and try again.
         stands_still = Some(NotFound::StandsStill {
             inliers: pose.inliers.len(),
         });
@@ -68,7 +74,8 @@ pub fn pose_of_moving(
     }))
 }
 
-/// The reference that an answer repeats, if any: most of its features stand where they stood there.
+/// The reference that an answer repeats, if any: most of its inliers lie where they lay in that
+/// reference.
 fn repeated(
     pose: &Pose,
     matches: &RayMatches,
@@ -77,6 +84,7 @@ fn repeated(
     standing_px: f64,
 ) -> Option<PtzCamera> {
     let needed = REPEATED_SHARE * pose.inliers.len() as f64;
+    // Only references near the answer can be repeated by it.
     let near = nearest(&pose.ptz, references, NEAREST).into_iter();
     near.map(|number| PtzCamera::new(*base, references[number]))
         .find(|reference| {
@@ -88,7 +96,7 @@ fn repeated(
         })
 }
 
-/// Whether a feature lies where one of its rays lay in a reference.
+/// Whether a feature lies at the pixel at which a reference saw one of its rays.
 fn stands(matches: &RayMatches, feature: usize, reference: &PtzCamera, standing_px: f64) -> bool {
     let point = matches.point(feature);
     matches.rays(feature).iter().any(|&ray| {

@@ -1,18 +1,17 @@
-//! The axis about which a camera pans, from the frames' sideways axes: it is perpendicular to all
-//! of them.
+//! The pan axis of a camera, from the x axes of its frames: it is perpendicular to all of them.
 
 use nalgebra::SymmetricEigen;
 use touchline_core::geometry::{Angle, Mat3, Vec3};
 
-/// How far down cameras at a field look, where the frames leave it open.
+/// Typical tilt of cameras at a field; used where the frames leave it undetermined.
 pub(super) const USUAL_TILT: Angle = Angle::from_degrees(-12.0);
 
-/// The weight of that, as the mean square of the sine of the pan: frames that pan by more than this
-/// root (0.6°) decide themselves.
+/// Weight of the typical tilt, as the mean square of sin(pan): frames whose pans spread by more
+/// than its root, 0.6°, determine the axis themselves.
 const WEIGHT: f64 = 1e-4;
 
-/// The rotation into the frame whose y axis is the pan axis, downwards, and whose z axis points
-/// where the frames look on average; none without frames.
+/// The rotation from the common frame to the one whose y axis is the pan axis, pointing down, and
+/// whose z axis is the horizontal part of the mean viewing direction; `None` without frames.
 pub(super) fn upright_from_common(cams_from_common: &[Mat3]) -> Option<Mat3> {
     let mean = |row: usize| -> Vec3 {
         cams_from_common
@@ -25,11 +24,15 @@ pub(super) fn upright_from_common(cams_from_common: &[Mat3]) -> Option<Mat3> {
         mean(1).try_normalize(1e-9)?,
         mean(2),
     );
+    // The axis minimises Σ (a · xᵢ)², where xᵢ is the x axis of frame i: the eigenvector of the
+    // smallest eigenvalue of the mean of xᵢ xᵢᵀ.
     let mut scatter = Mat3::zeros();
     for turn in cams_from_common {
         let sideways = turn.row(0).transpose();
         scatter += sideways * sideways.transpose() / cams_from_common.len() as f64;
     }
+    // If all frames have the same pan, every vector perpendicular to their x axis would do. A weak
+    // term makes the axis perpendicular to the mean viewing direction levelled by the typical tilt.
     let (sin, cos) = USUAL_TILT.sin_cos();
     let level_forward = (right.cross(&down) * cos + down * sin).try_normalize(1e-9)?;
     scatter += level_forward * level_forward.transpose() * WEIGHT;
@@ -38,6 +41,7 @@ pub(super) fn upright_from_common(cams_from_common: &[Mat3]) -> Option<Mat3> {
         .eigenvectors
         .column(eigen.eigenvalues.imin())
         .into_owned();
+    // An eigenvector has no sign; y points down.
     let axis = if axis.dot(&down) < 0.0 { -axis } else { axis };
     let ahead = (forward - axis * forward.dot(&axis)).try_normalize(1e-9)?;
     let sideways = axis.cross(&ahead);

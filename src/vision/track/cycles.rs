@@ -1,21 +1,23 @@
-//! Ties that contradict the others: going from one frame to another over a third should lead to the
-//! same place.
+//! Cycle consistency of pairwise matches: the homography between two frames should agree with the
+//! one composed over a third frame.
 
 use super::Tie;
 use super::tie::brought;
 use std::collections::BTreeMap;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 
-/// Two ways from frame to frame agree within this distance, px at 1920 px width: homographies of
-/// narrow overlaps are uncertain far from them.
+/// A direct and a composed homography agree within this distance, px at 1920 px width. It is loose,
+/// because a homography from a narrow overlap is uncertain far from it.
 const AGREE_PX: f64 = 120.0;
 
-/// A tie goes if a smaller share of the ways around it agree with it, and there are at least two.
+/// A pairwise match is dropped if at least [`MIN_WAYS`] frames lead around it and a smaller share
+/// than this agrees with it.
 const MIN_SHARE: f64 = 0.34;
 const MIN_WAYS: i32 = 2;
 
-/// The ties that the others do not contradict.
+/// The pairwise matches that the others do not contradict.
 pub(super) fn uncontradicted(ties: &[Tie], size: ImageSize) -> Vec<Tie> {
+    // Homographies in both directions, and the neighbours of each frame in the view graph.
     let mut between: BTreeMap<(usize, usize), Mat3> = BTreeMap::new();
     let mut beside: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for tie in ties {
@@ -34,6 +36,8 @@ pub(super) fn uncontradicted(ties: &[Tie], size: ImageSize) -> Vec<Tie> {
         beside.entry(tie.second).or_default().push(tie.first);
     }
     let agree_px = AGREE_PX * size.scale_from_1920();
+    // For each pairwise match, compare the direct homography with the composition over every common
+    // neighbour.
     let stays = |tie: &&Tie| {
         let Some(direct) = between.get(&(tie.first, tie.second)) else {
             return false;
@@ -56,8 +60,8 @@ pub(super) fn uncontradicted(ties: &[Tie], size: ImageSize) -> Vec<Tie> {
     ties.iter().filter(stays).cloned().collect()
 }
 
-/// A homography with the sign that takes a point it was found from ahead of the camera; the sign
-/// means nothing before.
+/// Fixes the sign of a homography so that a point it was estimated from lies in front of the
+/// camera. An estimated homography has an arbitrary sign.
 fn ahead_at(homography: Mat3, at: ImagePoint) -> Mat3 {
     if (homography * Vec3::new(at.x, at.y, 1.0)).z < 0.0 {
         -homography
@@ -66,9 +70,9 @@ fn ahead_at(homography: Mat3, at: ImagePoint) -> Mat3 {
     }
 }
 
-/// How far two homographies take the points of a picture apart, px: the second smallest of four, as
-/// one frame may show little of another. None where not two of the points are ahead of the second
-/// frame's camera on both ways.
+/// The distance between the images of points under two homographies, px: the second smallest of
+/// four test points, because two frames may overlap in a part only. `None` if fewer than two of the
+/// points lie in front of the second camera under both.
 fn apart_px(one: &Mat3, other: &Mat3, size: ImageSize) -> Option<f64> {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
     let apart = |(x, y): (f64, f64)| {

@@ -27,7 +27,7 @@
 //!
 //! The sums run over the rows k whose envelope reaches to column j. So does that of row i, and
 //! therefore `Z_ik`, the block between two such rows, lies in the envelope too: nothing outside it
-//! is ever asked for.
+//! is needed.
 
 use touchline_core::geometry::{Mat3, Vec3};
 
@@ -90,7 +90,7 @@ impl Envelope {
         self.rows[row].block(column)
     }
 
-    /// The Cholesky factor; none if the matrix is not positive definite.
+    /// The Cholesky factor; `None` if the matrix is not positive definite.
     ///
     /// Computed row by row, since row i needs only the rows above it:
     ///
@@ -143,8 +143,8 @@ pub(super) struct CholeskyFactor {
 }
 
 impl CholeskyFactor {
-    /// The least `L_kk² / A_kk`: the share of what is known of a parameter that those before it do
-    /// not take. Nearly 0 where the matrix leaves a direction open.
+    /// The least `L_kk² / A_kk`: the share of the information on a parameter that remains after the
+    /// parameters before it are eliminated. Nearly 0 if the matrix leaves a direction undetermined.
     pub fn least_pivot_share(&self) -> f64 {
         self.least_pivot_share
     }

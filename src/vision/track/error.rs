@@ -1,8 +1,8 @@
-//! Why frames could not be tied.
+//! Why frames could not be matched or adjusted.
 
 use thiserror::Error;
 
-/// Why frames could not be tied to each other.
+/// Why frames could not be matched or adjusted.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TrackError {
@@ -11,39 +11,39 @@ pub enum TrackError {
         "this touchline was built without OpenCV and cannot tie frames; build it with the feature `opencv`"
     )]
     WithoutOpenCv,
-    /// OpenCV refused.
+    /// OpenCV returned an error.
     #[error("OpenCV could not compare two frames: {reason}")]
     OpenCv {
-        /// In OpenCV's words, on one line.
+        /// OpenCV's message, on one line.
         reason: String,
     },
-    /// Nothing to adjust.
+    /// Too few frames, or frames that matches do not connect.
     #[error(
         "{frames} frames with {ties} ties between them; at least 2 frames that show the same are needed"
     )]
     TooFew {
-        /// Frames asked for.
+        /// Number of frames to adjust.
         frames: usize,
-        /// Ties between them.
+        /// Number of pairwise matches between them.
         ties: usize,
     },
-    /// No rotation and zoom explains the ties.
+    /// No rotation and zoom explains the pairwise matches.
     #[error(
         "the {ties} ties of {frames} frames fit no camera that only turns and zooms: they lie {residual_px:.1} px off"
     )]
     NotTurning {
-        /// Frames asked for.
+        /// Number of frames to adjust.
         frames: usize,
-        /// Ties between them.
+        /// Number of pairwise matches between them.
         ties: usize,
-        /// Median distance of the matches, px at 1920 px width.
+        /// Median residual of the matches, px at 1920 px width.
         residual_px: f64,
     },
 }
 
 #[cfg(feature = "opencv")]
 impl TrackError {
-    /// What OpenCV says, on one line.
+    /// OpenCV's message, with line breaks and runs of spaces collapsed.
     pub(super) fn of_opencv(error: &opencv::Error) -> Self {
         Self::OpenCv {
             reason: error

@@ -1,11 +1,12 @@
-//! Frames that hang together by their ties.
+//! Connected components of the view graph.
 
 use super::Tie;
 
-/// The groups of `count` frames that ties lead through, the largest first, each in order; a frame
-/// without a tie is a group of its own.
+/// The connected components of `count` frames under pairwise matches, the largest first, each
+/// ascending; a frame without a match is a component of its own.
 #[must_use]
 pub fn groups(count: usize, ties: &[Tie]) -> Vec<Vec<usize>> {
+    // Union–find; the root of a component is its smallest frame.
     let mut group_of: Vec<usize> = (0..count).collect();
     for tie in ties {
         let (one, other) = (
@@ -24,7 +25,7 @@ pub fn groups(count: usize, ties: &[Tie]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// The frame that stands for the group of one; the way there is shortened.
+/// The root of a frame's component, with path halving.
 fn root(group_of: &mut [usize], mut frame: usize) -> usize {
     while group_of[frame] != frame {
         group_of[frame] = group_of[group_of[frame]];

@@ -12,8 +12,8 @@ use opencv::core::{Mat, Point2d, Vector};
 use opencv::prelude::*;
 use touchline_core::geometry::{ImagePoint, Mat3};
 
-/// The homography that most pairs agree on within `within_px`, and which do (MAGSAC++, Barath and
-/// others, CVPR 2020); none where no four agree.
+/// The homography with the most support within `within_px`, and a flag per pair that says whether
+/// it is an inlier (MAGSAC++: Barath and others, CVPR 2020). `None` if it cannot be estimated.
 #[cfg(feature = "opencv")]
 pub(super) fn robust_homography(
     pairs: &[(ImagePoint, ImagePoint)],
@@ -53,7 +53,7 @@ pub(super) fn robust_homography(
     )))
 }
 
-/// None: this program was built without OpenCV.
+/// Always an error: the program was built without OpenCV.
 #[cfg(not(feature = "opencv"))]
 pub(super) fn robust_homography(
     _pairs: &[(ImagePoint, ImagePoint)],

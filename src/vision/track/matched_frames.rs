@@ -1,5 +1,5 @@
-//! Matched frames of a camera whose base is known: what each frame's own picture says of its pan,
-//! tilt and focal length, and what the matches with its neighbours say, in one adjustment.
+//! Joint adjustment of matched frames of a camera with a known base: a prior of each frame's pan,
+//! tilt and focal length, and the matches with its neighbours.
 
 use super::Tie;
 use super::pose_prior::{PosePrior, by_focal_px};
@@ -9,19 +9,20 @@ use touchline_core::geometry::rotation::{q_pan, q_tilt};
 use touchline_core::geometry::{ImageSize, subsample};
 use touchline_core::solve::{Loss, Stopping, minimise};
 
-/// 1-σ of a match, px at 1920 px width: features scatter by one, and crowds, boards and lenses are
-/// not quite still.
+/// 1-σ of a match, px at 1920 px width: keypoints scatter by about 1 px, and crowds, boards and
+/// lens models add to it.
 const MATCH_SIGMA_PX: f64 = 2.0;
 
-/// At most as many matches of a tie take part: their errors are alike.
+/// Maximum number of correspondences per pair of frames; more add little, since their errors are
+/// correlated.
 const OF_TIE: usize = 6;
 
-/// Beyond so many sigmas a match hardly counts: at first the neighbours reach for a frame that has
-/// strayed.
+/// Scales of the Cauchy loss, in 1-σ, from coarse to fine: a frame whose start is far off must
+/// first be reached by its matches.
 const LOSS_SIGMAS: [f64; 3] = [30.0, 8.0, 2.0];
 
-/// Adjusts frames that hang together by matches to what is known of each; none where that leaves
-/// one of them open. `start` has the cameras of all frames, `base` their lens.
+/// Adjusts matched frames to their matches and priors; `None` if that leaves a frame undetermined.
+/// `start` has the cameras of all frames, `base` their lens.
 #[must_use]
 pub fn adjust_matched_frames(
     base: &CameraBase,
@@ -37,6 +38,7 @@ pub fn adjust_matched_frames(
             ..tie.clone()
         })
         .collect();
+    // The envelope: each row reaches left to the earliest frame it has a match with.
     let mut first: Vec<usize> = (0..start.len()).collect();
     for tie in &few {
         let (one, other) = (tie.first.min(tie.second), tie.first.max(tie.second));
@@ -62,6 +64,8 @@ pub fn adjust_matched_frames(
         short_step: 1e-7,
         small_gain: 1e-6,
     };
+    // One descent per loss scale, each from the result of the last. The covariance is that of the
+    // finest scale.
     let [first_sigmas, later @ ..] = LOSS_SIGMAS;
     let start = PoseState {
         ptz: start.to_vec(),
@@ -87,8 +91,11 @@ pub fn adjust_matched_frames(
     Some(frames.collect())
 }
 
-/// Where the frames look from a base, those of which only the turns of the ties are known included;
-/// none where no frame's camera is known.
+/// Pan, tilt and focal length of all frames in `base`, given some known cameras and the relative
+/// rotations of all (`turns`, in a common frame); `None` if no camera is known.
+///
+/// A frame without a known camera is placed relative to the known frame with which it has the most
+/// inliers, or else relative to the first known frame.
 #[must_use]
 pub fn filled(known: &[Option<Ptz>], turns: &[Ptz], ties: &[Tie]) -> Option<Vec<Ptz>> {
     let nearest = |frame: usize| {
@@ -114,6 +121,8 @@ pub fn filled(known: &[Option<Ptz>], turns: &[Ptz], ties: &[Tie]) -> Option<Vec<
             }
             let beside = nearest(frame)?;
             let there = known[beside]?;
+            // The known neighbour's camera relates the common frame to `base`. The optical axis is
+            // mapped and roll is dropped; the focal length keeps its ratio to the neighbour's.
             let base_from_common = turn(&there).transpose() * turn(&turns[beside]);
             let ahead = base_from_common * turn(&turns[frame]).row(2).transpose();
             let PanTilt { pan, tilt } = PanTilt::from_direction(ahead);

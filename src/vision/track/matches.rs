@@ -1,17 +1,20 @@
-//! Features of two frames that look alike.
+//! Descriptor matching between two frames.
 
 use crate::features::{DESCRIPTOR_BYTES, Features};
 use nalgebra::DMatrix;
 
-/// A match counts if the next best is farther by this factor (Lowe, 2004).
+/// Ratio test: the nearest descriptor must be closer than this factor times the second nearest
+/// (Lowe: "Distinctive image features from scale-invariant keypoints", IJCV 60, 2004).
 const RATIO: f32 = 0.8;
 
-/// The pairs of features that are each other's most alike, by their numbers, those that have a
-/// rival nearly as good left out.
+/// The pairs of features, by index, that are each other's nearest neighbour and pass the ratio test
+/// in both directions.
 pub(super) fn mutual_matches(first: &Described, second: &Described) -> Vec<(usize, usize)> {
     let mut forth = vec![Nearest::NONE; first.lengths.len()];
     let mut back = vec![Nearest::NONE; second.lengths.len()];
-    // Not `tr_mul`, which takes one scalar product at a time.
+    // Squared distances are |a|² + |b|² − 2 aᵀb, so one matrix product gives all of them. The sums
+    // of 128 products of bytes stay below 2²⁴, so `f32` represents them exactly. `tr_mul` would
+    // compute one scalar product at a time.
     let products = first.descriptors.transpose() * &second.descriptors;
     for (to, there) in back.iter_mut().enumerate() {
         let length = second.lengths[to];
@@ -28,8 +31,8 @@ pub(super) fn mutual_matches(first: &Described, second: &Described) -> Vec<(usiz
     forth.iter().enumerate().filter_map(mutual).collect()
 }
 
-/// Descriptors made ready to be compared with many others at once: all distances follow from one
-/// product of matrices.
+/// Descriptors as the columns of a matrix, so that all distances to others follow from one matrix
+/// product.
 pub(super) struct Described {
     /// One in each column.
     descriptors: DMatrix<f32>,
@@ -54,7 +57,8 @@ impl Described {
     }
 }
 
-/// The most alike of what was seen, and how far off that and the next are, squared bytes.
+/// The nearest neighbour so far, and the squared distances to it and to the second nearest, in
+/// bytes².
 #[derive(Clone, Copy)]
 struct Nearest {
     best: usize,
@@ -81,7 +85,8 @@ impl Nearest {
         }
     }
 
-    /// The most alike; none where the next is nearly as alike.
+    /// The nearest neighbour if it passes the ratio test. Distances are squared, and so is the
+    /// ratio.
     fn unrivalled(&self) -> Option<usize> {
         (self.best != usize::MAX && self.first < RATIO * RATIO * self.second).then_some(self.best)
     }

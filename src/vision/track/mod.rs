@@ -1,18 +1,18 @@
-//! Frames of one camera tied to each other: what the same camera shows in two of its frames, turned
-//! and zoomed.
+//! Relative motion of one camera: matching its frames, tracking points through a clip, and
+//! adjusting rotation and zoom of all frames together.
 //!
 //! | what | where |
 //! |---|---|
-//! | [`tie_frames`], [`Tie`] | matches of two frames that one rotation and one zoom explain |
+//! | [`tie_frames`], [`Tie`] | pairwise matches: correspondences of two frames that one rotation and one zoom explain |
 //! | [`CutFinder`] | where one shot of a video ends and the next begins |
-//! | [`PointFollower`], [`carry`], [`adjust_clip`], [`smooth`] | a clip whose camera's base is known: points followed by optical flow, cameras carried from known frames to all others, adjusted together, made one motion |
-//! | [`groups`] | the frames that hang together |
-//! | [`adjust_matched_frames`] | pan, tilt and focal length of tied frames whose base is known, from the ties and what each frame's own picture says |
-//! | [`PosePrior`] | what is known of one frame before frames are adjusted together |
-//! | [`adjust_turns`], [`Turns`] | pan, tilt and focal length of every frame of a group, from the ties alone |
+//! | [`PointFollower`], [`carry`], [`adjust_clip`], [`smooth`] | a clip whose camera has a known base: points tracked by optical flow, cameras propagated from known frames to all others, adjusted together and smoothed |
+//! | [`groups`] | connected components of the view graph |
+//! | [`adjust_matched_frames`] | pan, tilt and focal length of matched frames with a known base, from the matches and a prior of each frame |
+//! | [`PosePrior`] | a prior of one frame in a joint adjustment |
+//! | [`adjust_turns`], [`Turns`] | pan, tilt and focal length of every frame of a connected group, from matches alone |
 //!
-//! Nothing here knows a field. Where no base is known, pan is counted from the middle of what the
-//! frames show, and the axis about which the camera pans is taken as vertical.
+//! Nothing here knows a field. Without a known base, pan is measured from the mean viewing
+//! direction, and the pan axis is taken as vertical.
 //!
 //! Frames, signs and units: [`touchline_core::conventions`].
 

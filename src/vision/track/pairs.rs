@@ -1,4 +1,4 @@
-//! Two frames that show the same: matches that one rotation and one zoom explain.
+//! Pairwise matching: features of two frames that one rotation and one zoom explain.
 
 use super::cycles::uncontradicted;
 use super::matches::{Described, mutual_matches};
@@ -10,30 +10,33 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::geometry::{ImagePoint, Mat3};
 use touchline_core::progress::{Progress, Share};
 
-/// Matches agree with a homography within this distance, px at 1920 px width.
+/// Inlier threshold of the homography, px at 1920 px width.
 const WITHIN_PX: f64 = 6.0;
 
-/// A tie has at least as many matches.
+/// Minimum number of inliers of a pairwise match.
 const MIN_MATCHES: usize = 15;
 
-/// At least this share of the features that both frames should show has to be matched: boards that
-/// say the same in two places match too, but nothing around them does.
+/// Minimum share of the features in the common view that match. Boards that repeat in two places of
+/// the stadium match too, but nothing around them does.
 const MIN_SHARE: f64 = 0.06;
 
-/// Between two frames of one camera the focal length changes by this factor at most.
+/// Largest ratio of the focal lengths of two frames.
 const MAX_ZOOM: f64 = 2.5;
 
-/// A camera that pans and tilts turns its picture no further in its own plane, degrees.
+/// Largest rotation between two frames in the image plane, degrees: a camera that only pans and
+/// tilts has little.
 const MAX_TURN_DEG: f64 = 20.0;
 
-/// At most as many matches of a tie are kept, spread over the picture.
+/// Maximum number of point pairs kept per pairwise match, spread over the picture.
 const KEPT: usize = 48;
 
-/// Ties every pair of frames that show the same; ties that the others contradict are left out. If
-/// `progress` cancels it, what was found until then is returned. A step counts pairs.
+/// Matches every pair of frames, and drops pairwise matches that contradict the others.
+///
+/// If `progress` cancels it, the matches found so far are returned. One step of the progress is one
+/// pair.
 ///
 /// # Errors
-/// The program was built without OpenCV, or OpenCV refused.
+/// The program was built without OpenCV, or OpenCV returned an error.
 pub fn tie_frames(
     frames: &[Features],
     progress: &Progress<'_, Share>,
@@ -50,7 +53,7 @@ pub fn tie_frames(
                 return Ok(None);
             }
             let tie = tie_pair(frames, &described, first, second);
-            // The pairs that follow ask whether it is cancelled.
+            // Cancellation is checked at the start of every pair.
             let _ = progress.report(Share {
                 done: done.fetch_add(1, Ordering::Relaxed) + 1,
                 of: pairs.len(),
@@ -64,7 +67,7 @@ pub fn tie_frames(
         .map_or_else(Vec::new, |first| uncontradicted(&ties, first.image_size)))
 }
 
-/// The tie of two frames; none where they do not show the same, or a graphic alone.
+/// The pairwise match of two frames; `None` if they do not show the same, or share only a graphic.
 fn tie_pair(
     frames: &[Features],
     described: &[Described],
@@ -74,16 +77,18 @@ fn tie_pair(
     let (one, other) = (&frames[first], &frames[second]);
     let scale = one.image_size.scale_from_1920();
     let point = |features: &Features, index: usize| features.keypoints[index].point;
+    // Putative correspondences by descriptor alone.
     let mut pairs: Vec<(ImagePoint, ImagePoint)> =
         mutual_matches(&described[first], &described[second])
             .into_iter()
             .map(|(a, b)| (point(one, a), point(other, b)))
             .collect();
+    // Drop burnt-in graphics: correspondences that stand still in the image.
     if one.image_size == other.image_size {
         let still =
             |pair: &(ImagePoint, ImagePoint)| pair.0.distance_px(pair.1) < STANDING_PX * scale;
-        // A camera that stands shows still things everywhere; graphics lie in a few places of the
-        // picture.
+        // A camera at rest also shows points that stand still, but all over the picture; a graphic
+        // occupies few cells of it.
         let standing = pairs.iter().filter(|pair| still(pair)).map(|pair| pair.0);
         let all = one.keypoints.iter().map(|keypoint| keypoint.point);
         if place_share(standing, all, one.image_size) < WHOLE_PICTURE {
@@ -93,6 +98,8 @@ fn tie_pair(
     if pairs.len() < MIN_MATCHES {
         return Ok(None);
     }
+    // A rotating and zooming camera maps one image to another by a homography (Hartley and
+    // Zisserman: "Multiple View Geometry", section 8.4).
     let Some((second_from_first, agree)) =
         super::homography::robust_homography(&pairs, WITHIN_PX * scale)?
     else {
@@ -101,6 +108,8 @@ fn tie_pair(
     let mut agreed = agree.into_iter();
     pairs.retain(|_| agreed.next().unwrap_or(false));
     let agreeing = pairs.len();
+    // Accept only a homography of plausible zoom and image rotation whose inliers are a sufficient
+    // share of what both frames show.
     let plausible = is_of_a_turning_camera(&second_from_first, one.image_size.centre());
     let common = shown_by_both(one, other, &second_from_first);
     let needed = MIN_MATCHES.max((MIN_SHARE * common as f64) as usize);
@@ -113,7 +122,8 @@ fn tie_pair(
     }))
 }
 
-/// How many features of each frame lie where the other looks: of the frame with fewer.
+/// The number of features of one frame that lie in the view of the other; the smaller of the two
+/// directions.
 fn shown_by_both(one: &Features, other: &Features, other_from_one: &Mat3) -> usize {
     let inside = |from: &Features, to: &Features, to_from: &Mat3| {
         let seen = |at: ImagePoint| {
@@ -136,8 +146,8 @@ fn is_of_a_turning_camera(second_from_first: &Mat3, centre: ImagePoint) -> bool 
     })
 }
 
-/// Some of the matches, one after the other from cells of a grid over the first frame: one board's
-/// many matches count no more than a stand's few.
+/// Subsamples the matches evenly over a grid of 12 × 7 cells of the first frame, so that a board
+/// with many matches does not outweigh a stand with few.
 fn spread(pairs: Vec<(ImagePoint, ImagePoint)>, of: &Features) -> Vec<(ImagePoint, ImagePoint)> {
     const CELLS: (usize, usize) = (12, 7);
     if pairs.len() <= KEPT {
@@ -151,6 +161,8 @@ fn spread(pairs: Vec<(ImagePoint, ImagePoint)>, of: &Features) -> Vec<(ImagePoin
             + along(at.x, of.image_size.width, CELLS.0)
     };
     let mut taken = vec![0_usize; CELLS.0 * CELLS.1];
+    // Rank each match within its cell; lower ranks of all cells come before higher ones. The
+    // original order is restored at the end.
     let mut ranked: Vec<(usize, usize)> = pairs
         .iter()
         .enumerate()

@@ -1,17 +1,27 @@
-//! The normal equations of frames that are adjusted together: three numbers a frame, two a point;
-//! the points are eliminated (Schur complement).
+//! The normal equations of frames that are adjusted together: three unknowns per frame (pan rad,
+//! tilt rad, ln f), two per point (its direction).
+//!
+//! The points are eliminated by the Schur complement (Triggs, McLauchlan, Hartley, Fitzgibbon:
+//! "Bundle adjustment – a modern synthesis", 2000, section 6). With the frames' block U, the
+//! points' block V, their coupling W and the gradients g and h:
+//!
+//! ```text
+//! (U − W V⁻¹ Wᵀ) δ = −(g − W V⁻¹ h)        ε = −V⁻¹ (h + Wᵀ δ)
+//! ```
+//!
+//! V is block diagonal, so the elimination costs one 2 × 2 inverse per point.
 
 use super::envelope::{CholeskyFactor, Envelope};
 use nalgebra::{Matrix2, Matrix2x3, Matrix3x2};
 use touchline_core::geometry::{Mat3, Vec2, Vec3};
 use touchline_core::solve::{Equations, Loss, NO_VALUE_SIGMAS};
 
-/// What the sightings of one point say.
+/// The part of the normal equations that the observations of one point contribute.
 #[derive(Clone, Debug)]
 pub(super) struct PointEquations {
-    /// For each frame that shows it: the frame's row, its own block and gradient, and its block
-    /// with the point's.
+    /// For each frame that shows it: the frame's row, its part of U and of g, and its part of W.
     frames: Vec<(usize, Mat3, Vec3, Matrix3x2<f64>)>,
+    /// Its block of V.
     point: Matrix2<f64>,
     gradient: Vec2,
     cost: f64,
@@ -32,7 +42,7 @@ impl PointEquations {
         self.cost += loss.of(NO_VALUE_SIGMAS * NO_VALUE_SIGMAS).0;
     }
 
-    /// Adds a sighting: how far off it is, and how that changes.
+    /// Adds an observation: its residual, px, and the derivatives of the residual.
     pub fn add(
         &mut self,
         row: usize,
@@ -56,7 +66,7 @@ impl PointEquations {
         self.gradient += point_weighted * value;
     }
 
-    /// The inverse of its own block; none where nothing determines the point.
+    /// V⁻¹ with Marquardt damping; `None` if the observations do not determine the point.
     fn inverse(&self, damping: f64) -> Option<Matrix2<f64>> {
         let mut point = self.point;
         point[(0, 0)] *= 1.0 + damping;
@@ -67,21 +77,21 @@ impl PointEquations {
     }
 }
 
-/// The block that two frames have in common.
+/// The off-diagonal block of U that couples two frames.
 #[derive(Clone, Debug)]
 struct PairBlock {
-    /// The frame's row, and that of one before it.
+    /// The row of the later frame, and that of the earlier one.
     row: usize,
     column: usize,
     block: Mat3,
 }
 
-/// A residual between two frames, and how it changes with each of them.
+/// A residual between two frames and its derivatives.
 pub(super) struct PairResidual {
     pub value: Vec3,
     /// The frames' rows.
     pub rows: [usize; 2],
-    /// By (pan rad, tilt rad, log of the focal length) of each frame.
+    /// By (pan rad, tilt rad, ln f) of each frame.
     pub by_frame: [Mat3; 2],
     pub precision: f64,
 }
@@ -89,20 +99,21 @@ pub(super) struct PairResidual {
 /// The equations of all frames and points.
 #[derive(Clone, Debug)]
 pub(super) struct PoseEquations {
+    /// The first column of each row's envelope.
     first: Vec<usize>,
-    /// The frames' blocks and gradients, without the points.
+    /// The diagonal blocks of U and g, without the parts that points contribute.
     frames: Vec<(Mat3, Vec3)>,
-    /// What matches give pairs of frames in common.
+    /// The off-diagonal blocks of U, from matches between two frames.
     pairs: Vec<PairBlock>,
     points: Vec<PointEquations>,
     cost: f64,
 }
 
-/// A change of all frames and points.
+/// An update of all frames and points.
 pub(super) struct PoseStep {
-    /// Pan rad, tilt rad, log of the focal length.
+    /// (pan rad, tilt rad, ln f).
     pub frames: Vec<Vec3>,
-    /// Along the two directions across the point's.
+    /// Along the two tangent directions of the point's direction, rad.
     pub directions: Vec<Vec2>,
 }
 
@@ -119,7 +130,7 @@ impl PoseEquations {
         }
     }
 
-    /// Adds a residual that has no value.
+    /// Adds a residual that has no value in this state: a constant cost, and no gradient.
     pub fn add_without_value(&mut self, loss: Loss) {
         self.cost += loss.of(NO_VALUE_SIGMAS * NO_VALUE_SIGMAS).0;
     }
@@ -140,6 +151,8 @@ impl PoseEquations {
             *block += weighted * by;
             *gradient += weighted * value;
         }
+        // The envelope stores the lower triangle only: the later frame is the row. Matches of one
+        // pair come in succession, so comparing with the last block suffices to accumulate them.
         let ((row, by_row), (column, by_column)) = if one > other {
             ((*one, by_one), (*other, by_other))
         } else {
@@ -156,7 +169,7 @@ impl PoseEquations {
         }
     }
 
-    /// Adds what is known of a frame alone.
+    /// Adds a prior of a single frame: offset and information in (pan rad, tilt rad, ln f).
     pub fn add_prior(&mut self, row: usize, offset: &Vec3, information: &Mat3, loss: Loss) {
         let by_information = information * offset;
         let (cost, weight) = loss.of(offset.dot(&by_information));
@@ -166,8 +179,10 @@ impl PoseEquations {
         *gradient += by_information * weight;
     }
 
-    /// The frames' equations once the points are eliminated: a factor and the gradient.
+    /// The Cholesky factor of U − W V⁻¹ Wᵀ, and g − W V⁻¹ h. `None` if the matrix is not positive
+    /// definite.
     fn reduced(&self, damping: f64) -> Option<(CholeskyFactor, Vec<Vec3>)> {
+        // U and g: priors and pairwise residuals first, then the parts of the points.
         let mut matrix = Envelope::zeros(&self.first);
         let mut gradient: Vec<Vec3> = self.frames.iter().map(|(_, gradient)| *gradient).collect();
         for (row, (block, _)) in self.frames.iter().enumerate() {
@@ -180,6 +195,8 @@ impl PoseEquations {
         for PairBlock { row, column, block } in &self.pairs {
             *matrix.block_mut(*row, *column) += block;
         }
+        // Marquardt's damping scales the diagonal of U, as it scales that of V in `inverse`; it has
+        // to come before the elimination.
         for row in 0..matrix.len() {
             let block = matrix.block_mut(row, row);
             for at in 0..3 {
@@ -187,9 +204,12 @@ impl PoseEquations {
             }
         }
         for point in &self.points {
+            // An undetermined point contributes nothing; its own step is zero, too.
             let Some(inverse) = point.inverse(damping) else {
                 continue;
             };
+            // Subtract W V⁻¹ Wᵀ and W V⁻¹ h. A point lists its frames in ascending order, so the
+            // frames up to this one are the lower triangle.
             for (place, (row, _, _, cross)) in point.frames.iter().enumerate() {
                 let gain = cross * inverse;
                 gradient[*row] -= gain * point.gradient;
@@ -201,10 +221,11 @@ impl PoseEquations {
         Some((matrix.cholesky()?, gradient))
     }
 
-    /// The covariance of each frame's (pan rad, tilt rad, log of the focal length); none where
-    /// something is left open.
+    /// The covariance of each frame's (pan rad, tilt rad, ln f), with the points marginalised;
+    /// `None` if a parameter is undetermined.
     pub fn covariances(&self) -> Option<Vec<Mat3>> {
-        /// A parameter that is known to no more than this share of what others say of it is open.
+        /// A parameter is undetermined if elimination leaves less than this share of its diagonal
+        /// entry.
         const OPEN: f64 = 1e-12;
         let (factor, _) = self.reduced(0.0)?;
         (factor.least_pivot_share() >= OPEN).then(|| factor.diagonal_blocks_of_inverse())
@@ -219,6 +240,7 @@ impl Equations for PoseEquations {
     }
 
     fn step(&self, damping: f64) -> Option<PoseStep> {
+        // Solve for the frames, then substitute back for each point.
         let (factor, gradient) = self.reduced(damping)?;
         let frames: Vec<Vec3> = factor
             .solve(&gradient)
@@ -240,6 +262,8 @@ impl Equations for PoseEquations {
     }
 
     fn length(step: &PoseStep) -> f64 {
+        // The largest step of any frame: the mean would let one frame that still moves pass
+        // unnoticed among many at rest.
         step.frames.iter().map(Vec3::norm).fold(0.0, f64::max)
     }
 }

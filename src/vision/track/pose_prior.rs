@@ -1,40 +1,40 @@
-//! What is known of a frame's pan, tilt and focal length beside what it shares with other frames.
+//! Priors of a frame's pan, tilt and focal length, beside what it shares with other frames.
 
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::{Angle, Mat3, Vec3};
 use touchline_core::solve::Loss;
 
-/// A camera that is known of one frame before frames are adjusted together: from a person's clicks,
-/// a forest or the painted lines.
+/// A prior of one frame's camera in a joint adjustment: from user clicks, a forest or the painted
+/// lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PosePrior {
-    /// The frame, by its place among those that are adjusted.
+    /// The frame, as an index into the frames that are adjusted.
     pub frame: usize,
-    /// Its camera.
+    /// The mean.
     pub ptz: Ptz,
-    /// The information on (pan rad, tilt rad, log of the focal length), the base taken as exact. It
-    /// may leave a direction open.
+    /// The information matrix of (pan rad, tilt rad, ln f), given the base. It may be singular.
     pub information: Mat3,
-    /// How a contradiction counts, in multiples of the stated 1-σ.
+    /// The robust loss, in multiples of the stated 1-σ.
     pub loss: Loss,
-    /// Who says so.
+    /// Where it comes from.
     pub source: PriorSource,
 }
 
-/// Where a pose prior comes from: how far it holds where everything else contradicts it.
+/// The source of a pose prior; it decides how the prior is treated where everything else
+/// contradicts it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PriorSource {
-    /// A person's clicks.
+    /// User clicks.
     Person,
-    /// The painted lines of the frame's picture.
+    /// The painted lines in the frame's picture.
     Paint,
-    /// An answer that is as exact as it states only in the middle: a forest's.
+    /// A proposal of a forest: its covariance holds for typical errors, and outliers occur.
     Proposal,
 }
 
 impl PriorSource {
-    /// How a contradiction counts: what a person says pulls less beyond 2 σ, but never lets go;
-    /// paint and forests do.
+    /// The loss of each source. Clicks pull less beyond 2 σ but are never ignored (Huber); paint
+    /// and proposals are, if far off (Cauchy).
     const fn loss(self) -> Loss {
         match self {
             Self::Person => Loss::Huber { k: 2.0 },
@@ -56,8 +56,8 @@ impl PosePrior {
         }
     }
 
-    /// A prior of which the covariance of (pan rad, tilt rad, focal length px) is known. One that
-    /// has no inverse says nothing.
+    /// A prior from the covariance of (pan rad, tilt rad, focal length px). A singular covariance
+    /// yields a prior without information.
     #[must_use]
     pub fn from_covariance(frame: usize, ptz: Ptz, covariance: &Mat3, source: PriorSource) -> Self {
         let inverse = by_log_focal(covariance, ptz.focal_px).try_inverse();
@@ -65,17 +65,19 @@ impl PosePrior {
         Self::new(frame, ptz, information.unwrap_or_else(Mat3::zeros), source)
     }
 
-    /// Whether it says anything.
+    /// Whether the prior has any information.
     pub(super) fn is_informative(&self) -> bool {
         self.information != Mat3::zeros()
     }
 
-    /// How far a camera is from this one, (pan rad, tilt rad, log of the focal length).
+    /// The offset of a camera from the mean: (pan rad, tilt rad, ln f).
     pub(super) fn offset(&self, ptz: Ptz) -> Vec3 {
         offset(self.ptz, ptz)
     }
 
-    /// A camera, or where the way to it leaves what is known by so many sigmas.
+    /// Limits a camera to the confidence region of this prior: `ptz` if it lies within `sigmas`,
+    /// else the point at that Mahalanobis distance on the straight line to it. Without information,
+    /// the mean.
     #[must_use]
     pub fn towards(&self, ptz: Ptz, sigmas: f64) -> Ptz {
         if !self.is_informative() {
@@ -91,7 +93,7 @@ impl PosePrior {
     }
 }
 
-/// From one camera to another: pan rad, tilt rad, log of the focal length.
+/// The difference of two cameras: (pan rad, tilt rad, ln f).
 pub(super) fn offset(from: Ptz, to: Ptz) -> Vec3 {
     Vec3::new(
         to.pan.turn_from(from.pan).radians(),
@@ -100,7 +102,7 @@ pub(super) fn offset(from: Ptz, to: Ptz) -> Vec3 {
     )
 }
 
-/// A camera moved by (pan rad, tilt rad, log of the focal length).
+/// A camera moved by (pan rad, tilt rad, ln f).
 pub(super) fn moved(ptz: Ptz, by: Vec3) -> Ptz {
     Ptz {
         pan: ptz.pan + Angle::from_radians(by.x),
@@ -109,8 +111,7 @@ pub(super) fn moved(ptz: Ptz, by: Vec3) -> Ptz {
     }
 }
 
-/// A covariance of (pan rad, tilt rad, focal length px) with the logarithm of the focal length
-/// instead.
+/// Converts a covariance of (pan rad, tilt rad, focal length px) to (pan rad, tilt rad, ln f).
 pub(super) fn by_log_focal(covariance: &Mat3, focal_px: f64) -> Mat3 {
     let scale = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, 1.0 / focal_px));
     scale * covariance * scale

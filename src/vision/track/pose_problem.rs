@@ -1,10 +1,10 @@
-//! The one adjustment of frames whose base is known: pan, tilt and focal length of each, from
-//! points that frames show one after the other, from matches of pairs of frames, and from what is
-//! known of single frames.
+//! The joint adjustment of frames with a known base: pan, tilt and focal length of each, from
+//! points tracked through consecutive frames, from matches between pairs of frames, and from priors
+//! of single frames.
 //!
-//! A followed point is one direction, which is adjusted with all frames that show it. A match of
-//! two frames has no direction of its own: the two see it in directions that should be the same.
-//! Frames of a clip share points, frames sampled from a match share matches.
+//! A tracked point is one direction, which is adjusted with all frames that show it. A match has no
+//! direction of its own: its residual is the difference of the directions in which two frames see
+//! it. Frames of a clip share points; frames sampled from a match of sport share pairwise matches.
 
 use super::Tie;
 use super::pose_equations::{PairResidual, PointEquations, PoseEquations, PoseStep};
@@ -16,25 +16,25 @@ use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Mat3, Vec2, Vec3};
 use touchline_core::solve::{Loss, Problem};
 
-/// How exactly a known focal length is kept, as a share of it: a thousandth of a px is 4e-7 of 2400
-/// px, and moves no corner by as much.
+/// 1-σ of a known focal length, relative. A thousandth of a px is 4e-7 of 2400 px; no corner of the
+/// picture moves by as much.
 pub(super) const KNOWN_FOCAL_SIGMA: f64 = 1e-6;
 
-/// A frame as all frames together see it.
+/// A frame after the joint adjustment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdjustedFrame {
     /// Pan, tilt, focal length.
     pub ptz: Ptz,
-    /// The covariance of (pan rad, tilt rad, focal length px), the base taken as exact.
+    /// The covariance of (pan rad, tilt rad, focal length px), given the base.
     pub covariance: Mat3,
 }
 
-/// A point as the frames show it: frames by their rows.
+/// The observations of a point: row of the frame, and pixel.
 pub(super) struct Seen {
     pub sightings: Vec<(usize, ImagePoint)>,
 }
 
-/// Matches of pairs of frames, by their rows.
+/// Pairwise matches; `first` and `second` of a [`Tie`] are rows.
 #[derive(Clone, Copy)]
 pub(super) struct PairwiseMatches<'a> {
     pub ties: &'a [Tie],
@@ -43,19 +43,19 @@ pub(super) struct PairwiseMatches<'a> {
     pub loss: Loss,
 }
 
-/// The problem; a row is a frame that takes part.
+/// The problem; each frame that takes part is a row.
 pub(super) struct PoseProblem<'a> {
-    /// The camera of each row at the origin, so that it sees directions in `base`.
+    /// The base of each row, at the origin, so that its camera projects directions of `base`.
     pub bases: Vec<CameraBase>,
     pub points: &'a [Seen],
     pub matches: Option<PairwiseMatches<'a>>,
-    /// What is known of frames; each names its row.
+    /// Priors of single frames; `frame` of each is a row.
     pub priors: Vec<PosePrior>,
-    /// The focal length of each row where it is known, px.
+    /// The focal length of each row if it is known, px.
     pub known_focal_px: Vec<Option<f64>>,
-    /// The first column of each row.
+    /// The first column of each row's envelope.
     pub first: &'a [usize],
-    /// 1-σ of a followed point in each row, px.
+    /// 1-σ of a tracked point in each row, px.
     pub sigma_px: Vec<f64>,
     pub loss: Loss,
 }
@@ -67,9 +67,9 @@ pub(super) struct PoseState {
     pub directions: Vec<Vec3>,
 }
 
-/// Two directions perpendicular to one and to each other.
+/// An orthonormal basis of the tangent plane of a unit direction.
 pub(super) fn across(direction: Vec3) -> Matrix3x2<f64> {
-    // The ray never looks straight up or down, so the vertical is never along it.
+    // y is the vertical of `base`; no ray is vertical, so the cross product does not vanish.
     let sideways = Vec3::y().cross(&direction).normalize();
     Matrix3x2::from_columns(&[sideways, direction.cross(&sideways)])
 }
@@ -84,8 +84,8 @@ impl PoseProblem<'_> {
             .collect()
     }
 
-    /// The distance of each sighting from where the state puts it, px, in the points' order; none
-    /// beyond the lens.
+    /// The residual of each observation, projected minus observed, px, with its row and in the
+    /// order of the points; `None` beyond the fold of the lens.
     pub fn residuals<'s>(
         &'s self,
         at: &'s PoseState,
@@ -121,6 +121,7 @@ impl PoseProblem<'_> {
                 rows.map(|row| &views[row]),
                 rows.map(|row| &self.bases[row].distortion),
             );
+            // One residual per match; its derivatives are columns for (pan, tilt, ln f).
             for &(first, second) in &tie.matches {
                 let Some(seen) = MatchJacobian::new(views, lenses, [first, second]) else {
                     equations.add_without_value(matches.loss);
@@ -149,6 +150,7 @@ impl PoseProblem<'_> {
         point: &Seen,
         direction: Vec3,
     ) -> PointEquations {
+        // A direction has two degrees of freedom: steps in its tangent plane.
         let tangent = across(direction);
         let mut equations = PointEquations::with_room(point.sightings.len());
         for &(row, image) in &point.sightings {
@@ -160,6 +162,7 @@ impl PoseProblem<'_> {
             };
             let value = here.point.offset_from(image);
             let mut by_frame: Matrix2x3<f64> = here.by_ptz;
+            // ∂/∂(ln f) = f ∂/∂f.
             by_frame.column_mut(2).scale_mut(camera.ptz().focal_px);
             equations.add(
                 row,
@@ -180,6 +183,8 @@ impl Problem for PoseProblem<'_> {
 
     fn equations(&self, at: &PoseState) -> PoseEquations {
         let cameras = self.cameras(&at.ptz);
+        // Points are independent of each other and their blocks are the bulk of the work. Results
+        // are collected in the order of the points, so sums do not depend on the number of threads.
         let points: Vec<PointEquations> = self
             .points
             .par_iter()
@@ -198,8 +203,8 @@ impl Problem for PoseProblem<'_> {
                 prior.loss,
             );
         }
-        // A focal length that is known is one more measurement, which outweighs all points and has
-        // no loss to escape by.
+        // A known focal length is one more measurement of ln f. It outweighs all points, and a
+        // squared loss keeps it from being rejected.
         let information = Mat3::from_diagonal(&Vec3::new(0.0, 0.0, KNOWN_FOCAL_SIGMA.powi(-2)));
         for (row, known_px) in self.known_focal_px.iter().enumerate() {
             let Some(known_px) = known_px else { continue };
@@ -216,6 +221,7 @@ impl Problem for PoseProblem<'_> {
             .zip(&step.frames)
             .map(|(ptz, by)| moved(*ptz, *by))
             .collect();
+        // Move each direction in its tangent plane and project it back to the sphere.
         let turned =
             |(direction, by): (&Vec3, &Vec2)| (direction + across(*direction) * by).normalize();
         PoseState {

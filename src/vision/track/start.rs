@@ -1,5 +1,5 @@
-//! Rough rotations and focal lengths of tied frames: along the strongest ties from one frame to all
-//! others.
+//! Initial rotations and focal lengths of matched frames, chained along a spanning tree of the view
+//! graph.
 
 use super::Tie;
 use super::tie::zoom_and_turn;
@@ -7,7 +7,7 @@ use super::tie_residual::View;
 use touchline_core::geometry::rotation::nearest_rotation;
 use touchline_core::geometry::{ImagePoint, Mat3};
 
-/// A frame, and the tie that leads to it from one that comes before it.
+/// An edge of the spanning tree: a frame, and the homography to it from a frame reached before.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     pub frame: usize,
@@ -16,9 +16,11 @@ pub(super) struct Step {
     pub zoom: f64,
 }
 
-/// The steps that reach every frame from the first of them, each over the strongest tie to a frame
-/// reached before.
+/// A maximum spanning tree of the view graph by number of inliers (Prim's algorithm), in the order
+/// in which frames are reached. The root is the frame with the most inliers and is its own first
+/// step. Frames that are not connected to it are missing.
 pub(super) fn steps(count: usize, ties: &[Tie], centre: ImagePoint) -> Vec<Step> {
+    // Root: the frame with the most inliers in total, the first of equals.
     let mut strength = vec![0_usize; count];
     for tie in ties {
         strength[tie.first] += tie.agreeing;
@@ -36,6 +38,7 @@ pub(super) fn steps(count: usize, ties: &[Tie], centre: ImagePoint) -> Vec<Step>
         to_from: Mat3::identity(),
         zoom: 1.0,
     }];
+    // Add the strongest edge between a frame reached and one not reached.
     while let Some(tie) = ties
         .iter()
         .filter(|tie| reached[tie.first] != reached[tie.second])
@@ -66,8 +69,7 @@ pub(super) fn steps(count: usize, ties: &[Tie], centre: ImagePoint) -> Vec<Step>
     steps
 }
 
-/// The frames as seen if the first of the steps has a focal length; in the common frame it is not
-/// turned.
+/// The views of all frames if the root has the focal length `focal_px` and an identity rotation.
 pub(super) fn views(count: usize, steps: &[Step], centre: ImagePoint, focal_px: f64) -> Vec<View> {
     let start = View {
         cam_from_common: Mat3::identity(),
@@ -93,6 +95,9 @@ pub(super) fn views(count: usize, steps: &[Step], centre: ImagePoint, focal_px: 
             1.0,
         )
     };
+    // For a rotating camera H ∝ K' R K⁻¹, so R ∝ K'⁻¹ H K (Hartley and Zisserman: "Multiple View
+    // Geometry", section 8.4). The zoom gives K'; scaling to determinant 1 removes the unknown
+    // factor, and the nearest rotation removes what noise and a wrong focal length leave.
     for step in steps.iter().skip(1) {
         let from = views[step.from];
         let focal_px = from.focal_px * step.zoom;

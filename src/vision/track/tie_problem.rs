@@ -1,5 +1,5 @@
-//! The least-squares problem of frames tied to each other where no base is known: every match is
-//! one direction, seen by two frames.
+//! The least-squares problem of matched frames without a known base: each match is one direction,
+//! seen by two frames. Unknowns are the lens, and rotation and focal length of every frame.
 
 use super::Tie;
 use super::axis::{USUAL_TILT, upright_from_common};
@@ -10,23 +10,24 @@ use touchline_core::geometry::rotation::{from_rotation_vector, nearest_rotation,
 use touchline_core::geometry::{Angle, Mat3, Vec3, median};
 use touchline_core::solve::{DenseEquations, Loss, Problem};
 
-/// What a match counts for that lies beyond the fold of the lens, px at 1920 px width.
+/// Residual of a match that lies beyond the fold of the lens, px at 1920 px width.
 const NOWHERE_PX: f64 = 1000.0;
 
-/// 1-σ of how far down cameras at a field look, where the ties leave it open.
+/// 1-σ of the tilt prior of cameras at a field; it matters only where matches leave the tilt
+/// undetermined.
 const TILT_SIGMA: Angle = Angle::from_degrees(15.0);
 
-/// What of a frame's rotation is free.
+/// Which rotations of a frame are free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Freedom {
-    /// All of it.
+    /// All three.
     Any,
     /// Pan and tilt about the common frame's axes.
     PanTilt,
 }
 
 impl Freedom {
-    /// Parameters of a frame: the rotation's, then the logarithm of the focal length.
+    /// Number of parameters of a frame: those of the rotation, then the log focal length.
     const fn parameters(self) -> usize {
         match self {
             Self::Any => 4,
@@ -39,12 +40,12 @@ pub(super) struct Tied<'a> {
     pub ties: &'a [Tie],
     pub freedom: Freedom,
     pub loss: Loss,
-    /// Px of these frames in a px at 1920 px width.
+    /// Image px per px at 1920 px width.
     pub px: f64,
     pub expected: FocalCurve,
-    /// 1-σ of k₁ and of its slope.
+    /// 1-σ of k₁ and of its slope per 1000 px of these frames.
     pub sigma: [f64; 2],
-    /// Whether the mean of the focal lengths' logarithms stays.
+    /// Whether the mean of the log focal lengths is held fixed.
     pub fixed_scale: bool,
 }
 
@@ -54,7 +55,7 @@ pub(super) struct TiedState {
     pub lens: FocalCurve,
 }
 
-/// The parameters of the lens stand first.
+/// Number of lens parameters; they precede those of the frames.
 const LENS: usize = 2;
 
 impl Problem for Tied<'_> {
@@ -68,12 +69,16 @@ impl Problem for Tied<'_> {
             let frames = [tie.first, tie.second];
             let [one, other] = frames.map(|frame| &at.views[frame]);
             for (first, second) in &tie.matches {
+                // The match as seen by both frames. Beyond the fold it has a large constant
+                // residual without a gradient, so that leaving the lens's range is never a gain.
                 let seen =
                     MatchJacobian::new([one, other], [&at.lens, &at.lens], [*first, *second]);
                 let Some(seen) = seen else {
                     equations.add(&Vector1::new(NOWHERE_PX * self.px), self.px, &[], self.loss);
                     continue;
                 };
+                // Scatter the derivatives to their columns: the lens, then rotation and ln f of
+                // both frames.
                 let mut by = Vec::with_capacity(LENS + 8);
                 by.extend(seen.by_lens.into_iter().enumerate());
                 for (frame, by_frame) in frames.into_iter().zip(&seen.by_frame) {
@@ -99,6 +104,7 @@ impl Problem for Tied<'_> {
 
     fn stepped(&self, from: &TiedState, step: &DVector<f64>) -> TiedState {
         let own = self.freedom.parameters();
+        // Additive step of the lens.
         let lens = FocalCurve {
             value: from.lens.value + step[0],
             per_1000_px: from.lens.per_1000_px + step[1],
@@ -108,6 +114,8 @@ impl Problem for Tied<'_> {
             let first = LENS + own * frame;
             let cam_from_common = match self.freedom {
                 Freedom::Any => {
+                    // Update on the right, R ← R exp(ω×), as `by_turn` differentiates it;
+                    // re-orthonormalised against accumulated rounding.
                     let turn = Vec3::new(step[first], step[first + 1], step[first + 2]);
                     nearest_rotation(&(view.cam_from_common * from_rotation_vector(turn)))
                 }
@@ -122,6 +130,7 @@ impl Problem for Tied<'_> {
             };
             View {
                 cam_from_common,
+                // At most a factor of two per step: the model is far from linear in ln f.
                 focal_px: view.focal_px * step[first + own - 1].clamp(-0.7, 0.7).exp(),
                 ..*view
             }
@@ -134,11 +143,11 @@ impl Problem for Tied<'_> {
 }
 
 impl Tied<'_> {
-    /// What is known beforehand: the lens, the gauge, and loosely how far down cameras look.
+    /// Adds the priors: the lens, the gauge, and a weak one of the tilt.
     fn add_priors(&self, at: &TiedState, equations: &mut DenseEquations) {
-        /// Holds what no measurement changes.
+        /// 1-σ that holds a gauge parameter at its value, rad or ln px.
         const FIXED: f64 = 1e-6;
-        /// A robust loss would let the priors go.
+        /// Squared loss: a robust one would let the solution escape its gauge.
         const SURE: Loss = Loss::Squared;
         let own = self.freedom.parameters();
         let one = Vector1::new(1.0);
@@ -149,6 +158,8 @@ impl Tied<'_> {
         for (place, (off, sigma)) in off.into_iter().zip(self.sigma).enumerate() {
             equations.add(&Vector1::new(off), sigma, &[(place, one)], SURE);
         }
+        // Gauge: matches do not change with a common rotation of all frames. The first frame keeps
+        // its rotation, or, with the axis fixed, its pan.
         let gauge = match self.freedom {
             Freedom::Any => 0..3,
             Freedom::PanTilt => 0..1,
@@ -157,6 +168,7 @@ impl Tied<'_> {
             equations.add(&Vector1::new(0.0), FIXED, &[(LENS + parameter, one)], SURE);
         }
         if self.freedom == Freedom::PanTilt {
+            // Frames that hardly pan leave the pan axis, and with it all tilts, undetermined.
             for (frame, view) in at.views.iter().enumerate() {
                 let tilt = view.ray().tilt;
                 let value = Vector1::new((tilt - USUAL_TILT).radians());
@@ -168,6 +180,7 @@ impl Tied<'_> {
                 );
             }
         }
+        // The sum of all steps in ln f is zero.
         if self.fixed_scale {
             let share = Vector1::new(1.0 / at.views.len() as f64);
             let of_all: Vec<_> = (0..at.views.len())
@@ -179,7 +192,8 @@ impl Tied<'_> {
 }
 
 impl TiedState {
-    /// The same with the pan axis along the common frame's y axis, and every frame without roll.
+    /// Rotates the common frame so that the pan axis is its y axis, and removes the remaining roll
+    /// of every frame.
     pub fn upright(mut self) -> Self {
         let turns: Vec<Mat3> = self.views.iter().map(|view| view.cam_from_common).collect();
         if let Some(upright) = upright_from_common(&turns) {
@@ -192,8 +206,9 @@ impl TiedState {
         self
     }
 
-    /// The same with all focal lengths longer by a factor, and all angles from the middle smaller
-    /// by it.
+    /// Multiplies all focal lengths by a factor and divides all angles from the mean tilt and from
+    /// pan 0 by it. Image motion is about f times the angle, so the matches still nearly agree: a
+    /// good start for the adjustment at the new scale.
     pub fn scaled(mut self, factor: f64) -> Self {
         let rays: Vec<PanTilt> = self.views.iter().map(View::ray).collect();
         let middle = rays.iter().map(|ray| ray.tilt.radians()).sum::<f64>() / rays.len() as f64;
@@ -220,7 +235,8 @@ impl TiedState {
     }
 }
 
-/// The median distance of the matches, px.
+/// The median residual of the matches, px: the difference of directions times the distance from the
+/// centre of projection, as in [`MatchJacobian`].
 pub(super) fn residual_px(ties: &[Tie], at: &TiedState) -> f64 {
     let mut distances = Vec::new();
     for tie in ties {

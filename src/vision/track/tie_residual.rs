@@ -1,30 +1,30 @@
-//! A match of two frames: the directions in which both see it should be the same.
+//! The residual of a match between two frames: both should see its point in the same direction.
 
 use nalgebra::Matrix3x2;
 use touchline_core::camera::{CameraBase, FocalCurve, PanTilt, Ptz, undistort};
 use touchline_core::geometry::rotation::{q_pan, q_tilt, skew};
 use touchline_core::geometry::{ImagePoint, Mat3, Vec2, Vec3};
 
-/// A frame of a camera that turns and zooms about one place.
+/// A frame of a camera that rotates and zooms about a fixed centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct View {
-    /// Turns coordinates of the common frame into this one's.
+    /// Rotation from the common frame of all views to this camera.
     pub cam_from_common: Mat3,
     pub focal_px: f64,
     pub principal_point: ImagePoint,
 }
 
-/// The direction in which a frame sees a point, `common`, unit, and how it changes.
+/// The direction in which a frame sees a point, unit, in the common frame, and its derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
     pub direction: Vec3,
-    /// By the logarithm of the focal length, the curve of k₁ followed.
+    /// By ln f, including the change of k₁ with the focal length.
     pub by_log_focal: Vec3,
     pub by_k1: Vec3,
 }
 
 impl View {
-    /// A frame of a camera that stands on its base; the common frame is the base's.
+    /// A frame of a camera on a known base; the common frame is `base`.
     pub fn of_camera(base: &CameraBase, ptz: Ptz) -> Self {
         let cam_from_common = q_tilt(ptz.tilt) * q_pan(ptz.pan);
         Self {
@@ -34,15 +34,21 @@ impl View {
         }
     }
 
-    /// Where a point of the picture lies in the common frame; none beyond the fold of the lens.
+    /// Back-projects a pixel to the common frame; `None` beyond the fold of the lens.
     pub fn sight(&self, at: ImagePoint, lens: &FocalCurve) -> Option<Sight> {
+        // Remove the distortion: the ideal point u solves D(u) = d for the distorted point d = (x −
+        // pp) / f.
         let radial = lens.radial_at(self.focal_px);
         let distorted = at.offset_from(self.principal_point) / self.focal_px;
         let ideal: Vec2 = undistort(distorted, radial).ok()?;
         let radius_squared = ideal.norm_squared();
+        // Implicit differentiation of D(u, k₁) = d: ∂u/∂d = (∂D/∂u)⁻¹ and ∂u/∂k₁ = −(∂D/∂u)⁻¹
+        // ∂D/∂k₁. The focal length scales d (∂d/∂ln f = −d) and changes k₁ along the lens curve.
         let ideal_by = radial.by_ideal(ideal).try_inverse()?;
         let by_k1 = -(ideal_by * ideal) * lens.stretch_by_k1(self.focal_px, radius_squared);
         let by_log_focal = -(ideal_by * distorted) + by_k1 * (lens.slope_per_px() * self.focal_px);
+        // Normalise v = (u, 1). A change of v moves the unit direction by (I − v̂ v̂ᵀ) / |v|; the
+        // third component of v is constant, so two columns remain.
         let in_cam = Vec3::new(ideal.x, ideal.y, 1.0);
         let length = in_cam.norm();
         let unit = in_cam / length;
@@ -56,35 +62,34 @@ impl View {
         })
     }
 
-    /// How far a point of the picture lies from the eye, px: a direction that is off by an angle is
-    /// off in the picture by so many times that, across the radius.
+    /// The distance of a pixel from the centre of projection, √(f² + r²), px: by so much a small
+    /// rotation of the direction across the radius displaces the pixel.
     ///
-    /// A focal length alone would let frames agree about everything by shrinking to nothing.
+    /// Directions alone are no measure: as the focal length shrinks to zero, all directions agree.
     pub fn range_px(&self, at: ImagePoint) -> f64 {
         self.focal_px.hypot(at.distance_px(self.principal_point))
     }
 
-    /// Where the frame looks, if the common frame is upright.
+    /// Pan and tilt of the optical axis, if the y axis of the common frame is the pan axis.
     pub fn ray(&self) -> PanTilt {
         PanTilt::from_direction(self.cam_from_common.row(2).transpose())
     }
 
-    /// The axes about which the direction of a sight turns with pan and with tilt, `common`.
+    /// The axes about which a direction rotates with pan and with tilt, in the common frame.
     pub fn pan_and_tilt_axes(&self) -> [Vec3; 2] {
         [Vec3::y(), self.cam_from_common.row(0).transpose()]
     }
 }
 
-/// The direction's change with a turn about each of the common frame's own axes, applied before the
-/// frame's rotation.
+/// The derivative of a direction by a rotation ω of the camera, R ← R exp(ω×), hence d ← d − ω × d.
 pub(super) fn by_turn(direction: Vec3) -> Mat3 {
     skew(direction)
 }
 
-/// How far apart two frames see the two points of a match, px, and how that changes.
+/// The residual of a match, px, and its derivatives.
 ///
-/// The difference of the directions is measured at the geometric mean of the two points' distances
-/// from the eye.
+/// The difference of the two unit directions is multiplied by the geometric mean of the two pixels'
+/// distances from the centre of projection, so that it is in px and symmetric in the frames.
 pub(super) struct MatchJacobian {
     pub value_px: Vec3,
     /// By k₁ and by its slope per 1000 px.
@@ -93,9 +98,9 @@ pub(super) struct MatchJacobian {
     pub by_frame: [MatchByFrame; 2],
 }
 
-/// The change with one of the two frames, px/rad; with the logarithm of its focal length, px.
+/// The derivatives by one of the two frames: px/rad for rotations, px for ln f.
 pub(super) struct MatchByFrame {
-    /// With turns about the common frame's own axes, applied before the frame's rotation.
+    /// By a rotation about the axes of the common frame, applied before the frame's own rotation.
     pub turn: Mat3,
     pub pan: Vec3,
     pub tilt: Vec3,
@@ -103,13 +108,14 @@ pub(super) struct MatchByFrame {
 }
 
 impl MatchJacobian {
-    /// The points of a match, each as one of two frames shows it; none beyond the fold of a lens.
+    /// The residual of the match `at`, one pixel per frame; `None` beyond the fold of a lens.
     pub fn new(views: [&View; 2], lenses: [&FocalCurve; 2], at: [ImagePoint; 2]) -> Option<Self> {
         let [one, other] = views;
         let (here, there) = (one.sight(at[0], lenses[0])?, other.sight(at[1], lenses[1])?);
         let ranges_px = [one.range_px(at[0]), other.range_px(at[1])];
         let range_px = (ranges_px[0] * ranges_px[1]).sqrt();
         let value_px = (here.direction - there.direction) * range_px;
+        // k₁(f) = value + slope (f − f₀) / 1000.
         let by_k1 = |view: &View, sight: &Sight, lens: &FocalCurve| {
             [
                 sight.by_k1,
@@ -122,7 +128,7 @@ impl MatchJacobian {
         );
         let by_frame = |view: &View, sight: &Sight, own_range_px: f64, weight: f64| {
             let [pan_axis, tilt_axis] = view.pan_and_tilt_axes();
-            // The focal length is also part of the measure of the distance.
+            // The factor √(ρ₁ρ₂) depends on f, too: ∂ ln √(ρ₁ρ₂) / ∂ ln f = ½ (f/ρ)², ρ² = f² + r².
             let of_measure = 0.5 * (view.focal_px / own_range_px).powi(2);
             MatchByFrame {
                 turn: by_turn(sight.direction) * weight,

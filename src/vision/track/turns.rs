@@ -1,9 +1,9 @@
-//! Pan, tilt and focal length of tied frames, and the lens, from the ties alone.
+//! Pan, tilt and focal length of matched frames, and the lens, from pairwise matches alone.
 //!
-//! A camera that stands still and turns sees every thing in one direction. Rotations are found
-//! freely first; the axis perpendicular to all frames' sideways axes is the one about which the
-//! camera pans, and then only pan, tilt and focal length stay free, so that the axis follows from
-//! all matches.
+//! A camera that stands still and rotates sees every static point in one direction. Rotations are
+//! first estimated freely. The axis perpendicular to the x axes of all frames is the pan axis;
+//! afterwards only pan, tilt and focal length of each frame are free, so that all matches together
+//! determine the axis.
 
 use super::start::{steps, views};
 use super::tie_problem::{Freedom, Tied, TiedState, residual_px};
@@ -12,19 +12,20 @@ use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera}
 use touchline_core::geometry::{ImageSize, Vec3};
 use touchline_core::solve::{Equations, Loss, Minimum, Stopping, minimise};
 
-/// What is expected of the lens beforehand, and how the frames are adjusted.
+/// The lens prior, and options of the adjustment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurnOptions {
-    /// k₁ and its change with the focal length, expected; lengths in px at 1920 px width.
+    /// Prior mean of k₁ and of its change with the focal length; lengths are in px at 1920 px
+    /// width.
     pub lens: FocalCurve,
-    /// 1-σ of k₁. Default .1.
+    /// 1-σ of k₁. Default: 0.1.
     pub k1_sigma: f64,
-    /// 1-σ of its change per 1000 px at 1920 px width. Default .1.
+    /// 1-σ of its change per 1000 px at 1920 px width. Default: 0.1.
     pub slope_sigma: f64,
-    /// All focal lengths are multiplied by this after the ties have found them, and everything else
-    /// follows; default 1.
+    /// A factor applied to all focal lengths after the matches have determined them; everything
+    /// else is adjusted to it. Default: 1.
     ///
-    /// Ties leave the common scale of the focal lengths the least certain.
+    /// The common scale of the focal lengths is what matches determine worst.
     pub focal_scale: f64,
 }
 
@@ -44,16 +45,16 @@ impl Default for TurnOptions {
     }
 }
 
-/// Where the frames of a camera look.
+/// Relative pan, tilt and focal length of the frames of one camera, and its lens.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Turns {
-    /// Pan, tilt and focal length of each frame; pan 0 is the middle of where they look.
+    /// Pan, tilt and focal length of each frame; pan 0 is the mean viewing direction.
     pub ptz: Vec<Ptz>,
-    /// k₁ by focal length, px of these frames.
+    /// k₁ as a function of the focal length, in px of these frames.
     pub lens: FocalCurve,
     /// The size of the frames, px.
     pub image_size: ImageSize,
-    /// The median distance of the matches, px at 1920 px width.
+    /// The median residual of the matches, px at 1920 px width.
     pub residual_px: f64,
 }
 
@@ -70,22 +71,26 @@ impl Turns {
     }
 }
 
-/// Matches farther off than this when all is adjusted are no rotation, px at 1920 px width.
+/// Largest median residual that a rotating camera may leave, px at 1920 px width.
 const NOT_TURNING_PX: f64 = 6.0;
 
-/// The focal lengths tried for the first frame, in widths of the picture.
+/// Start values of the first frame's focal length, in picture widths.
 const FOCAL_WIDTHS: [f64; 7] = [0.8, 1.1, 1.5, 2.1, 3.0, 4.3, 6.2];
 
-/// Pan, tilt and focal length of `count` frames of one size that hang together by ties.
+/// Estimates pan, tilt and focal length of `count` frames of one size that are connected by
+/// matches.
 ///
 /// # Errors
-/// Fewer than two frames, or ties that no rotation and zoom explains.
+/// Fewer than two frames, frames that are not connected, or matches that no rotation and zoom
+/// explains.
 pub fn adjust_turns(
     count: usize,
     ties: &[Tie],
     image_size: ImageSize,
     options: &TurnOptions,
 ) -> Result<Turns, TrackError> {
+    // A spanning tree of the view graph reaches every frame; otherwise the frames are not
+    // connected.
     let centre = image_size.centre();
     let along = steps(count, ties, centre);
     if count < 2 || along.len() < count {
@@ -94,6 +99,7 @@ pub fn adjust_turns(
             ties: ties.len(),
         });
     }
+    // The lens prior in px of these frames: the slope is per px, so it scales inversely.
     let px = image_size.scale_from_1920();
     let expected = FocalCurve {
         at_focal_px: options.lens.at_focal_px * px,
@@ -109,6 +115,8 @@ pub fn adjust_turns(
         sigma: [options.k1_sigma, options.slope_sigma / px],
         fixed_scale,
     };
+    // 1. Self-calibration from matches has local minima in the focal length. Descend briefly from
+    //    each start value and keep the one of least robust cost.
     let start = FOCAL_WIDTHS.iter().map(|widths| {
         let focal_px = widths * f64::from(image_size.width);
         let start = TiedState {
@@ -125,14 +133,19 @@ pub fn adjust_turns(
             ties: ties.len(),
         });
     };
+    // 2. Free rotations, with the robust loss from coarse to fine.
     let mut state = best.state;
     for loss_px in [20.0, 6.0] {
         state = minimise(&problem(Freedom::Any, loss_px, false), state, until(30)).state;
     }
+    // 3. Make the pan axis the y axis of the common frame; then every frame has pan, tilt and focal
+    //    length only, and no roll.
     state = state.upright();
     for loss_px in [6.0, 3.0] {
         state = minimise(&problem(Freedom::PanTilt, loss_px, false), state, until(30)).state;
     }
+    // 4. Impose the focal scale and let everything else follow. The scale itself is held fixed,
+    //    since the matches would pull it back.
     if options.focal_scale != 1.0 {
         state = state.scaled(options.focal_scale);
         for loss_px in [20.0, 4.0] {
@@ -140,6 +153,8 @@ pub fn adjust_turns(
         }
     }
     let residual_px = residual_px(ties, &state) / px;
+    // A scale other than 1 leaves residuals even if the camera rotates; allow for them. The negated
+    // comparison also rejects NaN.
     if !(residual_px <= NOT_TURNING_PX * options.focal_scale.max(1.0 / options.focal_scale).powi(2))
     {
         return Err(TrackError::NotTurning {

@@ -1,5 +1,5 @@
-//! The ways of reading videos, and how a video is opened by one: the user's `ffmpeg` program, and
-//! OpenCV where it is built in with its video module.
+//! Video backends, and opening a video with one: the user's `ffmpeg` program, and OpenCV if it is
+//! built in with its video module.
 
 use super::capture::Capture;
 use super::ffmpeg::{self, FfmpegCapture, Output, ffmpeg};
@@ -9,7 +9,7 @@ use crate::media::MediaError;
 use std::fmt;
 use std::path::Path;
 
-/// A way of reading videos. All give the same frames under the same numbers.
+/// A video backend. All give the same frames under the same indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum VideoBackend {
     /// The program `ffmpeg` of this machine.
@@ -19,7 +19,7 @@ pub enum VideoBackend {
 }
 
 impl VideoBackend {
-    /// Those that this machine and this program have, the preferred one first.
+    /// The backends that this machine and this build have, the preferred one first.
     pub fn available() -> impl Iterator<Item = Self> {
         let ffmpeg = ffmpeg().map(|_| Self::Ffmpeg);
         ffmpeg
@@ -68,8 +68,8 @@ pub(super) fn open_times(
     }
 }
 
-/// The number of stored frames, decodable or not, read without decoding; none where they cannot be
-/// read so. `count` is called with the number so far and may end it.
+/// The number of stored frames, decodable or not, read without decoding; `None` if the backend
+/// cannot count them. `count` is called with the number so far and may stop it.
 pub(super) fn count_packets(
     path: &Path,
     backend: VideoBackend,

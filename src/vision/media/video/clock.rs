@@ -1,22 +1,22 @@
-//! When each frame of a video is shown.
+//! Presentation times of the frames of a video.
 
 use std::sync::Arc;
 
-/// How far a time stamp may lie from its frame's time, as a share of the spacing of frames.
-/// Matroska rounds to milliseconds, which is 0.03 of the spacing at 60 frames a second.
+/// Maximum deviation of a time stamp from its frame's time, as a share of the frame spacing.
+/// Matroska rounds to milliseconds, a deviation of up to 0.03 of the spacing at 60 frames a second.
 const TOLERANCE: f64 = 0.25;
 
 /// The times of a video's frames, seconds from the stream's start.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FrameClock {
-    /// One rate throughout.
+    /// A constant rate.
     Even {
         /// When frame 0 is shown, s.
         first_s: f64,
         /// Frames a second.
         fps: f64,
     },
-    /// Uneven spacing: the time of every frame, s, increasing.
+    /// Irregular times: the time of every frame, s, ascending.
     Listed(Arc<[f64]>),
 }
 
@@ -30,7 +30,7 @@ impl FrameClock {
         }
     }
 
-    /// The frame that is shown at a time stamp; none when no frame is shown then.
+    /// The frame shown at a time stamp; `None` if no frame has about that time.
     #[must_use]
     pub fn index_at(&self, pts_s: f64) -> Option<usize> {
         match self {
@@ -40,6 +40,8 @@ impl FrameClock {
                 ((slot - nearest).abs() <= TOLERANCE && nearest >= 0.0).then_some(nearest as usize)
             }
             Self::Listed(times) => {
+                // The nearest of the two neighbours, accepted within a share of the smaller gap
+                // beside it.
                 let after = times.partition_point(|&time| time < pts_s);
                 let nearest = [after.checked_sub(1), Some(after)]
                     .into_iter()

@@ -1,34 +1,36 @@
 //! Interlaced frames: two fields, taken one after the other, in alternating rows. Where something
-//! moves they form a comb.
+//! moves, they form a comb.
 
 use crate::media::{Picture, grey_reduced};
 
-/// The least step of a comb, grey levels.
+/// Minimum step of a comb, grey levels.
 const STEP: i32 = 12;
-/// The least share of pixels in a comb for a frame to be interlaced.
+/// Minimum share of pixels in combs for a frame to be interlaced.
 const LEAST_SHARE: f64 = 0.01;
-/// By how much combs outnumber what zigzags within a field alike: fine detail does in both. It does
-/// three times more within a field in two progressive matches, and at least half as much in one
-/// where little moves.
+/// Minimum ratio of combs between rows to zigzags within one field: fine detail produces both. In
+/// two progressive matches there are three times more within a field, and at least half as many in
+/// one where little moves.
 const OVER_DETAIL: f64 = 1.2;
 
-/// Whether a frame is made of two fields with something moving between them. A frame in which
-/// nothing moves shows no comb.
+/// Whether a frame consists of two fields with motion between them. A frame without motion shows no
+/// comb.
 pub(super) fn is_combed(picture: &Picture) -> bool {
     let (width, height) = (
         picture.size().width as usize,
         picture.size().height as usize,
     );
-    // The colours of interlaced frames are stored coarser and by field: the brightness alone shows
-    // the fields line by line.
+    // Chroma of interlaced frames is subsampled by field; only the brightness shows the fields row
+    // by row.
     let rows = grey_reduced(picture, 1).values;
     let grey = |x: usize, y: usize| i32::from(rows[y * width + x]);
-    // A pixel that stands out from both others in the same direction.
+    // A pixel that is brighter, or darker, than both others.
     let stands_out = |above: i32, at: i32, below: i32| {
         let (up, down) = (at - above, at - below);
         up.min(down) > STEP || up.max(down) < -STEP
     };
     let (mut combed, mut detailed, mut count) = (0_u64, 0_u64, 0_u64);
+    // Rows 1 apart are of different fields, rows 2 apart of the same one. Every third row covers
+    // both fields.
     for y in (2..height.saturating_sub(2)).step_by(3) {
         for x in (0..width).step_by(2) {
             let at = grey(x, y);
@@ -40,7 +42,7 @@ pub(super) fn is_combed(picture: &Picture) -> bool {
     combed as f64 >= LEAST_SHARE * count as f64 && combed as f64 > OVER_DETAIL * detailed as f64
 }
 
-/// The picture that the first field alone gives: its rows stay, each row between is the mean of its
+/// Interpolates a picture from the first field: its rows stay, each row between is the mean of its
 /// neighbours.
 pub(super) fn first_field(picture: &Picture) -> Picture {
     let (size, row) = (picture.size(), 4 * picture.size().width as usize);

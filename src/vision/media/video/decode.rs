@@ -1,4 +1,4 @@
-//! An open video and its frames by number.
+//! An open video and its frames by index.
 
 use super::backend::VideoBackend;
 use super::comb::first_field;
@@ -10,18 +10,18 @@ use crate::media::{MediaError, Picture};
 use std::path::Path;
 use touchline_core::progress::Progress;
 
-/// An open video. It stands at one place at a time: one for each thread.
+/// An open video. It has one read position; use one per thread.
 pub struct Video {
     info: VideoInfo,
     player: Player,
 }
 
 impl Video {
-    /// Opens a video and finds out how many of its frames decode.
+    /// Opens a video and surveys it.
     ///
-    /// Takes a second or two where the frames have one rate or an MP4's table of samples has their
-    /// times, and one pass over all frames where neither holds; hardly any time for a file that was
-    /// opened before and has not changed.
+    /// Takes a second or two if the frame rate is constant or the sample table of an MP4 has the
+    /// times, and one pass over all frames otherwise; hardly any time for a file that was opened
+    /// before and has not changed.
     ///
     /// # Errors
     /// The file cannot be read, is no video, none of its frames decodes, or they are too large.
@@ -29,8 +29,8 @@ impl Video {
         Self::open_with_progress(path, &Progress::default())
     }
 
-    /// Opens a video as [`Video::open`] does; where all frames are visited, `progress` hears now
-    /// and then how far that has come, and may cancel it.
+    /// Opens a video as [`Video::open`] does. If all frames have to be visited, `progress` receives
+    /// reports and may cancel.
     ///
     /// # Errors
     /// As [`Video::open`]; [`MediaError::Stopped`] when `progress` cancelled it.
@@ -72,14 +72,14 @@ impl Video {
         })
     }
 
-    /// What is known about the video.
+    /// The result of the survey of the video.
     #[must_use]
     pub const fn info(&self) -> &VideoInfo {
         &self.info
     }
 
-    /// The pixels of a frame by its number among the decoded frames, from 0, turned upright; of an
-    /// interlaced one those of its first field.
+    /// The pixels of a frame by its index among the decoded frames, from 0, upright; of an
+    /// interlaced video those of the first field.
     ///
     /// # Errors
     /// There is no such frame, or its data are damaged.

@@ -1,14 +1,15 @@
 //! Videos through the user's `ffmpeg` program.
 //!
-//! One process decodes from a place in the video to its end and writes each frame's pixels to its
-//! standard output. Before that it writes the frame's time stamp to its standard error, one line a
-//! frame and nothing else: its own messages are switched off. So a frame is known by the time that
-//! the container gives it, and not by counting. Moving to another place ends the process and starts
-//! one that seeks. `ffmpeg` writes as fast as it is read: the pipes are the buffer.
+//! One process decodes from some position to the end of the video and writes the pixels of each
+//! frame to its standard output. Before these it writes the frame's time stamp to its standard
+//! error, one line per frame and nothing else, since its own messages are switched off. So a frame
+//! is identified by the time that the container gives it, not by counting. A seek ends the process
+//! and starts one at another position. `ffmpeg` runs only as fast as its pipes are read; they are
+//! the buffer.
 //!
-//! `ffmpeg` applies edit lists, turns frames upright and drops what it seeks over; `-copyts` and
-//! passing every frame through keep the container's times. `ffprobe`, of the same package, says
-//! what the container states.
+//! `ffmpeg` applies edit lists, turns frames upright and drops the frames before the seek position;
+//! `-copyts` and passing every frame through keep the container's times. `ffprobe`, of the same
+//! package, reports what the container states.
 
 use super::capture::{Capture, StatedProperties};
 use crate::media::picture::byte_count;
@@ -22,22 +23,22 @@ use std::sync::LazyLock;
 use std::time::Duration;
 use touchline_core::geometry::ImageSize;
 
-/// A process that gives nothing for so long hangs.
+/// A process without output for this long is taken to hang.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// Frames are asked for from half a frame before their time on: times are rounded.
+/// A seek starts this many frames before the wanted time, because times are rounded.
 const SEEK_AHEAD_FRAMES: f64 = 0.5;
 
 /// The programs `ffmpeg` and `ffprobe` of this machine.
 #[derive(Debug)]
 pub(super) struct Ffmpeg {
-    /// As it states it: `5.1.9-0+deb12u1`.
+    /// The version as it states it: `5.1.9-0+deb12u1`.
     pub version: String,
-    /// How every frame is passed through with its own time; the option's name changed with version
+    /// The option that passes every frame through with its own time; its name changed with version
     /// 5.1.
     pass_through: &'static str,
 }
 
-/// The programs; none where one of them cannot be run.
+/// The programs; `None` if one of them cannot be run.
 pub(super) fn ffmpeg() -> Option<&'static Ffmpeg> {
     static FFMPEG: LazyLock<Option<Ffmpeg>> = LazyLock::new(|| {
         let version = stated_version(&output_of(Command::new("ffmpeg").arg("-version"))?)?;
@@ -55,7 +56,7 @@ pub(super) fn ffmpeg() -> Option<&'static Ffmpeg> {
     FFMPEG.as_ref()
 }
 
-/// What a short-lived program prints; none where it cannot be run or fails.
+/// The output of a short-lived program; `None` if it cannot be run or fails.
 fn output_of(command: &mut Command) -> Option<String> {
     let output = command
         .stdin(Stdio::null())
@@ -77,7 +78,7 @@ fn stated_version(output: &str) -> Option<String> {
         .map(str::to_owned)
 }
 
-/// Whether a version is an old release. One built between releases states no number and is new.
+/// Whether a version is a release before 5.1. A development build states no number and is new.
 fn is_before_5_1(version: &str) -> bool {
     let mut numbers = version
         .trim_start_matches('n')
@@ -90,12 +91,12 @@ fn is_before_5_1(version: &str) -> bool {
     }
 }
 
-/// What a process writes of each frame.
+/// The output of a process for each frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Output {
-    /// Its pixels.
+    /// Its pixels, RGBA.
     Pictures,
-    /// One dot of it, for its time alone: nothing is converted.
+    /// 2 × 2 px of it: only its time is needed, and nothing is converted.
     Times,
 }
 
@@ -105,11 +106,11 @@ pub(super) struct FfmpegCapture {
     path: PathBuf,
     stream: Stream,
     output: Output,
-    /// Where the next process begins, s from the stream's start; from the first frame where there
-    /// is none.
+    /// Position at which the next process begins, s from the stream's start; `None` for the first
+    /// frame.
     start_s: Option<f64>,
     decoder: Option<Decoder>,
-    /// What was read last of a frame.
+    /// The output for the last frame.
     bytes: Vec<u8>,
     time_s: Option<f64>,
 }
@@ -121,7 +122,7 @@ struct Stream {
     time_base_s: f64,
     /// Its first time stamp, steps.
     start_pts: i64,
-    /// How much later it starts than the file, s.
+    /// Start of the stream relative to that of the file, s.
     late_s: f64,
 }
 
@@ -159,10 +160,13 @@ impl FfmpegCapture {
                 self.start_s,
             )?),
         };
+        // End of the pixels: only the exit of the process shows whether it is the end of the video.
         if !decoder.read_pixels(&mut self.bytes)? {
             decoder.check_end()?;
             return Ok(false);
         }
+        // Time stamps count from an arbitrary origin; times here are relative to the stream's
+        // start.
         let pts = decoder.read_time_stamp()?;
         self.time_s = pts.map(|pts| (pts - self.stream.start_pts) as f64 * self.stream.time_base_s);
         Ok(true)
@@ -222,7 +226,7 @@ impl Decoder {
         output: Output,
         start_s: Option<f64>,
     ) -> io::Result<Self> {
-        // The file's own times count from its earliest stream.
+        // `-ss` counts from the start of the file, which is that of its earliest stream.
         let from_s = start_s
             .map(|start_s| start_s + stream.late_s)
             .filter(|&from_s| from_s > 0.0);
@@ -232,7 +236,7 @@ impl Decoder {
             Output::Pictures => format!("scale={width}:{height}:flags=bicubic,format=rgba"),
             Output::Times => "crop=2:2:0:0,format=gray".to_owned(),
         };
-        // The print names only frames that carry some metadata: each is given one key.
+        // The filter prints only frames with some metadata, so one key is added to each.
         let stamp =
             "metadata=mode=add:key=t:value=0,metadata=mode=print:key=t:direct=1:file=pipe\\\\:2";
         let mut process = Command::new("ffmpeg")
@@ -271,7 +275,7 @@ impl Decoder {
         })
     }
 
-    /// Fills `bytes` with a frame; false at the end. What is left of a frame at the end is none.
+    /// Fills `bytes` with a frame; false at the end, also if only part of a frame is left.
     fn read_pixels(&mut self, bytes: &mut [u8]) -> io::Result<bool> {
         match self.pixels.read_exact(bytes) {
             Ok(()) => Ok(true),
@@ -280,8 +284,8 @@ impl Decoder {
         }
     }
 
-    /// The time stamp of the frame whose pixels were read last, in steps of the stream; none where
-    /// it has none. The line was written before the pixels.
+    /// The time stamp of the frame whose pixels were read last, in steps of the stream's time base;
+    /// `None` if it has none. Its line is written before the pixels, so this does not block.
     fn read_time_stamp(&mut self) -> io::Result<Option<i64>> {
         loop {
             self.line.clear();
@@ -297,11 +301,11 @@ impl Decoder {
         }
     }
 
-    /// An error where the process did not end by itself.
+    /// Fails if the process was killed.
     fn check_end(&mut self) -> io::Result<()> {
         let status = self.process.wait()?;
-        // A damaged file ends it with an error of its own, after all frames that decode. Without a
-        // code it was killed.
+        // A damaged file makes it exit with an error code, after all frames that decode; that is no
+        // failure here. A killed process has no exit code.
         if status.code().is_some() {
             Ok(())
         } else {
@@ -312,7 +316,7 @@ impl Decoder {
 
 impl Drop for Decoder {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // Both fail harmlessly if the process has already ended.
         let _ = self.process.kill();
         let _ = self.process.wait();
     }
@@ -334,6 +338,7 @@ impl<R: Read + std::os::fd::AsFd> Read for Patient<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         use rustix::event::{PollFd, PollFlags, Timespec, poll};
         let patience = Timespec::try_from(PATIENCE).map_err(io::Error::other)?;
+        // Wait for data with a timeout: a plain read would block forever if the process hangs.
         let ready = poll(&mut [PollFd::new(&self.0, PollFlags::IN)], Some(&patience))?;
         if ready == 0 {
             return Err(io::Error::other(format!(
@@ -353,7 +358,7 @@ impl<R: Read> Read for Patient<R> {
 }
 
 impl Stream {
-    /// Asks `ffprobe`.
+    /// Reads the properties of the stream with `ffprobe`.
     ///
     /// # Errors
     /// It finds no video in the file.
@@ -376,7 +381,7 @@ impl Stream {
         let [width, height] =
             ["width", "height"].map(|name| stream(name)?.parse::<u32>().ok().filter(|&px| px > 0));
         let stored = ImageSize::new(width?, height?);
-        // ffprobe counts counterclockwise.
+        // `ffprobe` states the rotation counterclockwise.
         let rotation_deg = (-properties.rotation_deg()).rem_euclid(360) as u32;
         let is_turned = rotation_deg % 180 == 90;
         let size = if is_turned {
@@ -384,8 +389,8 @@ impl Stream {
         } else {
             stored
         };
-        // The mean rate is that of all frames: it differs from the nominal one where some are left
-        // out.
+        // The mean rate, over all frames, is preferred: it differs from the nominal one if frames
+        // are missing.
         let [mean, nominal] =
             ["avg_frame_rate", "r_frame_rate"].map(|name| stream(name).and_then(ratio));
         let fps = mean.or(nominal).unwrap_or(25.0);
@@ -423,7 +428,8 @@ impl Stream {
     }
 }
 
-/// The number of stored frames, by `ffprobe`, which decodes none; none where it cannot count them.
+/// The number of stored frames by `ffprobe`, which does not decode them; `None` if it cannot count
+/// them.
 pub(super) fn count_packets(
     path: &Path,
     count: &mut dyn FnMut(usize) -> Result<(), MediaError>,
@@ -457,7 +463,7 @@ pub(super) fn count_packets(
     Ok(is_whole.then_some(packets))
 }
 
-/// `ffprobe`, asked for some entries of a file's first video, one a line.
+/// An `ffprobe` command for some entries of a file's first video stream, one per line.
 fn probe_command(entries: &str) -> Command {
     let mut command = Command::new("ffprobe");
     command
@@ -475,22 +481,21 @@ fn probe_command(entries: &str) -> Command {
     command
 }
 
-/// A path that is taken for nothing else: neither for a protocol, as `a:b.mp4` is, nor for an
-/// option.
+/// A path that `ffmpeg` cannot mistake for a protocol, as `a:b.mp4`, or for an option.
 fn as_file(path: &Path) -> io::Result<OsString> {
     let mut file = OsString::from("file:");
     file.push(std::path::absolute(path)?);
     Ok(file)
 }
 
-/// The value of `30000/1001` or `4:3`; none where it is not positive.
+/// The value of a ratio such as `30000/1001` or `4:3`; `None` if it is not positive.
 fn ratio(text: &str) -> Option<f64> {
     let (above, below) = text.split_once(['/', ':'])?;
     let value = above.parse::<f64>().ok()? / below.parse::<f64>().ok()?;
     (value.is_finite() && value > 0.0).then_some(value)
 }
 
-/// What `ffprobe` prints: `streams.stream.0.width=1280`.
+/// The output of `ffprobe`, lines such as `streams.stream.0.width=1280`.
 struct Properties(BTreeMap<String, String>);
 
 impl Properties {
@@ -513,7 +518,7 @@ impl Properties {
         self.0.get(&format!("format.{name}")).map(String::as_str)
     }
 
-    /// By how much frames are to be turned counterclockwise, degrees.
+    /// Counterclockwise rotation to apply to the frames, degrees.
     fn rotation_deg(&self) -> i64 {
         let rotation = self.0.iter().find(|(key, _)| key.ends_with(".rotation"));
         rotation

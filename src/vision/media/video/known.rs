@@ -1,5 +1,5 @@
-//! What was found out about the videos opened before: it holds for as long as their files do not
-//! change, and most videos are opened by several threads of one program.
+//! A cache of video surveys within the process. A survey stays valid while its file does not
+//! change, and several threads of the program open the same video.
 
 use super::backend::{VideoBackend, open_capture};
 use super::survey::Survey;
@@ -10,39 +10,40 @@ use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 use touchline_core::progress::Progress;
 
-/// How many videos are remembered.
+/// Number of surveys kept.
 const REMEMBERED: usize = 32;
 
-/// Examinations, each of a file as it was.
+/// Surveys, each of a file in one state.
 type Examinations = Vec<(FileState, Arc<Examination>)>;
 
-/// Those of the videos that were asked for last, the latest at the end.
+/// Surveys of the videos opened last, the latest at the end.
 static KNOWN: LazyLock<Mutex<Examinations>> = LazyLock::new(Mutex::default);
-/// How often someone who waits for another's examination is told how far that has come, and may
-/// give up.
+/// Interval at which a thread that waits for another's survey reports progress and checks for
+/// cancellation.
 const TOLD_EVERY: Duration = Duration::from_millis(50);
 
-/// The examination of one video: whoever asks for it first does it, others who ask meanwhile wait.
+/// The survey of one video: the first thread that needs it performs it, others wait meanwhile.
 #[derive(Default)]
 struct Examination {
     state: Mutex<State>,
     changed: Condvar,
 }
 
-/// How far an examination has come.
+/// The state of a survey.
 #[derive(Default)]
 enum State {
-    /// Nobody has begun, or whoever had begun gave up.
+    /// Not begun, or abandoned.
     #[default]
     Open,
-    /// Somebody is at it, and has counted so far.
+    /// In progress on some thread, with its latest count.
     UnderWay(Option<CountProgress>),
-    /// What was found, and the run-up of a jump.
+    /// Finished: the result, and the run-up of a seek.
     Done(VideoInfo, usize),
 }
 
 impl Examination {
-    /// What was found; none where it is for the caller to find out.
+    /// The finished survey, waiting for it if another thread performs it; `None` if the caller has
+    /// to perform it.
     fn found_or_begun(
         &self,
         path: &Path,
@@ -62,6 +63,7 @@ impl Examination {
                 .changed
                 .wait_timeout(state, TOLD_EVERY)
                 .unwrap_or_else(PoisonError::into_inner);
+            // Copy the count and release the lock before reporting: the callback may take long.
             let counted = if let State::UnderWay(counted) = &*state {
                 counted.clone()
             } else {
@@ -77,7 +79,8 @@ impl Examination {
     }
 }
 
-/// A begun examination. It is open again where it ends without having found anything.
+/// A guard of a survey in progress. If it is dropped without a result, the survey is open again for
+/// the next thread.
 struct Begun<'a> {
     examination: &'a Examination,
     found: Option<(VideoInfo, usize)>,
@@ -93,18 +96,18 @@ impl Drop for Begun<'_> {
     }
 }
 
-/// A file as it is at some time.
+/// A file's identity and state at some time.
 #[derive(Clone, PartialEq, Eq)]
 struct FileState {
     path: PathBuf,
     bytes: u64,
     modified: SystemTime,
-    /// What it is read with: another backend may know other times.
+    /// The backend: another one may report other times.
     backend: VideoBackend,
 }
 
 impl FileState {
-    /// None where the system does not tell.
+    /// `None` if the system does not provide length or time.
     fn of(path: &Path, backend: VideoBackend) -> Option<Self> {
         let metadata = std::fs::metadata(path).ok()?;
         Some(Self {
@@ -116,9 +119,8 @@ impl FileState {
     }
 }
 
-/// A video as it was surveyed before, opened anew; else surveyed by `survey`, which is called once
-/// at a time for a file. `progress` hears of it now and then, also while another thread surveys it,
-/// and may cancel that.
+/// A video with its earlier survey, opened anew, or else surveyed by `survey`, which runs once at a
+/// time per file. `progress` receives reports, also while another thread surveys, and may cancel.
 pub(super) fn known_or(
     path: &Path,
     backend: VideoBackend,
@@ -136,6 +138,7 @@ pub(super) fn known_or(
             capture: open_capture(path, backend)?,
         });
     }
+    // The guard reopens the survey if `survey` fails or panics, so that waiting threads go on.
     let mut begun = Begun {
         examination: &examination,
         found: None,
@@ -148,7 +151,7 @@ pub(super) fn known_or(
     Ok(found)
 }
 
-/// Where what is known of a file is kept.
+/// The cache entry of a file, moved to the end of the list.
 fn examination(file: FileState) -> Arc<Examination> {
     let mut all = lock(&KNOWN);
     let of_file = match all.iter().position(|(known, _)| *known == file) {
@@ -161,7 +164,7 @@ fn examination(file: FileState) -> Arc<Examination> {
     all.push_mut(of_file).1.clone()
 }
 
-/// What a thread that panicked left behind is whole: it is written at once.
+/// The state is replaced in one assignment, so it is consistent even after a panic.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,9 +1,9 @@
-//! Videos: frames by their number among the decoded frames.
+//! Videos: frames by their index among the frames that decode.
 //!
-//! A frame's number counts the frames that decode, from 0. The container's own count is not used:
-//! edit lists, cut-off files and duration-based estimates make it wrong. Every frame is known by
-//! its time stamp, so that frame N is the same picture however it is reached. A damaged frame in
-//! the middle of a long video of even rate keeps its number and is an error when it is asked for.
+//! The index counts decoded frames, from 0. The container's own count is not used: edit lists,
+//! truncated files and estimates from the duration make it wrong. Every frame is identified by its
+//! time stamp, so frame N is the same picture however it is reached. A damaged frame in the middle
+//! of a long video of constant rate keeps its index, and reading it is an error.
 
 mod backend;
 mod capture;
@@ -27,15 +27,15 @@ use std::path::Path;
 use std::sync::Arc;
 use touchline_core::geometry::ImageSize;
 
-/// What is known about a video once it has been opened.
+/// The result of the survey of a video.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VideoInfo {
     /// The video's file.
     pub path: Arc<Path>,
-    /// The size of its frames as they are returned, turned upright, px.
+    /// The size of its frames as returned, upright, px.
     pub size: ImageSize,
-    /// By how much the stored frames were turned clockwise to stand upright, degrees: 0, 90, 180 or
-    /// 270.
+    /// Clockwise rotation that was applied to the stored frames to make them upright, degrees: 0,
+    /// 90, 180 or 270.
     pub rotation_deg: u32,
     /// The rate that the container states, frames a second.
     pub fps: f64,
@@ -43,12 +43,12 @@ pub struct VideoInfo {
     pub stated_frames: usize,
     /// The number of frames that decode.
     pub decoded_frames: usize,
-    /// The frames are interlaced: two fields taken one after the other. What is returned is made of
-    /// the first field alone.
+    /// Whether the frames are interlaced: two fields taken one after the other. The pictures
+    /// returned are interpolated from the first field alone.
     pub interlaced: bool,
     /// When each frame is shown.
     pub clock: FrameClock,
-    /// What the user should know about this video.
+    /// Remarks for the user about this video.
     pub notices: Vec<Notice>,
 }
 
@@ -62,13 +62,13 @@ impl VideoInfo {
     }
 }
 
-/// How far the numbering of a video's frames has come, where every one of them must be visited.
+/// Progress of counting a video's frames, if every frame must be visited.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CountProgress {
     /// The video.
     pub path: Arc<Path>,
-    /// How many frames have been visited.
+    /// Number of frames visited.
     pub counted: usize,
-    /// How many frames the container states; 0 where it states none.
+    /// Number of frames that the container states; 0 if it states none.
     pub stated: usize,
 }

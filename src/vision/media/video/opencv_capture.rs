@@ -1,11 +1,14 @@
 //! The boundary to OpenCV's video reader.
 //!
-//! Four of its peculiarities matter (found with OpenCV 4.6 on `FFmpeg` 5.1). Its frame numbers are
-//! times multiplied by the stated rate, so that they are wrong wherever the spacing is uneven: only
-//! time stamps are trusted here. The last few frames, which a decoder holds back for reordering,
-//! come with the time stamp 0: their time is unknown. A frame that does not decode is reported as
-//! if it were the end; what follows comes all the same, beginning with remnants of earlier frames,
-//! whose times fall back. And a file it cannot read is no error, it is just not open.
+//! Four of its peculiarities matter (found with OpenCV 4.6 on `FFmpeg` 5.1):
+//!
+//! - Its frame numbers are times multiplied by the stated rate, so they are wrong for irregular
+//!   times; only time stamps are used here.
+//! - The last few frames, which the decoder holds back for reordering, have the time stamp 0: their
+//!   time is unknown.
+//! - A frame that does not decode is reported like the end. Further frames follow nevertheless,
+//!   beginning with remnants of earlier ones, whose times go back.
+//! - A file that it cannot read is no error; it is just not open.
 
 use super::capture::{Capture, StatedProperties};
 use crate::media::picture::byte_count;
@@ -17,18 +20,19 @@ use opencv::videoio::{self, VideoCapture};
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::ImageSize;
 
-/// How many frames in a row may fail to decode before that is taken for the end.
+/// Number of consecutive decoding failures that are taken for the end.
 const MAX_FAILURES: usize = 100;
 
-/// An open video, standing at the frame that was grabbed last.
+/// An open video; its position is the last frame grabbed.
 pub(super) struct OpenCvCapture {
     inner: VideoCapture,
     path: PathBuf,
-    /// Nothing has been grabbed since it was opened, and it has not been moved.
+    /// Whether nothing has been grabbed since it was opened, and no seek was made. Only then is a
+    /// time stamp of 0 a real one.
     is_fresh: bool,
-    /// The time of the frame that was grabbed last, s, where it is known.
+    /// The time of the last frame grabbed, s, if known.
     time_s: Option<f64>,
-    /// The latest time since the start or the last jump, s.
+    /// The latest time since the start or the last seek, s.
     latest_s: f64,
     bgr: Mat,
     stated: StatedProperties,
@@ -76,9 +80,10 @@ impl OpenCvCapture {
         })
     }
 
-    /// Notes the time of the frame just grabbed; false when it falls back.
+    /// Records the time of the frame just grabbed; false if it is not later than all before.
     fn note_time(&mut self) -> bool {
         let time_ms = self.property(videoio::CAP_PROP_POS_MSEC);
+        // A time of 0 is real for the very first frame only; see the module.
         let is_known = time_ms.is_finite() && (time_ms != 0.0 || self.is_fresh);
         self.is_fresh = false;
         self.time_s = is_known.then_some(time_ms / 1000.0);
@@ -140,7 +145,7 @@ impl Capture for OpenCvCapture {
 
     fn jump_near(&mut self, time_s: f64) {
         let number = (time_s * self.stated.fps).round().max(0.0);
-        // A refused move leaves the reader somewhere else, which the next time stamp shows.
+        // After a failed seek the reader is somewhere else, which the next time stamp shows.
         let _ = self.inner.set(videoio::CAP_PROP_POS_FRAMES, number);
         self.is_fresh = false;
         self.latest_s = f64::NEG_INFINITY;
@@ -155,7 +160,7 @@ impl Capture for OpenCvCapture {
     }
 }
 
-/// What the container states, by OpenCV's properties.
+/// The properties that the container states, as reported by OpenCV.
 fn stated_by(inner: &VideoCapture) -> StatedProperties {
     let side = |id| property(inner, id).max(0.0) as u32;
     let fps = property(inner, videoio::CAP_PROP_FPS);

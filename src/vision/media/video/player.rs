@@ -1,54 +1,54 @@
-//! A capture moved to a frame by its number: reading forward where that is near, jumping where it
-//! is far.
+//! Seeking in a capture by frame index: reading on if the frame is near, a seek if it is far.
 
 use super::VideoInfo;
 use super::backend::{VideoBackend, open_capture};
 use super::capture::Capture;
 use crate::media::MediaError;
 
-/// The farthest frame ahead that is reached by reading on. A jump costs the frames from the key
-/// frame before the target (100–175 frames apart in broadcast material) and the emptying of the
-/// decoder, about fifty frames on average.
+/// Maximum distance that is covered by reading on. A seek costs the frames since the last key frame
+/// (100–175 frames apart in broadcast material) and flushing the decoder, about fifty frames on
+/// average.
 const READ_ON_FRAMES: usize = 48;
-/// After so many frames in a row whose times fit no number, the next ones are not waited for.
+/// Maximum number of consecutive frames whose times fit no index.
 const OFF_BEAT_FRAMES: usize = 16;
 
-/// A capture and where it stands.
+/// A capture and its position.
 pub(super) struct Player {
     pub(super) capture: Box<dyn Capture>,
-    /// What the video is opened with again.
+    /// The backend with which the video is reopened.
     pub(super) backend: VideoBackend,
-    /// The number of the frame grabbed last; none where that is not known.
+    /// Index of the last frame grabbed; `None` if unknown.
     pub(super) position: Option<usize>,
-    /// How many frames before its target a jump begins, so that a key frame lies between.
+    /// Number of frames before the target at which a seek begins, so that a key frame lies between.
     pub(super) preroll: usize,
 }
 
-/// Where reading on led.
+/// The result of reading on.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Landed {
-    /// To the frame of this number.
+    /// The frame of this index.
     At(usize),
-    /// To frames whose times fit no number.
+    /// Frames whose times fit no index.
     OffBeat,
-    /// To the end.
+    /// The end of the video.
     End,
 }
 
-/// What the next frame was.
+/// The next frame.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Advance {
-    /// The frame of this number.
+    /// The frame of this index.
     To(usize),
-    /// A frame whose time fits no number.
+    /// A frame whose time fits no index.
     OffBeat,
-    /// There was none.
+    /// None: the end of the video.
     End,
 }
 
 impl Player {
-    /// Makes `target` the frame that was grabbed last.
+    /// Makes `target` the last frame grabbed.
     pub(super) fn go_to(&mut self, info: &VideoInfo, target: usize) -> Result<(), MediaError> {
+        // Read on if the target is a little ahead; otherwise seek.
         let farthest = READ_ON_FRAMES.max(self.preroll);
         if self
             .position
@@ -58,9 +58,8 @@ impl Player {
         }
         let mut landed = self.read_on_to(info, target)?;
         if !matches!(landed, Landed::At(_)) {
-            // After a jump in a video of uneven frame times, OpenCV takes the last frames for lying
-            // behind the stated number of frames and holds them back. Played from the start they
-            // come.
+            // In a video with irregular times, OpenCV counts the last frames after a seek as beyond
+            // the stated number and withholds them; played from the start they appear.
             self.restart(info, target)?;
             landed = self.read_on_to(info, target)?;
         }
@@ -73,7 +72,7 @@ impl Player {
         }
     }
 
-    /// Jumps to a frame and says where that led: at or behind the frame, if to a frame at all.
+    /// Seeks to a frame and returns where that led: at or after the frame, if to a frame at all.
     pub(super) fn land_at(
         &mut self,
         info: &VideoInfo,
@@ -87,8 +86,8 @@ impl Player {
         self.read_on_to(info, target)
     }
 
-    /// Reads on to the end and lets each frame be looked at: the number of the last one. None when
-    /// a frame's time fits no number.
+    /// Reads to the end and passes each frame to `look`; returns the index of the last one, or
+    /// `None` if a frame's time fits no index.
     pub(super) fn read_to_the_end(
         &mut self,
         info: &VideoInfo,
@@ -107,7 +106,7 @@ impl Player {
         }
     }
 
-    /// Reads on until `target` or a frame behind it.
+    /// Reads on until `target` or a frame after it.
     fn read_on_to(&mut self, info: &VideoInfo, target: usize) -> Result<Landed, MediaError> {
         let mut off_beat = 0;
         while off_beat < OFF_BEAT_FRAMES {
@@ -123,8 +122,8 @@ impl Player {
         Ok(Landed::OffBeat)
     }
 
-    /// Jumps to a frame at or before `target`, farther back as long as the time stamps say that it
-    /// came out behind, and to the very start at last.
+    /// Seeks to a frame at or before `target`. If the time stamp shows that it landed after it,
+    /// starts twice as far back, and in the end at the very beginning.
     fn jump_before(&mut self, info: &VideoInfo, target: usize) -> Result<(), MediaError> {
         let mut back = self.preroll;
         while let Some(start) = target.checked_sub(back).filter(|&start| start > 0) {
@@ -152,8 +151,8 @@ impl Player {
         }
     }
 
-    /// Grabs the next frame and finds its number: by its time, or by counting on where the reader
-    /// does not know it.
+    /// Grabs the next frame and determines its index: by its time, or by counting if the time is
+    /// unknown.
     fn advance(&mut self, info: &VideoInfo) -> Result<Advance, MediaError> {
         if !self.capture.grab()? {
             self.position = None;

@@ -1,5 +1,5 @@
-//! The times of an MP4's frames, read from its table of samples: no frame has to be decoded for
-//! them.
+//! The times of an MP4's frames, read from its sample table without decoding (ISO/IEC 14496-12,
+//! `stbl`).
 
 use crate::media::MediaError;
 use crate::media::error::open_file;
@@ -9,13 +9,13 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// A table of samples is no larger than this, bytes: of ten hours at 60 frames a second with sound
-/// it has some 40 MB.
+/// Maximum size of the index, bytes: for ten hours at 60 frames a second with sound it is about 40
+/// MB.
 const MOST_BYTES: u64 = 512 << 20;
 
-/// The times at which an MP4's frames are shown, s from the first, in their order; none of a file
-/// that is cut off, fragmented or edited (where frames are left out), has several videos, or is no
-/// MP4: there only its frames tell.
+/// The presentation times of an MP4's frames, s from the first, ascending. `None` if the file is
+/// truncated, fragmented or edited (so that frames are dropped), has several video tracks, or is no
+/// MP4; then only decoding determines the times.
 ///
 /// # Errors
 /// The file cannot be read.
@@ -29,8 +29,8 @@ pub(super) fn sample_times_s(path: &Path) -> Result<Option<Vec<f64>>, MediaError
     Ok(boxes.and_then(|boxes| times_s(&boxes, bytes)))
 }
 
-/// The boxes that say what kind of file it is and what is in it; none where one is missing or too
-/// large, or the file is fragmented.
+/// The boxes `ftyp` and `moov`, which identify the file and index its content; `None` if one is
+/// missing or too large, or the file is fragmented (`moof`).
 fn index_boxes(file: &mut File, bytes: u64) -> std::io::Result<Option<Vec<u8>>> {
     const WIDE: u64 = 16;
     let (mut kind_of_file, mut index) = (None, None);
@@ -44,6 +44,8 @@ fn index_boxes(file: &mut File, bytes: u64) -> std::io::Result<Option<Vec<u8>>> 
                 .iter()
                 .fold(0, |all, byte| all << 8 | u64::from(*byte))
         };
+        // The length of a box is 32 bits; 0 means to the end of the file, 1 that 64 bits follow its
+        // type.
         let length = match number(0..4) {
             0 => bytes - at,
             1 => number(8..16),
@@ -83,6 +85,7 @@ fn times_s(boxes: &[u8], file_bytes: u64) -> Option<Vec<f64>> {
     let (video, None) = (videos.next()?, videos.next()) else {
         return None;
     };
+    // A sample beyond the end of the file: truncated.
     let samples = create_sample_table(video, 0.into())?;
     if samples
         .iter()
@@ -90,6 +93,7 @@ fn times_s(boxes: &[u8], file_bytes: u64) -> Option<Vec<f64>> {
     {
         return None;
     }
+    // Samples are stored in decoding order; frames are shown in order of composition time.
     let mut times: Vec<i64> = samples
         .iter()
         .map(|sample| sample.start_composition.0)
@@ -105,7 +109,8 @@ fn times_s(boxes: &[u8], file_bytes: u64) -> Option<Vec<f64>> {
     })
 }
 
-/// Whether nothing is cut from the beginning of a track whose first frame has this time.
+/// Whether the edit list drops no frame at the beginning of a track whose first frame has this
+/// time.
 fn is_whole(track: &Track, first: i64) -> bool {
     track
         .media_time

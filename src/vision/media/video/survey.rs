@@ -1,10 +1,11 @@
-//! Examining a video when it is opened: how many frames decode, when each is shown, how to seek.
+//! The survey of a video when it is opened: number of frames that decode, their times, and how to
+//! seek.
 //!
-//! The number of frames follows from the time of the last one, as long as the frames follow each
-//! other at one rate. Two checks establish that: an MP4 whose first frames lie exactly on the
-//! stated rate has that rate throughout, because it states the average over all frames; of other
-//! files the packets are counted. Where that fails, an MP4's table of samples has the times if the
-//! frames that are looked at confirm it; else every frame is visited once.
+//! The number of frames follows from the time of the last one, provided that the frame rate is
+//! constant. Two checks establish that. An MP4 states the average rate over all frames; if its
+//! first frames lie exactly on the stated rate, the rate is constant. In other containers the
+//! packets are counted. If the rate is not constant, the sample table of an MP4 has the times,
+//! provided that sampled frames confirm it; otherwise every frame is decoded once.
 
 use super::backend::{VideoBackend, count_packets, open_capture, open_times};
 use super::capture::Capture;
@@ -22,26 +23,26 @@ use std::sync::Arc;
 use touchline_core::geometry::ImageSize;
 use touchline_core::progress::Progress;
 
-/// How many frames at the start are played to see their spacing and to compare jumps with them.
+/// Number of frames played at the start, to measure their spacing and to compare seeks with.
 const LEAD_FRAMES: usize = 32;
-/// The same where a jump needs a run-up of [`PREROLL_FRAMES`].
+/// The same for containers in which a seek needs a run-up of [`PREROLL_FRAMES`].
 const LONG_LEAD_FRAMES: usize = 640;
-/// The run-up of a jump in a container that has no index of its key frames: longer than their usual
+/// Run-up of a seek in a container without an index of key frames: longer than their usual
 /// distance.
 const PREROLL_FRAMES: usize = 300;
-/// How far from the end the search for the last frame begins.
+/// Distance from the end at which the search for the last frame begins.
 const TAIL_FRAMES: usize = 64;
 /// A decoder holds back at most this many frames to show them in order (H.264, annex A.3.1: `MaxDpbFrames`).
 const REORDERED_FRAMES: usize = 16;
-/// How many frames are counted between two reports of progress.
+/// Number of frames counted between two progress reports.
 const COUNT_REPORT_FRAMES: usize = 100;
-/// Of the frames at the end, which are read to count them, every so many-th is looked at for combs.
+/// While the last frames are read to count them, every n-th is checked for interlacing artefacts.
 const TAIL_LOOK_FRAMES: usize = 16;
-/// The heights of interlaced footage, px: 480i with and without its blanked lines, 576i, 1080i.
+/// Heights of interlaced footage, px: 480i with and without its blanked lines, 576i, 1080i.
 const INTERLACED_HEIGHTS: [u32; 4] = [480, 486, 576, 1080];
-/// Times on a steady rate, s: what is left is the rounding of floating-point numbers.
+/// Tolerance of times at a constant rate, s: floating-point rounding only.
 const EXACT_S: f64 = 2e-6;
-/// Times on a steady rate in a container that rounds to milliseconds, s.
+/// Tolerance of times at a constant rate in a container that rounds to milliseconds, s.
 const ROUNDED_S: f64 = 6e-4;
 
 /// A surveyed video, ready to be played.
@@ -51,18 +52,18 @@ pub(super) struct Survey {
     pub(super) capture: Box<dyn Capture>,
 }
 
-/// How a container stores its frames, by the first bytes of the file.
+/// The kind of container, by the first bytes of the file.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Container {
-    /// MP4 and `QuickTime`: states the exact number of stored frames and their average rate.
+    /// MP4 and `QuickTime`: state the exact number of stored frames and their average rate.
     Mp4,
-    /// Matroska, `WebM` and AVI: indexed by key frames, rate and length are nominal.
+    /// Matroska, `WebM` and AVI: have an index of key frames; rate and length are nominal.
     Indexed,
-    /// Transport streams and the like: no index.
+    /// Transport streams and similar: no index.
     Stream,
 }
 
-/// Opens a video and finds out what there is to know.
+/// Opens a video and surveys it.
 pub(super) fn survey(
     path: &Path,
     backend: VideoBackend,
@@ -79,6 +80,7 @@ pub(super) fn survey(
         0
     };
 
+    // 1. Play the first frames: size, start time, spacing, and pictures to compare seeks with.
     let lead = play_lead(
         &mut *capture,
         if preroll > 0 {
@@ -117,6 +119,8 @@ pub(super) fn survey(
         position: Some(lead.times_s.len() - 1),
         preroll,
     };
+    // 2. How far the first frames deviate from the stated rate, and how many of them are
+    //    interlaced.
     let deviation_s = deviation_s(&info.clock, &lead.times_s);
     let at_the_start = lead
         .samples
@@ -125,6 +129,7 @@ pub(super) fn survey(
     let mut combed = at_the_start.count();
 
     if lead.is_whole {
+        // A short video was played as a whole; its times are known.
         if deviation_s > ROUNDED_S {
             info.clock = listed(&lead.times_s, first_s, info.fps);
         }
@@ -134,8 +139,8 @@ pub(super) fn survey(
             stated: info.stated_frames,
             progress,
         };
-        // The rate that an MP4 states is the mean of all frames: it has to be that of the first
-        // ones exactly.
+        // 3. Constant rate: an MP4 states the mean rate over all frames, which equals that of the
+        //    first ones exactly only if it is constant.
         let may_be_even = deviation_s
             <= if container == Container::Mp4 {
                 EXACT_S
@@ -147,12 +152,15 @@ pub(super) fn survey(
         } else {
             None
         };
+        // Other containers state a nominal rate: the count by time must equal the number of
+        // packets.
         let is_sure = counted.is_some()
             && (container == Container::Mp4
                 || count_packets(path, backend, &mut |count| counter.at(count))? == counted);
         if let Some(count) = counted.filter(|_| is_sure) {
             info.decoded_frames = count;
         } else {
+            // 4. No constant rate: times by the sample table, or by decoding everything.
             let times_s = if let Some(times_s) = tabled(path, container, &lead, &mut player, &info)?
             {
                 times_s.into_iter().map(Some).collect()
@@ -165,6 +173,8 @@ pub(super) fn survey(
             }
         }
     }
+    // 5. Interlaced if two of the sampled frames show combs. If seeking does not reproduce the
+    //    pictures of playing, all access plays from the start.
     combed += combed_in_the_middle(&mut player, &info);
     info.interlaced = combed >= 2;
     if !jumps_agree(&mut player, &info, &lead.samples) {
@@ -224,10 +234,10 @@ fn is_uneven(info: &VideoInfo) -> bool {
 /// The first frames of a video.
 struct Lead {
     times_s: Vec<Option<f64>>,
-    /// Two of the frames, to compare jumps with.
+    /// Two of the frames, to compare seeks with.
     samples: Vec<(usize, Picture)>,
     size: Option<ImageSize>,
-    /// The video has no more frames.
+    /// Whether the video has no more frames.
     is_whole: bool,
 }
 
@@ -254,7 +264,7 @@ fn play_lead(capture: &mut dyn Capture, frames: usize) -> Result<Lead, MediaErro
     Ok(lead)
 }
 
-/// The largest distance of a known time from a clock's, s.
+/// The largest deviation of the known times from a clock, s.
 fn deviation_s(clock: &FrameClock, times_s: &[Option<f64>]) -> f64 {
     let distances = times_s
         .iter()
@@ -263,8 +273,8 @@ fn deviation_s(clock: &FrameClock, times_s: &[Option<f64>]) -> f64 {
     distances.fold(0.0, f64::max)
 }
 
-/// A clock from the times of all frames; the last ones, whose times the reader does not know,
-/// follow at the stated rate.
+/// A clock from the times of all frames. Unknown times, and times that do not increase, follow
+/// their predecessor at the stated rate; OpenCV does not know those of the last frames.
 fn listed(times_s: &[Option<f64>], first_s: f64, fps: f64) -> FrameClock {
     let mut last_s = first_s - 1.0 / fps;
     let mut filled = Vec::with_capacity(times_s.len());
@@ -277,9 +287,9 @@ fn listed(times_s: &[Option<f64>], first_s: f64, fps: f64) -> FrameClock {
     FrameClock::Listed(filled.into())
 }
 
-/// The number of frames, from the number of the last one: found by halving between where frames
-/// decode and where they do not, then by reading to the end. None when the times do not fit one
-/// rate. Adds to `combed` how many of the last frames are made of two fields.
+/// The number of frames, from the index of the last one; `None` if the times do not fit one rate.
+/// Bisects between an index that decodes and one that does not, then reads to the end. Adds to
+/// `combed` the number of sampled frames that are interlaced.
 fn count_to_the_end(
     player: &mut Player,
     info: &VideoInfo,
@@ -289,6 +299,8 @@ fn count_to_the_end(
     let mut good = info.decoded_frames - 1;
     let mut bad = info.stated_frames.max(good + 1);
     let mut probe = bad.saturating_sub(TAIL_FRAMES);
+    // The first probe is near the stated end, which is usually right; bisection follows only if it
+    // fails.
     while probe > good {
         match player.land_at(info, probe)? {
             Landed::At(landed) => good = landed,
@@ -317,16 +329,15 @@ fn count_to_the_end(
         *read += 1;
         look(capture, index);
     })?;
-    // Where a frame is missing between the last ones, as in a file that was cut off, those behind
-    // it are counted wrong.
+    // A missing frame near the end, as in a truncated file, would shift the count of those after
+    // it: the number read must equal the difference of the indices.
     Ok(last
         .filter(|&last| last - first == *read)
         .map(|last| last + 1))
 }
 
-/// The times of an MP4's frames by its table of samples, s, where the frames at the start and those
-/// that are looked at further on are shown just then; none where the table does not say, or not
-/// what the frames do.
+/// The times of an MP4's frames by its sample table, s. `None` if there is no usable table, or if
+/// the first frames or those sampled later on do not have the times listed.
 fn tabled(
     path: &Path,
     container: Container,
@@ -334,7 +345,7 @@ fn tabled(
     player: &mut Player,
     info: &VideoInfo,
 ) -> Result<Option<Vec<f64>>, MediaError> {
-    /// Frames that are looked at, spread over the video. The last ones do not come after a jump.
+    /// Number of frames sampled over the video. The last ones cannot be reached by a seek.
     const LOOKED_AT: usize = 4;
     let table = if container == Container::Mp4 {
         sample_times_s(path)?
@@ -359,7 +370,7 @@ fn tabled(
     Ok(agree.then_some(times_s))
 }
 
-/// The time of every frame, by playing them all.
+/// The time of every frame, by decoding all of them.
 fn play_through(
     path: &Path,
     backend: VideoBackend,
@@ -374,7 +385,7 @@ fn play_through(
     Ok(times_s)
 }
 
-/// Reports the progress of a count now and then.
+/// Reports the progress of a count at intervals.
 struct Counter<'a> {
     path: Arc<Path>,
     stated: usize,
@@ -400,7 +411,7 @@ impl Counter<'_> {
     }
 }
 
-/// Whether jumping to frames gives the pictures that playing gave.
+/// Whether seeking gives the same pictures as playing.
 fn jumps_agree(player: &mut Player, info: &VideoInfo, samples: &[(usize, Picture)]) -> bool {
     samples.iter().rev().all(|(index, played)| {
         player.position = None;
@@ -412,18 +423,18 @@ fn jumps_agree(player: &mut Player, info: &VideoInfo, samples: &[(usize, Picture
     })
 }
 
-/// Whether the frames may be interlaced: such footage is only in a few heights.
+/// Whether the frames may be interlaced: such footage has one of a few heights.
 fn may_be_interlaced(info: &VideoInfo) -> bool {
     INTERLACED_HEIGHTS.contains(&info.size.height) && info.rotation_deg.is_multiple_of(180)
 }
 
-/// How many of some frames in the middle are made of two fields: nothing may move where a video
-/// begins and ends.
+/// Number of interlaced frames among six in the middle of the video: at its beginning and end often
+/// nothing moves.
 fn combed_in_the_middle(player: &mut Player, info: &VideoInfo) -> usize {
     if !may_be_interlaced(info) {
         return 0;
     }
-    // Reading on costs little, so that one jump is used for several frames.
+    // Reading on is cheap, so one seek serves several frames.
     let places = (info.decoded_frames / 2..info.decoded_frames)
         .step_by(4)
         .take(6);
@@ -434,8 +445,8 @@ fn combed_in_the_middle(player: &mut Player, info: &VideoInfo) -> usize {
     pictures.filter(is_combed).count()
 }
 
-/// Recognises the container by its first bytes. Text is no video: `FFmpeg` would draw it as one, or
-/// follow the list of files and addresses that it holds.
+/// Recognises the container by its first bytes. Text is rejected: `FFmpeg` would render it as a
+/// video, or follow the list of files and addresses in it.
 fn container_of(path: &Path) -> Result<Container, MediaError> {
     let mut head = Vec::new();
     open_file(path)?

@@ -1,14 +1,14 @@
-//! A forest as bytes, little-endian, and back with every number checked.
+//! Serialisation of a forest, little-endian; every number is checked on reading.
 
 use super::tree::{Branch, Child, Forest, MeanRay, Node, Tree};
 use crate::features::{DESCRIPTOR_BYTES, Descriptor, Sketch};
 use thiserror::Error;
 
-/// Why bytes are no forest.
+/// Why bytes cannot be read as a forest.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ForestFileError {
-    /// The file does not begin as a forest does.
+    /// The file does not begin with the magic bytes of a forest.
     #[error("this is not a forest of touchline; `touchline train` makes one")]
     NotAForest,
     /// Written by a newer program.
@@ -21,8 +21,8 @@ pub enum ForestFileError {
         /// The newest that is known.
         newest: u32,
     },
-    /// Written by an older program, in a way that is no longer read: forests are trained again, not
-    /// converted.
+    /// Written by an older program in a format that is no longer read; forests are trained again,
+    /// not converted.
     #[error("this forest has version {version}, which is no longer read; train it again")]
     Older {
         /// The file's version.
@@ -31,12 +31,13 @@ pub enum ForestFileError {
     /// Cut off, altered, or inconsistent in itself.
     #[error("this forest is damaged ({what}); train it again")]
     Damaged {
-        /// What does not fit.
+        /// The inconsistency found.
         what: &'static str,
     },
 }
 
-/// The smallest sizes of the items in bytes, by which a count is checked before memory is reserved.
+/// Minimum size of an item in bytes; a count is checked against the remaining bytes before memory
+/// is reserved.
 const NODE_BYTES: usize = 10;
 const LEAF_BYTES: usize = 4;
 const MEAN_BYTES: usize = DESCRIPTOR_BYTES + 16;
@@ -71,7 +72,7 @@ pub(in crate::relocalize) fn write_forest(forest: &Forest, out: &mut Vec<u8>) {
     }
 }
 
-/// Bytes that are read from the front, never beyond their end.
+/// Reads bytes from the front, never beyond their end.
 pub(in crate::relocalize) struct Reader<'a> {
     rest: &'a [u8],
 }
@@ -133,7 +134,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// How many items follow, each of at least `item_bytes`: no more than the rest can hold.
+    /// Reads a number of items of at least `item_bytes` each, and checks that the rest can hold
+    /// them.
     pub(in crate::relocalize) fn count(
         &mut self,
         item_bytes: usize,
@@ -147,7 +149,7 @@ impl<'a> Reader<'a> {
         Ok(count)
     }
 
-    /// Text behind its length.
+    /// Reads text preceded by its length.
     pub(in crate::relocalize) fn text(&mut self) -> Result<&'a str, ForestFileError> {
         let length = self.count(1)?;
         std::str::from_utf8(self.bytes(length)?).map_err(|_| ForestFileError::Damaged {
@@ -155,7 +157,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Everything has been read.
+    /// Checks that no bytes are left.
     pub(in crate::relocalize) fn finish(&self) -> Result<(), ForestFileError> {
         if self.rest.is_empty() {
             Ok(())
@@ -166,7 +168,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The forest that [`write_forest`] wrote.
+    /// Reads a forest written by [`write_forest`].
     pub(in crate::relocalize) fn forest(&mut self) -> Result<Forest, ForestFileError> {
         let count = self.count(TREE_BYTES)?;
         if count == 0 {
@@ -191,6 +193,7 @@ impl<'a> Reader<'a> {
             (leaves, LEAF_BYTES),
             (means, MEAN_BYTES),
         ];
+        // Check the sizes before reserving memory: a damaged count must not allocate gigabytes.
         let needed = needed.iter().try_fold(0usize, |sum, (count, bytes)| {
             sum.checked_add(count.checked_mul(*bytes)?)
         });
@@ -220,6 +223,7 @@ impl<'a> Reader<'a> {
             })
             .collect::<Result<_, ForestFileError>>()?;
         let leaf_ends: Vec<u32> = (0..leaves).map(|_| self.u32()).collect::<Result<_, _>>()?;
+        // Leaves must partition the means in order.
         if !leaf_ends.is_sorted() || leaf_ends.last().is_some_and(|&last| last as usize != means) {
             return Err(ForestFileError::Damaged {
                 what: "a leaf ends before it begins",
@@ -230,6 +234,7 @@ impl<'a> Reader<'a> {
             .as_chunks::<DESCRIPTOR_BYTES>();
         let descriptors: Vec<Descriptor> =
             descriptors.iter().map(|bytes| Descriptor(*bytes)).collect();
+        // Sketches follow from the descriptors and are computed on reading.
         let sketches = descriptors.iter().map(Sketch::of).collect();
         let rays = (0..means)
             .map(|_| {
@@ -251,7 +256,8 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// A branch leads to a leaf, or to a node from `first` on: a way down never comes back.
+/// Checks that a branch leads to an existing leaf, or to an existing node of index `first` or more:
+/// since nodes point forward only, every descent ends.
 fn check_branch(
     branch: Branch,
     first: usize,

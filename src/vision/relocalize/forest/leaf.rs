@@ -1,4 +1,4 @@
-//! What a leaf holds: the means of its samples, place by place.
+//! The content of a leaf: the means of its samples, one per place of the stadium.
 
 use super::Samples;
 use super::tree::MeanRay;
@@ -6,13 +6,18 @@ use crate::features::{DESCRIPTOR_BYTES, Descriptor};
 use touchline_core::camera::PanTilt;
 use touchline_core::geometry::{Angle, Vec3};
 
-/// The samples `at` of a leaf, those with rays within an angle of a place's first one by one turned
-/// into its mean.
+/// Clusters the samples `at` of a leaf by their rays and returns the mean of each cluster.
+///
+/// Greedy: a sample joins the first cluster whose first ray is within `merge_within`, else it
+/// starts a cluster.
 pub(super) fn means(
     samples: &Samples,
     at: &[u32],
     merge_within: Angle,
 ) -> Vec<(Descriptor, MeanRay)> {
+    // Sorted by the x coordinate of the rays, clusters whose x lies farther back than the radius
+    // can no longer match. The radius is a chord of the unit sphere. Ties are broken by index, so
+    // the result is deterministic.
     let mut order = at.to_vec();
     let ray = |sample: u32| samples.rays[sample as usize];
     order.sort_unstable_by(|&a, &b| ray(a).x.total_cmp(&ray(b).x).then(a.cmp(&b)));
@@ -41,7 +46,7 @@ pub(super) fn means(
         .collect()
 }
 
-/// The mean descriptor and ray of samples, of which there is one at least.
+/// The mean descriptor, rounded, and the mean ray of at least one sample.
 fn mean(samples: &Samples, members: &[u32]) -> (Descriptor, MeanRay) {
     let count = members.len() as u32;
     let mut sums = [0u32; DESCRIPTOR_BYTES];
@@ -52,6 +57,7 @@ fn mean(samples: &Samples, members: &[u32]) -> (Descriptor, MeanRay) {
         }
         direction += samples.rays[sample as usize];
     }
+    // A single ray is kept exactly; normalising would round it.
     let mean = if count == 1 {
         direction
     } else {

@@ -1,47 +1,46 @@
-//! How a forest is trained and asked.
+//! Options of training and prediction.
 
 use touchline_core::geometry::Angle;
 
-/// How a split is chosen among the descriptor bytes that are tried.
+/// The rule that chooses a split among the descriptor bytes tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SplitRule {
-    /// Among the bytes that vary most, in the widest gap between values that leaves each side its
-    /// share: samples near a threshold, which noise sends to the wrong side, are the fewest there.
-    /// It looks at descriptors alone.
+    /// The widest gap between values that leaves each side its share, among the bytes of largest
+    /// variance: few samples lie near such a threshold, where noise would send them to the wrong
+    /// side. Uses descriptors only.
     WidestGap,
-    /// The published rule: among any bytes, at this many random thresholds each, where the unit
-    /// rays of the two sides deviate least from their means in sum of squares.
+    /// The published rule: among any bytes, with this many random thresholds each, the split of
+    /// least summed squared deviation of the unit rays from the mean of their side.
     RayDeviation {
         /// Thresholds tried for each byte.
         thresholds: u32,
     },
 }
 
-/// How a forest is trained. The defaults are what won on drawn and real frames (see the room's
-/// documentation);
-/// [`Self::published`] gives the settings of the paper.
+/// Options of training. The defaults are the settings that performed best on drawn and real frames
+/// (see the documentation of the module); [`Self::published`] gives those of the paper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrainOptions {
-    /// How many trees. 3 by default.
+    /// Number of trees. Default: 3.
     pub trees: u32,
-    /// The longest way from the root to a leaf. 64 by default: longer than any that is needed.
+    /// Maximum depth. Default: 64, more than is ever needed.
     pub max_depth: u32,
-    /// How a split is chosen. The widest gap by default.
+    /// The rule that chooses a split. Default: the widest gap.
     pub rule: SplitRule,
-    /// Descriptor bytes tried at a split. 2 by default.
+    /// Number of descriptor bytes tried per split. Default: 2.
     pub dimensions: u32,
-    /// A node with at most as many samples is a leaf. 32 by default.
+    /// A node with at most this many samples becomes a leaf. Default: 32.
     pub leaf_samples: u32,
-    /// No leaf holds fewer samples than this. 1 by default; three and more were tried and lose.
+    /// Minimum number of samples of a leaf. Default: 1; three and more were tried and are worse.
     pub min_leaf: u32,
-    /// Samples of a leaf whose rays are nearer to each other than this become one, their mean.
-    /// 0.05° by default: about what a keypoint's own noise makes of one place.
+    /// Samples of a leaf whose rays are closer than this are averaged. Default: 0.05°, about the
+    /// effect of a keypoint's own noise.
     pub merge_within: Angle,
-    /// At most this many samples are looked at to choose a split. 1000 by default.
+    /// Maximum number of samples considered to choose a split. Default: 1000.
     pub node_samples: u32,
-    /// Frames drawn for each tree, without replacement; none takes all.
+    /// Number of frames drawn per tree, without replacement; `None` takes all.
     pub frames_per_tree: Option<u32>,
-    /// Where chance starts. The same seed gives the same forest on any number of threads.
+    /// Seed of the random draws. The same seed gives the same forest for any number of threads.
     pub seed: u64,
 }
 
@@ -64,7 +63,7 @@ impl Default for TrainOptions {
 
 impl TrainOptions {
     /// The settings of the paper: 5 trees of 30 frames, depth 20, 6 bytes with 10 thresholds each,
-    /// and a leaf that is the mean of all its samples.
+    /// and leaves that hold the mean of all their samples.
     #[must_use]
     pub fn published() -> Self {
         Self {
@@ -80,17 +79,17 @@ impl TrainOptions {
     }
 }
 
-/// How a forest is asked.
+/// Options of prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PredictOptions {
-    /// Leaves examined per tree, on average: every tree's own first, then the branches missed by
-    /// least, whichever tree they stand in. 1 by default; the paper has 4.
+    /// Mean number of leaves examined per tree: the first leaf of every tree, then the branches of
+    /// smallest margin over all trees. Default: 1; the paper has 4.
     pub leaves_per_tree: u32,
-    /// What is farther off is no match; squared, of descriptors of unit length. 0.2 by default, as
-    /// in the paper.
+    /// Maximum squared distance of a match, of descriptors of unit length. Default: 0.2, as in the
+    /// paper.
     pub max_squared_distance: f32,
-    /// Means whose rays spread more than this (root mean square) mix different places and are no
-    /// match. 0.5° by default.
+    /// Maximum root mean square spread of a mean's rays; a larger one mixes different places.
+    /// Default: 0.5°.
     pub max_spread: Angle,
 }
 

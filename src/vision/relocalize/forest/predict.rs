@@ -1,29 +1,30 @@
-//! Asking the forest: descriptors to the rays they may show.
+//! Prediction: from descriptors to candidate rays.
 
 use super::search::{Near, Search};
 use super::{Forest, PredictOptions};
 use crate::features::{DESCRIPTOR_NORM, Descriptor};
 use touchline_core::camera::PanTilt;
 
-/// Candidates nearer to a better one than this show the same place, rad (0.05°): what leaves hold
-/// is merged as widely.
+/// Candidates closer than this to a better one are the same place, rad (0.05°): leaves are merged
+/// with the same radius.
 const SAME_RAY_RAD: f64 = 9e-4;
 
-/// Candidates of a feature at most.
+/// Maximum number of candidates of a feature.
 const CANDIDATES: usize = 5;
 
-/// A ray that a descriptor may show.
+/// A candidate ray of a descriptor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayCandidate {
-    /// In `base`.
+    /// The ray in `base`.
     pub ray: PanTilt,
-    /// From the descriptor to the nearest one known of this ray, squared, both of unit length.
+    /// Squared distance between the descriptor and the nearest known one of this ray, both of unit
+    /// length.
     pub squared_distance: f32,
 }
 
 impl Forest {
-    /// The rays that a descriptor may show, the likeliest first: the nearest descriptors in the
-    /// leaves examined, if they pass the gates, each place once. Empties and fills `candidates`.
+    /// The candidate rays of a descriptor, the most likely first: the nearest descriptors in the
+    /// leaves examined that pass the gates, each place once. Replaces the content of `candidates`.
     pub fn predict(
         &self,
         descriptor: &Descriptor,
@@ -41,7 +42,8 @@ impl Forest {
         );
     }
 
-    /// [`Self::predict`] for many descriptors, several times as fast: hands on the number of each with its candidates.
+    /// [`Self::predict`] for many descriptors, several times as fast. Passes the index of each to
+    /// `found` with its candidates.
     pub fn predict_all(
         &self,
         descriptors: &[Descriptor],
@@ -55,7 +57,7 @@ impl Forest {
         });
     }
 
-    /// The nearest descriptors' rays, each place once, those that mix places left out.
+    /// The rays of the nearest descriptors, each place once, without means that mix places.
     fn collect(
         &self,
         options: &PredictOptions,

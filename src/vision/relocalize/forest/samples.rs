@@ -1,16 +1,16 @@
-//! What a forest learns from.
+//! Training samples.
 
 use crate::features::Descriptor;
 use touchline_core::camera::PanTilt;
 use touchline_core::geometry::Vec3;
 
-/// What a forest learns from: descriptors and the rays they show, frame by frame.
+/// Training samples of a forest: descriptors and their rays, frame by frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Samples {
     pub(super) descriptors: Vec<Descriptor>,
     /// Unit directions in `base`.
     pub(super) rays: Vec<Vec3>,
-    /// Where each frame's samples end.
+    /// End index of each frame's samples.
     frame_ends: Vec<usize>,
 }
 
@@ -30,7 +30,7 @@ impl Samples {
         self.frame_ends.push(self.descriptors.len());
     }
 
-    /// How many samples there are.
+    /// Number of samples.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.descriptors.len()
@@ -42,7 +42,7 @@ impl Samples {
         self.descriptors.is_empty()
     }
 
-    /// How many frames they are from.
+    /// Number of frames that were added.
     #[must_use]
     pub const fn frames(&self) -> usize {
         self.frame_ends.len()

@@ -1,9 +1,9 @@
-//! The known descriptors nearest to some that are asked for.
+//! Approximate nearest neighbours of descriptors in the leaves of a forest.
 //!
-//! What the leaves hold lies scattered over tens of megabytes, and waiting for it is most of the
-//! work. So descriptors are looked up in groups, stage by stage: the ways down of a group side by
-//! side, then what its leaves hold, then what of that is likely. Before a stage compares, it
-//! touches all the memory that it will need, so that the waits overlap.
+//! The contents of the leaves are scattered over tens of megabytes, and memory latency dominates.
+//! So descriptors are processed in groups, stage by stage: the descents of a group side by side,
+//! then the sketches in its leaves, then the descriptors that these do not rule out. Each stage
+//! first touches all memory that it will need, so that cache misses overlap.
 
 use super::PredictOptions;
 use super::tree::{Branch, Child, Forest, Tree};
@@ -11,66 +11,67 @@ use crate::features::{DESCRIPTOR_NORM, Descriptor, Sketch};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Descriptors looked up together: what their leaves hold fits the fast memories of a processor.
+/// Number of descriptors per group: the contents of their leaves fit into the processor's caches.
 const GROUP: usize = 32;
 
-/// Ways down that are walked side by side.
+/// Number of descents that are interleaved.
 const WAYS: usize = 8;
 
-/// Nearest descriptors kept while leaves are examined; several may show one place.
+/// Number of nearest descriptors kept per query; several may show the same place of the stadium.
 const NEAREST: usize = 12;
 
-/// A descriptor is compared if its sketch has no more than the gate's squared distance divided by
-/// this. Of SIFT descriptors that pass the gate, one in a hundred has more than half its squared
-/// distance in its sketch, and that one passes narrowly; of outliers in the same leaf, one in
+/// A descriptor is compared if the squared distance of its sketch, times this, is within the gate.
+/// Of SIFT descriptors that pass the gate, one in a hundred has more than half of its squared
+/// distance in its sketch, and such a one passes narrowly; of outliers in the same leaf, one in
 /// thirty has less.
 const SKETCH_SHARE: u32 = 2;
 
-/// A branch missed by more than this share of the best squared distance is not followed: a miss in
-/// a few bytes grows with the bytes that the way has not looked at. Twice as much costs time, and
-/// finds hardly anything.
+/// A branch is not followed if its margin exceeds this share of the best squared distance. The
+/// margin comes from the few bytes tested on the way; the bytes not tested only add to the
+/// distance. A share of 0.5 costs time and finds hardly anything.
 const MISSED_SHARE: f32 = 0.25;
 
-/// A branch that a way down passed by: by how much its side was missed (sum of squared byte
-/// differences on the way to it), then its tree and number so that equals have one order.
+/// A branch not taken in a descent: its margin (sum of squared byte differences to the thresholds
+/// on the way to it), then tree and branch, so that equal margins have one order. Reversed, so that
+/// the heap pops the smallest margin.
 type Missed = Reverse<(u32, u32, u32)>;
 
 /// A known descriptor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Near {
-    /// From the one that is asked for, in bytes.
+    /// Squared distance from the query, in bytes².
     pub squared_distance: u32,
     pub tree: u32,
-    /// Its number in the tree.
+    /// Its index in the tree.
     pub number: u32,
 }
 
 /// A known descriptor that its sketch does not rule out.
 #[derive(Clone, Copy, Debug)]
 struct Likely {
-    /// Whose neighbour it may be: a number in the group.
+    /// The query, as an index into the group.
     whose: u32,
     tree: u32,
     number: u32,
 }
 
-/// Memory that lookups use again and again; one for each thread.
+/// Buffers reused between lookups; one instance per thread.
 #[derive(Debug, Default)]
 pub struct Search {
     sketches: Vec<Sketch>,
-    /// The leaves that the first ways down reach: tree after tree, for each descriptor of the
+    /// The leaves of the first descents: tree by tree, and within a tree for each query of the
     /// group.
     leaves: Vec<u32>,
     likely: Vec<Likely>,
-    /// For each descriptor of the group the branches that its ways passed by.
+    /// For each query of the group, the branches not taken.
     missed: [BinaryHeap<Missed>; GROUP],
-    /// For each descriptor of the group, nearest first.
+    /// For each query of the group, its neighbours, the nearest first.
     nearest: [Vec<Near>; GROUP],
 }
 
 impl Search {
-    /// Finds the nearest of each descriptor in the leaves examined and hands them on, the nearest
-    /// first, with the descriptor's number.
+    /// Finds the nearest neighbours of each descriptor in the leaves examined and passes them to
+    /// `found`, the nearest first, with the descriptor's index.
     pub(super) fn for_each(
         &mut self,
         forest: &Forest,
@@ -78,11 +79,11 @@ impl Search {
         options: &PredictOptions,
         mut found: impl FnMut(usize, &[Near]),
     ) {
+        // The gate of unit descriptors, in bytes².
         let gate = (options.max_squared_distance * DESCRIPTOR_NORM * DESCRIPTOR_NORM) as u32;
         let more = forest.trees.len() * options.leaves_per_tree.saturating_sub(1) as usize;
         for (number, group) in descriptors.chunks(GROUP).enumerate() {
-            // The same code for every kind of processor, compiled for the instructions that this
-            // one has.
+            // Dispatch compiles the same code for several instruction sets and runs the best one.
             pulp::Arch::new().dispatch(Examination {
                 trees: &forest.trees,
                 group,
@@ -97,14 +98,14 @@ impl Search {
     }
 }
 
-/// The examination of a group: no closure, as only what is inlined is compiled for the processor at
-/// hand.
+/// The lookup of one group. Not a closure, because only inlined code is compiled for the processor
+/// at hand.
 struct Examination<'a> {
     trees: &'a [Tree],
     group: &'a [Descriptor],
-    /// The greatest squared distance of a neighbour, in bytes.
+    /// Maximum squared distance of a neighbour, in bytes².
     gate: u32,
-    /// Leaves examined beyond the first of each tree.
+    /// Number of leaves examined beyond the first of each tree.
     more: usize,
     search: &'a mut Search,
 }
@@ -119,6 +120,7 @@ impl pulp::WithSimd for Examination<'_> {
     )]
     fn with_simd<S: pulp::Simd>(mut self, _: S) {
         self.begin();
+        // With a budget beyond the first leaves, branches not taken are recorded for later.
         for (number, tree) in self.trees.iter().enumerate() {
             if self.more == 0 {
                 self.walk(tree)
@@ -126,6 +128,7 @@ impl pulp::WithSimd for Examination<'_> {
                 self.walk_and_note(number as u32, tree)
             }
         }
+        // First leaves of all trees, then the extra leaves query by query.
         self.scan();
         self.compare();
         for whose in 0..self.group.len() {
@@ -156,14 +159,15 @@ impl Examination<'_> {
         nearest.iter_mut().for_each(Vec::clear);
     }
 
-    /// The leaves of a group, some ways at a time step by step, so that they do not wait for each
-    /// other's nodes.
+    /// The leaves of a group. Some descents are interleaved step by step, so that they do not wait
+    /// for each other's nodes.
     #[inline(always)]
     fn walk(&mut self, tree: &Tree) {
         for together in self.group.chunks(WAYS) {
             let mut ways = [tree.root; WAYS];
             let mut leaves = [0; WAYS];
             let mut under_way = true;
+            // One step of each descent in turn: while one waits for its node, the others proceed.
             while under_way {
                 under_way = false;
                 for ((way, leaf), descriptor) in ways.iter_mut().zip(&mut leaves).zip(together) {
@@ -182,7 +186,7 @@ impl Examination<'_> {
         }
     }
 
-    /// The same way by way, with the branches passed by.
+    /// The same, one descent after the other, recording the branches not taken.
     #[inline(always)]
     fn walk_and_note(&mut self, number: u32, tree: &Tree) {
         let follow = most_missed(self.gate);
@@ -192,7 +196,7 @@ impl Examination<'_> {
         }
     }
 
-    /// Which descriptors of the leaves reached are likely by their sketches.
+    /// Lists the descriptors of the leaves reached that their sketches do not rule out.
     #[inline(always)]
     fn scan(&mut self) {
         let Search {
@@ -201,11 +205,13 @@ impl Examination<'_> {
             likely,
             ..
         } = &mut *self.search;
+        // Touch the sketches of all leaves before comparing any; `black_box` keeps the compiler
+        // from removing the loop.
         let mut touched = 0u32;
         for (tree, leaves) in self.trees.iter().zip(leaves.chunks(self.group.len())) {
             for &leaf in leaves {
                 let known = &tree.sketches[tree.held(leaf as usize)];
-                // Two lie in a line of the processor's memory.
+                // Two sketches share a cache line.
                 touched += known
                     .iter()
                     .step_by(2)
@@ -232,12 +238,13 @@ impl Examination<'_> {
         }
     }
 
-    /// Compares what is likely and keeps what is nearest.
+    /// Compares the listed descriptors with their queries and keeps the nearest.
     #[inline(always)]
     fn compare(&mut self) {
         let Search {
             likely, nearest, ..
         } = &mut *self.search;
+        // Touch first and last byte of each descriptor, and its ray, before comparing any.
         let mut touched = 0u32;
         for at in &*likely {
             let (tree, number) = (&self.trees[at.tree as usize], at.number as usize);
@@ -251,6 +258,7 @@ impl Examination<'_> {
             number,
         } in &*likely
         {
+            // A full list only accepts what is nearer than its last entry.
             let nearest = &mut nearest[whose as usize];
             let limit = if nearest.len() < NEAREST {
                 self.gate
@@ -272,13 +280,16 @@ impl Examination<'_> {
         }
     }
 
-    /// The branches of a descriptor missed by least, whichever tree they stand in.
+    /// Best-bin-first: follows the branches of smallest margin, over all trees, until the budget is
+    /// spent or no margin is small enough (Beis and Lowe: "Shape indexing using approximate
+    /// nearest-neighbour search in high-dimensional spaces", CVPR 1997).
     #[inline(always)]
     fn follow_missed(&mut self, whose: usize) {
         for _ in 0..self.more {
             let Some(Reverse((margin, number, branch))) = self.search.missed[whose].pop() else {
                 break;
             };
+            // The limit shrinks as better neighbours are found.
             let best = self.search.nearest[whose]
                 .first()
                 .map_or(self.gate, |near| near.squared_distance);
@@ -313,14 +324,13 @@ impl Examination<'_> {
     }
 }
 
-/// By how much a branch may be missed that is followed, where the nearest descriptor so far is as
-/// far off.
+/// The largest margin of a branch that is followed, given the best squared distance so far.
 fn most_missed(best: u32) -> u32 {
     (MISSED_SHARE * best as f32) as u32
 }
 
-/// Lists the descriptors of one leaf that are likely: whose neighbours they may be, the tree's
-/// number, the leaf.
+/// Lists the descriptors of one leaf that their sketches do not rule out, for a query, given as
+/// (query, tree, leaf).
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "a part of the dispatched search")]
 fn list_likely(
@@ -342,8 +352,7 @@ fn list_likely(
     }
 }
 
-/// Walks down to a leaf, and notes the branches passed by that were missed by no more than
-/// `follow`.
+/// Descends to a leaf, and records the branches not taken whose margin is at most `follow`.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "a part of the dispatched search")]
 fn descend(
@@ -359,6 +368,8 @@ fn descend(
                 let node = &tree.nodes[index];
                 let value = descriptor.0[usize::from(node.dimension)];
                 let above = value > node.threshold;
+                // The byte distance to the other side of the threshold: values equal to it go to
+                // the first branch, so from there the second begins one further.
                 let by = u32::from(value.abs_diff(node.threshold)) + u32::from(!above);
                 let margin = margin + by * by;
                 if margin <= follow {
@@ -375,7 +386,7 @@ fn descend(
     }
 }
 
-/// Puts a descriptor where it belongs among the nearest, which stay at most [`NEAREST`].
+/// Inserts into the sorted list of neighbours, which holds at most [`NEAREST`].
 fn insert(nearest: &mut Vec<Near>, near: Near) {
     let at = nearest.partition_point(|other| *other < near);
     nearest.truncate(NEAREST - 1);

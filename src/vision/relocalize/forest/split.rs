@@ -1,4 +1,4 @@
-//! Choosing a split: which byte, which threshold.
+//! The choice of a split: byte and threshold.
 
 use super::{Samples, SplitRule, TrainOptions};
 use crate::features::DESCRIPTOR_BYTES;
@@ -6,24 +6,26 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use touchline_core::geometry::Vec3;
 
-/// A test of one byte: samples up to the threshold go one way, larger ones the other.
+/// A test of one byte: samples up to the threshold go to the first branch, larger ones to the
+/// second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Split {
     pub dimension: u8,
     pub threshold: u8,
 }
 
-/// Draws of a dimension until one tells samples apart, per dimension that the options ask for.
+/// Maximum number of draws per dimension that the options ask for: constant bytes are drawn again.
 const DRAWS: u32 = 4;
 
-/// The widest gap is looked for among as many bytes, those that vary most, by as many samples.
+/// Number of bytes of largest variance among which the widest gap is searched, and number of
+/// samples that estimate the variance.
 const VARYING: usize = 24;
 const VARIANCE_SAMPLES: usize = 64;
 
-/// Each side of the widest gap gets this share of the samples, where a byte allows it.
+/// Preferred minimum share of the samples on each side of the widest gap.
 const LEAST_SHARE: f64 = 0.3;
 
-/// The best of some random splits of the samples `at`; none if no byte drawn tells them apart.
+/// The best of some random splits of the samples `at`; `None` if no byte drawn separates them.
 pub(super) fn choose_split(
     samples: &Samples,
     at: &[u32],
@@ -38,14 +40,15 @@ pub(super) fn choose_split(
     }
 }
 
-/// At most `count` of the samples, spread evenly.
+/// At most `count` of the samples, evenly spaced.
 fn some(at: &[u32], count: usize) -> impl ExactSizeIterator<Item = u32> + Clone {
+    // By stride, not at random: no draws are spent on it.
     let considered = at.len().min(count);
     (0..considered).map(move |i| at[i * at.len() / considered])
 }
 
-/// Of the bytes drawn the one that leaves each side its share, and of those the one with the widest
-/// gap.
+/// The widest gap between neighbouring values of a byte, over the bytes drawn. Splits that leave
+/// both sides their share come first; among these the gap decides.
 fn widest_gap(
     samples: &Samples,
     at: &[u32],
@@ -62,6 +65,8 @@ fn widest_gap(
         }
         let dimension = bytes[rng.random_range(0..VARYING)];
         let mut counts = [0u32; 256];
+        // A histogram of the byte; then every pair of neighbouring occupied values is a gap. A
+        // better balance wins until both sides have their share, then the wider gap.
         for sample in chosen.clone() {
             counts[usize::from(samples.byte(sample, dimension))] += 1;
         }
@@ -81,6 +86,7 @@ fn widest_gap(
                         gap,
                         Split {
                             dimension,
+                            // The middle of the gap, farthest from both sides.
                             threshold: last + (value - 1 - last) / 2,
                         },
                     ));
@@ -95,7 +101,7 @@ fn widest_gap(
     best.map(|(.., split)| split)
 }
 
-/// The bytes that vary most over the samples.
+/// The bytes of largest variance over the samples.
 fn most_varying(samples: &Samples, at: &[u32]) -> [u8; VARYING] {
     let (mut sums, mut squares) = ([0u32; DESCRIPTOR_BYTES], [0u32; DESCRIPTOR_BYTES]);
     let chosen = some(at, VARIANCE_SAMPLES);
@@ -109,6 +115,8 @@ fn most_varying(samples: &Samples, at: &[u32]) -> [u8; VARYING] {
         }
     }
     let mut order: [(u32, u8); DESCRIPTOR_BYTES] = std::array::from_fn(|byte| {
+        // n² times the variance. Inverted, so that ascending order puts the largest first; the
+        // index breaks ties.
         let variance = count * squares[byte] - sums[byte] * sums[byte];
         (u32::MAX - variance, byte as u8)
     });
@@ -117,9 +125,9 @@ fn most_varying(samples: &Samples, at: &[u32]) -> [u8; VARYING] {
     std::array::from_fn(|i| order[i].1)
 }
 
-/// Of the bytes and thresholds drawn those where |Σ r|² / n of the two sides' unit rays is largest
-/// in sum, which is where they deviate least from their means; among equals, where the gap between
-/// the two sides' bytes is widest.
+/// The published rule. Minimising the summed squared deviation of unit rays r from the means of
+/// both sides is maximising |Σ r|² / n summed over the sides, since Σ |r|² is constant. Of equal
+/// scores, the widest gap between the bytes of the two sides wins.
 fn least_deviation(
     samples: &Samples,
     at: &[u32],
@@ -134,6 +142,7 @@ fn least_deviation(
             break;
         }
         let dimension = rng.random_range(0..DESCRIPTOR_BYTES) as u8;
+        // Count and sum of rays per byte value; then one sweep gives the score of every threshold.
         let mut bins = [(0u32, Vec3::zeros()); 256];
         let (mut low, mut high) = (u8::MAX, 0);
         for sample in chosen.clone() {
@@ -147,6 +156,7 @@ fn least_deviation(
             continue;
         }
         tried += 1;
+        // Random thresholds in the range of the byte.
         let mut wanted = [false; 256];
         for _ in 0..thresholds {
             wanted[usize::from(rng.random_range(low..high))] = true;

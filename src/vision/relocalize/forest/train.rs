@@ -1,4 +1,4 @@
-//! Training: samples to a forest, the same bytes on any number of threads.
+//! Training of a forest from samples; the result is the same bytes for any number of threads.
 
 use super::leaf::means;
 use super::split::{Split, choose_split};
@@ -14,36 +14,36 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 use touchline_core::progress::Progress;
 
-/// How far training has come.
+/// Progress of training.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TrainProgress {
-    /// Samples that have reached their leaf, over all trees.
+    /// Samples that have reached a leaf, over all trees.
     pub placed: usize,
-    /// Samples to place, over all trees.
+    /// Samples in total, over all trees.
     pub total: usize,
 }
 
-/// Why there is no forest.
+/// Why training gave no forest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Stopped {
     /// `progress` cancelled it.
     #[error("training was stopped")]
     Asked,
-    /// There is nothing to learn from.
+    /// There are no samples.
     #[error("{frames} references give no features to learn from")]
     NoSamples {
-        /// Frames looked at.
+        /// Number of frames given.
         frames: usize,
     },
-    /// The samples of one tree are more than a forest can number.
+    /// There are more samples than a tree can index.
     #[error("{samples} samples are more than a forest can hold; use fewer references or features")]
     TooMany {
-        /// How many there are.
+        /// Number of samples.
         samples: usize,
     },
 }
 
-/// Nodes with fewer samples than this are not worth another task.
+/// Nodes with fewer samples do not spawn a task.
 const PARALLEL_SAMPLES: usize = 512;
 
 /// Trains a forest.
@@ -58,11 +58,11 @@ pub fn train(
     train_without(samples, &BTreeSet::new(), options, progress)
 }
 
-/// Trains the forest of all samples but those of some frames, by their places: the same as of
-/// samples that never held them, without a copy of the others.
+/// Trains on all samples but those of some frames, given by index. The result is the same as if
+/// those samples had never been added, without copying the others.
 ///
 /// # Errors
-/// No samples, too many with those that are left out, or `progress` cancelled it.
+/// No samples, too many (those left out included), or `progress` cancelled it.
 pub fn train_without(
     samples: &Samples,
     left_out: &BTreeSet<usize>,
@@ -82,6 +82,7 @@ pub fn train_without(
             frames: samples.frames(),
         });
     }
+    // Each tree draws its own frames; all trees grow in parallel.
     let drawn: Vec<Vec<u32>> = (0..options.trees.max(1))
         .map(|tree| draw(samples, used.clone(), options, tree))
         .collect();
@@ -112,6 +113,8 @@ fn draw(samples: &Samples, mut frames: Vec<usize>, options: &TrainOptions, tree:
     if let Some(count) = options.frames_per_tree
         && (count as usize) < frames.len()
     {
+        // The seed is complemented, so that this draw is independent of the splits of the same
+        // tree.
         let mut rng = Pcg64Mcg::seed_from_u64(mixed(!options.seed, u64::from(tree)));
         frames.shuffle(&mut rng);
         frames.truncate(count.max(1) as usize);
@@ -123,7 +126,7 @@ fn draw(samples: &Samples, mut frames: Vec<usize>, options: &TrainOptions, tree:
         .collect()
 }
 
-/// A seed from a seed and a number (the finaliser of `SplitMix64`).
+/// Derives a seed from a seed and a number (the finaliser of `SplitMix64`).
 fn mixed(seed: u64, number: u64) -> u64 {
     let mut z = seed.wrapping_add(number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -138,12 +141,12 @@ struct TrainWatch<'a> {
 }
 
 impl TrainWatch<'_> {
-    /// Counts samples that have reached their leaf; every thousand the caller hears of it.
+    /// Counts samples that have reached a leaf, and reports every thousand.
     fn placed(&self, count: usize) {
         let before = self.placed.fetch_add(count, Ordering::Relaxed);
         let placed = before + count;
         if before / 1000 != placed / 1000 || placed == self.total {
-            // The next node asks whether the training is cancelled.
+            // Cancellation is checked at every node.
             let _ = self.progress.report(TrainProgress {
                 placed,
                 total: self.total,
@@ -165,11 +168,13 @@ struct Grower<'a> {
 }
 
 impl Grower<'_> {
-    /// The tree of the samples `at`, which are put in its order; none when the caller ended it.
+    /// Grows the subtree of the samples `at`, which are reordered; `None` if cancelled.
     fn grow(&self, at: &mut [u32], depth: u32, seed: u64) -> Option<Grown> {
         if self.watch.progress.is_cancelled() {
             return None;
         }
+        // A node becomes a leaf if it is small enough, if a split could not leave both sides
+        // `min_leaf`, or at the maximum depth.
         let unsplit =
             (self.options.leaf_samples as usize).max(2 * self.options.min_leaf.max(1) as usize - 1);
         let splits = depth < self.options.max_depth && at.len() > unsplit;
@@ -190,6 +195,8 @@ impl Grower<'_> {
         let middle = partition(at, |sample| {
             self.samples.byte(sample, split.dimension) <= split.threshold
         });
+        // Each child has a seed of its own, drawn before the tasks fork: the tree does not depend
+        // on scheduling.
         let seeds: [u64; 2] = rng.random();
         let (below, above) = at.split_at_mut(middle);
         let (below, above) = if below.len().min(above.len()) >= PARALLEL_SAMPLES {
@@ -207,7 +214,8 @@ impl Grower<'_> {
     }
 }
 
-/// Puts what belongs first in front, in place; where the rest begins.
+/// Partitions in place and returns the start of the second part. The order of the second part
+/// changes, deterministically.
 fn partition(at: &mut [u32], belongs_first: impl Fn(u32) -> bool) -> usize {
     let mut middle = 0;
     for i in 0..at.len() {
@@ -219,8 +227,7 @@ fn partition(at: &mut [u32], belongs_first: impl Fn(u32) -> bool) -> usize {
     middle
 }
 
-/// A grown tree in flat memory: nodes in depth-first order, so that a way down mostly walks
-/// forward.
+/// Flattens a tree: nodes in depth-first order, so that a descent mostly moves forward in memory.
 fn flatten(grown: &Grown) -> Tree {
     let mut tree = Tree {
         root: Branch::leaf(0),
@@ -247,6 +254,7 @@ fn add(grown: &Grown, tree: &mut Tree) -> Branch {
         Grown::Node(split, children) => {
             let index = tree.nodes.len();
             let (dimension, threshold) = (split.dimension, split.threshold);
+            // Reserve the node's place before its children, then fill in where they went.
             tree.nodes.push(Node {
                 dimension,
                 threshold,

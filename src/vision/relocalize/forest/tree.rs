@@ -1,20 +1,20 @@
-//! A tree in flat memory.
+//! A trained tree in flat memory.
 
 use crate::features::{Descriptor, Sketch};
 use std::ops::Range;
 use touchline_core::geometry::Angle;
 
-/// Where a branch leads: an inner node or a leaf, by its number.
+/// A branch: the index of an inner node, or of a leaf with the top bit set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Branch(pub(super) u32);
 
-/// Set in a [`Branch`] that leads to a leaf.
+/// The bit of a [`Branch`] to a leaf.
 const LEAF: u32 = 1 << 31;
 
-/// The most nodes and the most leaves that a tree may have.
+/// The exclusive upper bound of the number of nodes and of leaves of a tree.
 pub(super) const MAX_ITEMS: usize = LEAF as usize;
 
-/// What a branch leads to.
+/// The target of a branch.
 pub(super) enum Child {
     Node(usize),
     Leaf(usize),
@@ -46,14 +46,14 @@ pub(super) struct Node {
     pub branches: [Branch; 2],
 }
 
-/// What samples of one place say together.
+/// The mean ray of samples that show one place of the stadium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MeanRay {
     /// Mean pan and tilt in `base`, rad.
     pub pan_tilt: [f32; 2],
     /// Root mean square of the angles to the mean, rad.
     pub spread: f32,
-    /// Samples that it stands for.
+    /// Number of samples averaged.
     pub samples: u32,
 }
 
@@ -69,21 +69,21 @@ impl MeanRay {
     }
 }
 
-/// Nodes before their children; what the leaves hold stands leaf after leaf.
+/// A tree: nodes precede their children; descriptors and rays are stored leaf after leaf.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tree {
     pub root: Branch,
     pub nodes: Vec<Node>,
-    /// Where what each leaf holds ends.
+    /// End index of each leaf's descriptors and rays.
     pub leaf_ends: Vec<u32>,
     pub descriptors: Vec<Descriptor>,
-    /// Of the descriptors; not stored in files.
+    /// Sketches of the descriptors; not stored in files.
     pub sketches: Vec<Sketch>,
     pub rays: Vec<MeanRay>,
 }
 
 impl Tree {
-    /// What a leaf holds: indices of `descriptors` and `rays`.
+    /// The indices of a leaf's descriptors and rays.
     #[inline]
     pub(super) fn held(&self, leaf: usize) -> Range<usize> {
         let start = if leaf == 0 {
@@ -94,10 +94,10 @@ impl Tree {
         start..self.leaf_ends[leaf] as usize
     }
 
-    /// How far the rays of all samples of a leaf spread, rad, root mean square.
+    /// Root mean square spread of the rays of all samples of a leaf, rad.
     fn spread(&self, leaf: usize) -> f64 {
         let held = &self.rays[self.held(leaf)];
-        // Pans count from the first one, so that ±180° is no seam.
+        // Pan relative to the first ray, so that ±180° is no seam.
         let first = held.first().map_or(Angle::ZERO, MeanRay::pan);
         let place = |ray: &MeanRay| [ray.pan().turn_from(first).radians(), ray.tilt().radians()];
         let weight: f64 = held.iter().map(|ray| f64::from(ray.samples)).sum();
@@ -107,7 +107,8 @@ impl Tree {
                 .sum::<f64>()
                 / weight.max(1.0)
         };
-        // A pan counts by the cosine of its tilt.
+        // A pan moves the direction by the cosine of tilt. Variance between the means, plus the
+        // variance within each.
         let at = [0, 1].map(|axis| mean(&|ray| place(ray)[axis]));
         let squares = mean(&|ray| {
             let [pan, tilt] = place(ray);
@@ -127,13 +128,13 @@ pub struct Forest {
 }
 
 impl Forest {
-    /// How many trees it has.
+    /// Number of trees.
     #[must_use]
     pub const fn trees(&self) -> usize {
         self.trees.len()
     }
 
-    /// The first few of its trees, as if no more had been trained.
+    /// The forest of its first trees only.
     #[must_use]
     pub fn first_trees(&self, trees: usize) -> Self {
         Self {
@@ -141,19 +142,19 @@ impl Forest {
         }
     }
 
-    /// How many leaves all trees have.
+    /// Number of leaves of all trees.
     #[must_use]
     pub fn leaves(&self) -> usize {
         self.trees.iter().map(|tree| tree.leaf_ends.len()).sum()
     }
 
-    /// How many descriptors all leaves hold, each the mean of samples that show one place.
+    /// Number of descriptors in all leaves; each is the mean of samples that show one place.
     #[must_use]
     pub fn means(&self) -> usize {
         self.trees.iter().map(|tree| tree.rays.len()).sum()
     }
 
-    /// The memory that it takes, bytes.
+    /// Memory in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         let mean = size_of::<Descriptor>() + size_of::<Sketch>() + size_of::<MeanRay>();
@@ -165,8 +166,8 @@ impl Forest {
         self.trees.iter().map(of_tree).sum()
     }
 
-    /// How many leaves mix rays that spread by more than an angle (rad, root mean square):
-    /// different places that look alike, or references that contradict each other.
+    /// Number of leaves whose rays spread by more than an angle (rad, root mean square): different
+    /// places that look alike, or references that contradict each other.
     #[must_use]
     pub fn mixed_leaves(&self, spread: f64) -> usize {
         let mixed = |tree: &Tree| {

@@ -1,5 +1,5 @@
-//! One adjustment of a clip: pan, tilt and focal length of every frame and the direction of every
-//! followed point, from all sightings and pose priors at once.
+//! The joint adjustment of a clip: pan, tilt and focal length of every frame and the direction of
+//! every tracked point, from all observations and pose priors at once.
 
 use super::super::pose_prior::{PosePrior, PriorSource, by_focal_px, moved, offset};
 use super::super::pose_problem::{AdjustedFrame, PoseProblem, PoseState, Seen};
@@ -10,19 +10,21 @@ use touchline_core::camera::{PanTilt, Ptz};
 use touchline_core::geometry::{Mat3, Vec3, median};
 use touchline_core::solve::{Loss, Stopping, minimise};
 
-/// How a clip is adjusted. Lengths are px at 1920 px width.
+/// Options of the joint adjustment of a clip. Lengths are in px at 1920 px width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdjustOptions {
-    /// 1-σ of a followed point before the clip itself has told it. .3 by default.
+    /// 1-σ of a tracked point along one axis, before it is estimated from the clip itself. Default:
+    /// 0.3.
     pub point_sigma_px: f64,
-    /// It is never taken as smaller. .05 by default.
+    /// Lower bound of the estimated 1-σ. Default: 0.05.
     pub min_sigma_px: f64,
-    /// Beyond so many sigmas a point hardly counts. 3 by default.
+    /// The scale of the Cauchy loss in 1-σ: beyond it a point is strongly down-weighted. Default:
+    /// 3.
     pub loss_sigmas: f64,
-    /// A point's errors in neighbouring frames are alike, so that its sightings count for fewer
-    /// than they are, by this factor. 4 by default.
+    /// The number of observations of a track that count as one, because errors in neighbouring
+    /// frames are correlated. Default: 4.
     pub sightings_alike: f64,
-    /// Steps at most. 15 by default.
+    /// Maximum number of iterations of each adjustment. Default: 15.
     pub max_iterations: usize,
 }
 
@@ -38,21 +40,22 @@ impl Default for AdjustOptions {
     }
 }
 
-/// A clip after its adjustment.
+/// A clip after the joint adjustment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AdjustedClip {
-    /// None for a frame that was not reached.
+    /// The adjusted camera of each frame; `None` for a frame that was not reached.
     pub frames: Vec<Option<AdjustedFrame>>,
-    /// 1-σ of a followed point along one axis, as the clip itself tells it, px.
+    /// 1-σ of a tracked point along one axis, estimated from the clip, px.
     pub sigma_px: f64,
-    /// By how much the points had to be taken as less exact than that, so that the priors hold; 1
-    /// where the two agree.
+    /// The factor by which the 1-σ of the points was inflated to make them agree with the priors; 1
+    /// if they agree without.
     pub widened: f64,
 }
 
-/// Adjusts the frames that were reached.
+/// Adjusts all frames that propagation reached, together.
 ///
-/// None if nothing holds the clip: no prior, or one that has no covariance.
+/// `None` if the clip is undetermined: no reached frame has an informative prior, or the normal
+/// equations are singular.
 #[must_use]
 pub fn adjust_clip(
     camera: &ClipCamera,
@@ -61,6 +64,7 @@ pub fn adjust_clip(
     priors: &[PosePrior],
     options: &AdjustOptions,
 ) -> Option<AdjustedClip> {
+    // One row of unknowns per reached frame; frames that were not reached take no part.
     let mut row_of = vec![None; tracks.frames];
     let (mut start, mut frame_of) = (Vec::new(), Vec::new());
     for (frame, ptz) in carried.ptz.iter().enumerate() {
@@ -84,6 +88,8 @@ pub fn adjust_clip(
     if priors.is_empty() {
         return None;
     }
+    // The envelope of the reduced normal equations: a point couples all frames that show it, so
+    // each row reaches left to the earliest of them.
     let mut first: Vec<usize> = (0..start.len()).collect();
     for point in &points {
         let least = point.sightings.first().map_or(0, |(row, _)| *row);
@@ -91,6 +97,9 @@ pub fn adjust_clip(
             first[*row] = first[*row].min(least);
         }
     }
+    // n correlated observations count as n / `sightings_alike` independent ones. Dividing their
+    // information by that factor is multiplying σ by its root; the loss scale, in units of the
+    // inflated σ, shrinks by the same factor and stays the same in px.
     let px = tracks.image_size.scale_from_1920();
     let alike = options.sightings_alike.sqrt();
     let mut problem = PoseProblem {
@@ -116,6 +125,7 @@ pub fn adjust_clip(
         short_step: 1e-9,
         small_gain: 1e-8,
     };
+    // First pass with the assumed σ; its residuals give σ of the clip and of each frame.
     let state = PoseState {
         directions: directions(&problem, &start),
         ptz: start,
@@ -127,8 +137,9 @@ pub fn adjust_clip(
         .collect();
     let sigma_px = scatter_px(&mut off).max(options.min_sigma_px * px);
     let in_rows = row_sigmas(&problem, &rough.state, sigma_px);
-    // What the blur of a frame puts off, it puts off for all points of the frame alike: the more
-    // they scatter, the fewer they count for.
+    // Motion blur displaces all points of a frame alike, and more observations do not average a
+    // common error out. So a frame that scatters more than the clip is down-weighted beyond its own
+    // σ, by the ratio of the two once more.
     let counted_px = |in_row: f64| in_row * alike * (in_row / sigma_px);
     let sigmas_px = |widened: f64| {
         in_rows
@@ -136,9 +147,14 @@ pub fn adjust_clip(
             .map(|in_row| counted_px(*in_row) * widened)
             .collect()
     };
+    // Second pass with the estimated σ. Its cameras follow the motion of the points most closely
+    // and are kept as `straight`, for the drift correction below.
     problem.sigma_px = sigmas_px(1.0);
     let mut fine = minimise(&problem, rough.state, until(options.max_iterations));
     let straight = fine.state.ptz.clone();
+    // Inflate the σ of the points until the priors of persons and paint scatter as they state, and
+    // the covariance of proposals until proposals do. The loss scale stays constant in px, so that
+    // inflation does not readmit outliers.
     let mut widened = 1.0;
     for _ in 0..WIDENINGS {
         let points = widening(&problem.priors, &fine.state, |source| {
@@ -165,12 +181,14 @@ pub fn adjust_clip(
         }
         fine = minimise(&problem, fine.state, until(options.max_iterations));
     }
+    // If the points were inflated, their cameras bend at every prior; see `bent`.
     let covariances = fine.equations.covariances()?;
     let ptz = if widened > 1.0 {
         bent(&straight, &fine.state.ptz, &covariances)
     } else {
         fine.state.ptz
     };
+    // Back from rows to frames, and from ln f to f in px.
     let frames = row_of.iter().enumerate().map(|(frame, row)| {
         let row = (*row)?;
         let ptz = camera.with_known_focal(frame, ptz[row]);
@@ -186,11 +204,12 @@ pub fn adjust_clip(
     })
 }
 
-/// 1-σ of a followed point along one axis in each row, px, as the row's own points tell it and
-/// never less than in the clip: a fast turn blurs what is followed.
+/// 1-σ of a tracked point along one axis in each row, px: estimated from the row's own residuals
+/// and never below that of the clip. A fast pan blurs the picture and with it the points.
 fn row_sigmas(problem: &PoseProblem<'_>, at: &PoseState, of_clip_px: f64) -> Vec<f64> {
     let mut squares: Vec<Vec<f64>> = vec![Vec::new(); at.ptz.len()];
-    // A point's direction is the mean of its sightings and takes its part of their scatter.
+    // A point's direction is fitted to its n observations, so their residuals have 1 − 1/n of the
+    // variance of the noise.
     let shares = problem.points.iter().flat_map(|point| {
         let sightings = point.sightings.len();
         std::iter::repeat_n(1.0 - 1.0 / sightings as f64, sightings)
@@ -204,47 +223,54 @@ fn row_sigmas(problem: &PoseProblem<'_>, at: &PoseState, of_clip_px: f64) -> Vec
         .collect()
 }
 
-/// 1-σ along one axis of what is off by some distances, of which these are the squares, px; robust.
+/// Robust 1-σ along one axis, from squared distances in the image, px.
 fn scatter_px(squares: &mut [f64]) -> f64 {
-    // The median of the squares of two numbers with 1-σ s is 2 ln 2 s².
+    // The squared distance of two independent errors of 1-σ s has the median 2 ln 2 s² (χ² with two
+    // degrees of freedom).
     (median(squares).unwrap_or(0.0) / (2.0 * 2f64.ln())).sqrt()
 }
 
-/// The priors' mean square distance per number, in sigmas², from which on something is taken as
-/// less exact than it states.
+/// Inflate once the mean squared offset of the priors exceeds this many σ² per degree of freedom.
 const CONTRADICTED: f64 = 1.5;
 
-/// How often it is.
+/// Maximum number of inflations.
 const WIDENINGS: usize = 8;
 
-/// By how much something has to be taken as less exact, for priors of some sources contradict the
-/// points; none where they scatter as they state.
+/// The factor by which a σ has to be inflated, because the priors of some sources contradict the
+/// points; `None` if they scatter as stated.
 ///
-/// A lens or a base that is a little off bends all points alike, which is no scatter; only what
-/// people and paint say shows it, and then that holds against the points. What a forest answers
-/// does not: its errors are as large as they happen to be, and points that gave way to them would
-/// jump with each.
+/// A small error of the lens or the base biases all points alike, so it does not appear in their
+/// scatter; only user clicks and painted lines reveal it, and they then take precedence over the
+/// points. Answers of a forest do not: their errors vary from frame to frame, and cameras that
+/// followed them would jump at each.
 fn widening(
     priors: &[PosePrior],
     at: &PoseState,
     is_asked: impl Fn(PriorSource) -> bool,
 ) -> Option<f64> {
+    // Squared Mahalanobis distance per degree of freedom: 1 on average if the prior's covariance is
+    // right.
     let squares = |prior: &PosePrior| {
         let offset = prior.offset(at.ptz[prior.frame]);
         is_asked(prior.source).then(|| offset.dot(&(prior.information * offset)) / 3.0)
     };
     let mut squares: Vec<f64> = priors.iter().filter_map(squares).collect();
-    // Of a χ² of three the median is .789 of the mean.
+    // The median of χ² with three degrees of freedom is 2.366 = 0.789 · 3. The median, not the
+    // mean: one wrong prior must not inflate everything.
     let contradiction = median(&mut squares).unwrap_or(0.0) / 0.789;
     (contradiction > CONTRADICTED).then(|| contradiction.sqrt().clamp(1.5, 4.0))
 }
 
-/// Cameras as they follow from the points alone (`straight`), brought to where widened points leave
-/// them: what a lens or a base is off by changes as slowly as the camera moves, while points that
-/// give way leave a jump at every prior.
+/// Drift correction: shifts the cameras of the adjustment before inflation (`straight`), which
+/// follow the points, smoothly towards those after it (`widened`), which agree with the priors.
+///
+/// The error of a lens or a base varies as slowly as the camera moves. Cameras of inflated points
+/// jump at every prior instead; so only their slowly varying difference from `straight` is applied.
 fn bent(straight: &[Ptz], widened: &[Ptz], covariances: &[Mat3]) -> Vec<Ptz> {
-    /// So many frames the bend takes to follow a step.
+    /// Time constant of the drift correction, in frames.
     const FRAMES: f64 = 15.0;
+    // The difference per frame in (pan rad, tilt rad, ln f), treated as a measurement with the
+    // frame's covariance.
     let by: Vec<Vec3> = straight
         .iter()
         .zip(widened)
@@ -257,6 +283,8 @@ fn bent(straight: &[Ptz], widened: &[Ptz], covariances: &[Mat3]) -> Vec<Ptz> {
             .collect();
         median(&mut variances).unwrap_or(0.0)
     };
+    // A smoother whose rate performs a random walk of variance q per frame, on measurements of
+    // variance R, has a time constant of about (R/q)^¼ frames; hence q = R / 15⁴.
     let unrest = Vec3::from([0, 1, 2].map(typical)) / FRAMES.powi(4);
     let bend = smoothed_offsets(&by, covariances, &unrest);
     straight
@@ -266,13 +294,14 @@ fn bent(straight: &[Ptz], widened: &[Ptz], covariances: &[Mat3]) -> Vec<Ptz> {
         .collect()
 }
 
-/// The points that at least two of the reached frames show and that do not move.
+/// The points that at least two reached frames show and that do not move in the scene.
 fn seen(tracks: &PointTracks, moving: &[bool], row_of: &[Option<usize>]) -> Vec<Seen> {
     let still = tracks
         .tracks
         .iter()
         .zip(moving)
         .filter(|(_, moving)| !**moving);
+    // Rows ascend within a track; one observation alone says nothing about the camera.
     let of_track = |(track, _): (&super::PointTrack, &bool)| {
         let sightings: Vec<_> = track
             .points
@@ -285,7 +314,8 @@ fn seen(tracks: &PointTracks, moving: &[bool], row_of: &[Option<usize>]) -> Vec<
     still.filter_map(of_track).collect()
 }
 
-/// Where each point lies by the frames that show it.
+/// The start direction of each point, unit, `base`: the mean of its rays over the frames that show
+/// it.
 fn directions(problem: &PoseProblem<'_>, ptz: &[Ptz]) -> Vec<Vec3> {
     let cameras = problem.cameras(ptz);
     let of_point = |point: &Seen| {
@@ -293,6 +323,7 @@ fn directions(problem: &PoseProblem<'_>, ptz: &[Ptz]) -> Vec<Vec3> {
             .sightings
             .iter()
             .filter_map(|(row, at)| cameras[*row].ray_from_image(*at).ok());
+        // Without a ray within the lens model, any direction serves as a start.
         let sum: Vec3 = rays.map(PanTilt::direction).sum();
         sum.try_normalize(1e-9).unwrap_or_else(Vec3::z)
     };

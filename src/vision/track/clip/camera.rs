@@ -1,28 +1,27 @@
-//! The camera of a clip: one base, and the lens of each frame where it is known before the frame is
-//! reached.
+//! The camera of a clip: one base, and the lens of each frame where it is known beforehand.
 
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::geometry::ImagePoint;
 
-/// The camera that takes a clip.
+/// The camera of a clip.
 ///
-/// Position and rotation of its base are those of all frames. Its lens is, too, except in frames of
-/// which a lens of their own is known: a zoom encoder or the provider of a recording states it
-/// frame by frame.
+/// All frames share position and rotation of the base. They also share its lens, except frames with
+/// a known lens of their own, as a zoom encoder or the provider of a recording states it frame by
+/// frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClipCamera {
     base: CameraBase,
     lenses: Vec<Option<ClipLens>>,
 }
 
-/// The lens of one frame, known before the frame is reached.
+/// The lens of one frame, known beforehand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipLens {
-    /// px.
+    /// Principal point, px.
     pub principal_point: ImagePoint,
-    /// Its distortion.
+    /// Radial distortion as a function of the focal length.
     pub distortion: FocalCurve,
-    /// The focal length, px; none where it is sought with pan and tilt.
+    /// The focal length, px; `None` where it is estimated with pan and tilt.
     pub focal_px: Option<f64>,
 }
 
@@ -36,8 +35,8 @@ impl ClipCamera {
         }
     }
 
-    /// A camera with a lens a frame, by its place in the clip. Frames without one, and those beyond
-    /// the list, have that of the base.
+    /// A camera with a lens per frame, by the frame's index in the clip. Frames without one, and
+    /// those beyond the list, have the lens of the base.
     #[must_use]
     pub const fn with_lenses(base: CameraBase, lenses: Vec<Option<ClipLens>>) -> Self {
         Self { base, lenses }
@@ -66,7 +65,7 @@ impl ClipCamera {
         self.lens_at(frame)?.focal_px
     }
 
-    /// How a frame is pointed, with the frame's focal length where that is known.
+    /// `ptz` with the frame's focal length where that is known.
     #[must_use]
     pub fn with_known_focal(&self, frame: usize, ptz: Ptz) -> Ptz {
         Ptz {
@@ -75,7 +74,7 @@ impl ClipCamera {
         }
     }
 
-    /// The camera of a frame in the origin, so that it sees directions.
+    /// The camera of a frame, positioned at the origin, so that it projects directions of `base`.
     pub(super) fn at_origin(&self, frame: usize, ptz: Ptz) -> PtzCamera {
         PtzCamera::new(self.base_at(frame).at_origin(), ptz)
     }

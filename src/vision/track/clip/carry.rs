@@ -1,9 +1,10 @@
-//! Carrying: a frame's camera from that of the frame beside it, by the points that both show.
+//! Propagation: the camera of a frame from that of its neighbour, by the points that both show.
 //!
-//! A point is taken as a direction in which the camera sees it, the mean of what the frames so far
-//! say. The next frame's pan, tilt and focal length are those that put all directions where the
-//! points are. What is not still, such as a player or a moving board, disagrees and is left out
-//! from then on.
+//! The rotating camera sees a static point in one direction of `base`, which is estimated as the
+//! mean over the frames so far. Pan, tilt and focal length of the next frame are those that project
+//! all directions onto the tracked points. A point that does not stand still, such as one on a
+//! player or a scrolling board, disagrees with the fit; after [`STRIKES`] disagreements it is
+//! excluded.
 
 use super::super::pose_prior::{PosePrior, moved};
 use super::super::pose_problem::KNOWN_FOCAL_SIGMA;
@@ -18,17 +19,19 @@ use touchline_core::solve::{
     BlockEquations, Linearised, Loss, Problem, Residual, Stopping, minimise,
 };
 
-/// When a frame is no longer carried on to. Lengths are px at 1920 px width.
+/// The conditions under which propagation goes on to the next frame. Lengths are in px at 1920 px
+/// width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CarryOptions {
-    /// A point farther from where its direction puts it is none of the scene. 3 by default.
+    /// Maximum distance of a tracked point from the projection of its direction; a point farther
+    /// off is an outlier. Default: 3.
     pub agrees_px: f64,
-    /// So many points agree at least. 20 by default.
+    /// Minimum number of inliers. Default: 20.
     pub min_points: usize,
-    /// Such a share of the points seen agrees at least. .4 by default.
+    /// Minimum share of inliers among the points seen. Default: 0.4.
     pub min_share: f64,
-    /// The points that agree cover at least this share of the picture's width and height. .25 by
-    /// default.
+    /// The inliers must extend over at least this share of the picture's width and height. Default:
+    /// 0.25.
     pub min_spread: f64,
 }
 
@@ -43,45 +46,49 @@ impl Default for CarryOptions {
     }
 }
 
-/// Why cameras were not carried into a frame.
+/// Why propagation stopped before a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CarryStop {
-    /// The frame that could not be reached, by its place in the clip.
+    /// The frame that could not be reached, as an index into the clip.
     pub frame: usize,
-    /// The frame beside it, which was.
+    /// Its neighbour, the last frame that was reached.
     pub from: usize,
-    /// Points that could be followed between the two.
+    /// Tracked points with a known direction that the unreached frame shows.
     pub seen: usize,
-    /// Those of them that one turn and one zoom explain.
+    /// The inliers among them: points that one rotation and one zoom explain.
     pub agreeing: usize,
 }
 
-/// The cameras of a clip's frames as they were carried.
+/// The cameras of a clip's frames after propagation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carried {
-    /// Each frame's camera; none for one that was not reached.
+    /// The camera of each frame; `None` for a frame that was not reached.
     pub ptz: Vec<Option<Ptz>>,
-    /// How far apart the cameras are that were carried from the known one before and from the one
-    /// after, px in the mean over the picture; none where only one side reached the frame.
+    /// The distance between the camera propagated from the known frame before and the one from the
+    /// known frame after: px, mean over the corners and the centre of the picture. `None` if only
+    /// one side reached the frame.
     pub apart_px: Vec<Option<f64>>,
-    /// Where it stopped, in the order of the frames.
+    /// Where propagation stopped and no other known frame helped, in frame order.
     pub stops: Vec<CarryStop>,
-    /// The tracks that are of something that moves, by their places.
+    /// For each track whether its point moves in the scene; such tracks are outliers.
     pub moving: Vec<bool>,
 }
 
-/// Disagreeing this often, a point is of something that moves.
+/// A point that disagrees in this many frames is taken to move in the scene.
 const STRIKES: u8 = 3;
 
-/// A point that has moved by no more since it was first seen may be of a graphic, px at 1920 px
-/// width.
+/// A point whose image has moved by no more than this since it was first seen may belong to a
+/// burnt-in graphic, px at 1920 px width.
 const MOVED_PX: f64 = 1.0;
 
-/// The scales of the robust loss, one after the other, px at 1920 px width.
+/// The scales of the Cauchy loss, from coarse to fine, px at 1920 px width. A coarse scale keeps a
+/// poor start from being trapped by outliers.
 const SCALES_PX: [f64; 4] = [24.0, 6.0, 2.0, 1.0];
 
-/// Carries the cameras that are known to all frames that can be reached from them, each from the
-/// nearest one.
+/// Propagates the known cameras forwards and backwards through the clip; each frame takes the
+/// result from the nearest known frame.
+///
+/// If several priors name one frame, the first of them is its known camera.
 #[must_use]
 pub fn carry(
     camera: &ClipCamera,
@@ -99,12 +106,15 @@ pub fn carry(
         moving: vec![false; tracks.tracks.len()],
         stops: Vec::new(),
     };
+    // Known cameras, sorted by frame. Priors of frames outside the clip are ignored.
     let within = priors.iter().filter(|prior| prior.frame < frames);
     let mut known: Vec<(usize, Ptz)> = within
         .map(|prior| (prior.frame, camera.with_known_focal(prior.frame, prior.ptz)))
         .collect();
     known.sort_by_key(|(frame, _)| *frame);
     known.dedup_by_key(|(frame, _)| *frame);
+    // From every known frame, propagate to the neighbouring known frames, these included: what
+    // arrives there from both sides shows the accumulated drift.
     let mut forth: Vec<Option<(usize, Ptz)>> = vec![None; frames];
     let mut back = forth.clone();
     for (place, &(frame, ptz)) in known.iter().enumerate() {
@@ -117,6 +127,8 @@ pub fn carry(
             back[to] = Some((frame, at));
         }
     }
+    // Where both directions reached a frame, the nearer known frame wins, because drift grows with
+    // the number of steps.
     let mut carried = Carried {
         ptz: vec![None; frames],
         apart_px: vec![None; frames],
@@ -137,6 +149,8 @@ pub fn carry(
         };
         carried.ptz[frame] = nearer;
     }
+    // Known frames keep their cameras. A stop is worth reporting only if no other known frame
+    // reached that frame.
     for (frame, ptz) in known {
         carried.ptz[frame] = Some(ptz);
     }
@@ -150,32 +164,41 @@ pub fn carry(
 struct March<'a> {
     camera: &'a ClipCamera,
     tracks: &'a PointTracks,
+    /// Track and index within it of all observations of each frame.
     by_frame: Vec<Vec<(usize, usize)>>,
-    /// Px of these frames in a px at 1920 px width.
+    /// Image px per px at 1920 px width.
     px: f64,
     options: &'a CarryOptions,
+    /// Tracks found to move in the scene, in any run so far.
     moving: Vec<bool>,
     stops: Vec<CarryStop>,
 }
 
-/// What is known of a point so far.
+/// The estimate of a point's direction so far.
 #[derive(Clone, Copy, Default)]
 struct Direction {
-    /// The sum of the directions in which frames saw it, `base`.
+    /// The sum of the unit directions in which frames saw it, `base`; zero before the first.
     sum: Vec3,
-    /// Where it was first seen, px.
+    /// Its first position in the image, px.
     first: ImagePoint,
+    /// Number of frames in which it was an outlier.
     strikes: u8,
 }
 
 impl March<'_> {
-    /// The cameras of frames that follow a known one, up to the first that cannot be reached.
+    /// Propagates from a known camera through `frames`, up to the first frame that cannot be
+    /// reached.
+    ///
+    /// Directions are estimated anew, because they depend on the camera at the start. Points that
+    /// were found to move stay excluded in later runs.
     fn carried(
         &mut self,
         from: usize,
         ptz: Ptz,
         frames: impl Iterator<Item = usize>,
     ) -> Vec<(usize, Ptz)> {
+        // The known frame gives the first ray of every point that it shows; each frame reached adds
+        // one.
         let mut directions: Vec<Direction> = vec![Direction::default(); self.tracks.tracks.len()];
         self.learn(&mut directions, from, ptz, &[]);
         let (mut last, mut found) = ((from, ptz), Vec::new());
@@ -204,13 +227,15 @@ impl March<'_> {
         followed.points[place]
     }
 
-    /// A frame's camera; else how many points were seen, and how many agree with the best one.
+    /// The camera of a frame, or, as an error, the number of points seen and of those that agree
+    /// with the best camera found.
     fn next(
         &mut self,
         directions: &mut [Direction],
         frame: usize,
         from: Ptz,
     ) -> Result<Ptz, (usize, usize)> {
+        // Correspondences: points whose direction is known and that are not known to move.
         let known: Vec<(usize, Sighting)> = self.by_frame[frame]
             .iter()
             .filter(|(track, _)| directions[*track].sum != Vec3::zeros() && !self.moving[*track])
@@ -226,6 +251,8 @@ impl March<'_> {
                 )
             })
             .collect();
+        // Separate points that moved in the image since they were first seen from those that did
+        // not; see `turned_camera`.
         let moved_px = |(track, sighting): &(usize, Sighting)| {
             sighting.image.distance_px(directions[*track].first) / self.px
         };
@@ -235,11 +262,16 @@ impl March<'_> {
         let [moving, still] = [moving, still].map(|some: Vec<(usize, Sighting)>| {
             some.into_iter().map(|(_, it)| it).collect::<Vec<_>>()
         });
+        // Image motion decides whether the camera rotates. A rotating camera is fitted to the
+        // moving points alone: points that stand still in the image are partly of burnt-in graphics
+        // and would pull the fit towards no motion. A camera at rest is fitted to all points.
         let from = self.camera.with_known_focal(frame, from);
         let turned = self.turned_camera(frame, from, &moving, &still);
         let is_turning = turned.is_some();
         let ptz = turned.unwrap_or_else(|| self.fitted(frame, from, &sightings));
         let camera = self.camera.at_origin(frame, ptz);
+        // Accept the frame only if the inliers are many, a large share, and spread over the
+        // picture: a few points in a corner do not determine the focal length.
         let agrees = |sighting: &Sighting| self.agrees(&camera, sighting);
         let agreeing: Vec<ImagePoint> = sightings
             .iter()
@@ -251,6 +283,8 @@ impl March<'_> {
         if (agreeing.len() as f64) < enough || !self.spread(&agreeing) || !ptz.is_finite() {
             return Err((sightings.len(), agreeing.len()));
         }
+        // Count a strike against each outlier. While the camera rotates, a point that stands still
+        // in the image and fits worse than 1 px (at 1920) is of a graphic, even within `agrees_px`.
         let stands = |it: &(usize, Sighting)| is_turning && moved_px(it) <= MOVED_PX;
         let off_px = |sighting: &Sighting| {
             sighting
@@ -272,15 +306,15 @@ impl March<'_> {
         Ok(ptz)
     }
 
-    /// The camera that the moving points agree with, where they say that it turns; none where it
-    /// stands still.
+    /// The camera fitted to the moving points if the camera rotates or zooms; `None` if it is at
+    /// rest.
     ///
-    /// Two things stand still in a picture: the scene while the camera does, and a burnt-in graphic
-    /// always. Two things move: the scene while the camera turns, and players always. Shares of
-    /// points do not tell them apart, because players give many. But the scene is all over the
-    /// picture and moves as one, while a graphic lies in a corner and players run each their own
-    /// way. So the camera turns if the moving points that agree on one turn and zoom are seen in
-    /// more parts of the picture than those that stand still.
+    /// Two things stand still in the image: the scene while the camera is at rest, and a burnt-in
+    /// graphic always. Two things move: the scene while the camera rotates, and players always.
+    /// Shares of points do not separate these cases, because players have many points. But the
+    /// scene fills the picture and moves as one, while a graphic occupies a corner and players move
+    /// independently. So the camera is rotating if the moving points that agree on one rotation and
+    /// zoom occupy more cells of the picture than the points that stand still.
     fn turned_camera(
         &self,
         frame: usize,
@@ -299,14 +333,14 @@ impl March<'_> {
         (self.parts_of_picture(agreeing) > self.parts_of_picture(still.iter())).then_some(ptz)
     }
 
-    /// Whether a camera puts a point where it is seen.
+    /// Whether a camera projects a direction to within `agrees_px` of its observation.
     fn agrees(&self, camera: &PtzCamera, sighting: &Sighting) -> bool {
         sighting
             .value(camera)
             .is_some_and(|off| off.norm() <= self.options.agrees_px * self.px)
     }
 
-    /// In how many parts of the picture points lie.
+    /// The number of cells of a 12 × 7 grid over the picture that contain an observation.
     fn parts_of_picture<'s>(&self, sightings: impl Iterator<Item = &'s Sighting>) -> usize {
         const COLUMNS: f64 = 12.0;
         const ROWS: f64 = 7.0;
@@ -314,6 +348,7 @@ impl March<'_> {
             f64::from(self.tracks.image_size.width),
             f64::from(self.tracks.image_size.height),
         );
+        // Distinct cells, so that many points in one place count once.
         let part = |at: ImagePoint| {
             (
                 (at.x / width * COLUMNS) as i32,
@@ -326,7 +361,12 @@ impl March<'_> {
             .len()
     }
 
-    /// The camera that most points agree with.
+    /// The camera that most observations agree with.
+    ///
+    /// Minimises the Cauchy loss at scales from coarse to fine, each from the result of the last
+    /// (graduated non-convexity; Blake and Zisserman: "Visual Reconstruction", 1987). If the focal
+    /// length is known, [`KnownFocal`] holds it in the fit; its tiny remainder is removed after
+    /// each scale.
     fn fitted(&self, frame: usize, from: Ptz, sightings: &[Sighting]) -> Ptz {
         let start = self.turned(frame, from, sightings);
         let (base, known_focal) = (
@@ -350,7 +390,8 @@ impl March<'_> {
         })
     }
 
-    /// A start for a frame's camera: turned as the points moved in the middle.
+    /// A start for a frame's camera: the last one, panned and tilted by the median motion of the
+    /// points.
     fn turned(&self, frame: usize, from: Ptz, sightings: &[Sighting]) -> Ptz {
         let camera = self.camera.at_origin(frame, from);
         let off: Vec<Vec2> = sightings
@@ -360,14 +401,16 @@ impl March<'_> {
         let along = |axis: usize| {
             median(&mut off.iter().map(|by| by[axis]).collect::<Vec<_>>()).unwrap_or(0.0)
         };
-        // The residual is predicted minus seen: the camera turns towards where points came from.
+        // Residuals are predicted minus observed. Panning right moves the prediction left, tilting
+        // up moves it down (image y points down). Small angles near the image centre are accurate
+        // enough for a start.
         moved(
             from,
             Vec3::new(along(0) / from.focal_px, -along(1) / from.focal_px, 0.0),
         )
     }
 
-    /// Whether points lie all over the picture.
+    /// Whether points extend over `min_spread` of both sides of the picture.
     fn spread(&self, points: &[ImagePoint]) -> bool {
         let range = |of: fn(&ImagePoint) -> f64| {
             let (low, high) = points
@@ -384,8 +427,8 @@ impl March<'_> {
             && range(|at| at.y) >= least * f64::from(size.height)
     }
 
-    /// What a frame says about the directions of its points, those of some tracks (in rising order)
-    /// left out.
+    /// Adds a frame's rays to the directions of its points, except those of the tracks in `except`,
+    /// which ascend.
     fn learn(&self, directions: &mut [Direction], frame: usize, ptz: Ptz, except: &[usize]) {
         let camera = self.camera.at_origin(frame, ptz);
         for &seen in self.by_frame[frame]
@@ -394,6 +437,7 @@ impl March<'_> {
         {
             let direction = &mut directions[seen.0];
             let at = self.point(seen);
+            // Rays of all frames so far are summed; the direction is normalised when it is used.
             if let Ok(ray) = camera.ray_from_image(at) {
                 if direction.sum == Vec3::zeros() {
                     direction.first = at;
@@ -403,8 +447,9 @@ impl March<'_> {
         }
     }
 
-    /// How far apart two cameras' pictures of a frame are, px in the mean over the corners and the
-    /// middle.
+    /// The distance between two cameras of a frame: pixels are back-projected by the first and
+    /// projected by the second, px, mean over the corners and the centre. Infinite if no pixel can
+    /// be compared.
     fn apart_px(&self, frame: usize, one: Ptz, other: Ptz) -> f64 {
         let [one, other] = [one, other].map(|ptz| self.camera.at_origin(frame, ptz));
         let size = self.tracks.image_size;
@@ -421,9 +466,9 @@ impl March<'_> {
     }
 }
 
-/// A frame's own three numbers.
+/// The adjustment of one frame's pan, tilt and log focal length, with known directions.
 struct OneFrame<'a> {
-    /// At the origin.
+    /// The base with its position at the origin, so that the camera projects directions.
     base: &'a CameraBase,
     known_focal: Option<KnownFocal>,
     sightings: &'a [Sighting],
@@ -451,7 +496,7 @@ impl Problem for OneFrame<'_> {
     }
 }
 
-/// A focal length that is known, px: as a measurement that outweighs all points.
+/// A known focal length, px, as a measurement of ln f that outweighs all points.
 #[derive(Clone, Copy)]
 struct KnownFocal(f64);
 
@@ -480,7 +525,7 @@ impl Residual<1, 0, 3> for KnownFocal {
     }
 }
 
-/// A known direction as a frame shows it.
+/// A correspondence: a known direction, and where a frame shows it.
 #[derive(Clone, Copy)]
 struct Sighting {
     /// Unit, `base`.
@@ -490,7 +535,7 @@ struct Sighting {
 }
 
 impl Residual<2, 0, 3> for Sighting {
-    /// At the origin, looking along its base.
+    /// The camera at the origin; pan, tilt and focal length are its parameters.
     type State = PtzCamera;
 
     fn element(&self) -> Option<FieldElement> {
@@ -512,6 +557,7 @@ impl Residual<2, 0, 3> for Sighting {
     fn linearised(&self, at: &PtzCamera) -> Option<Linearised<2, 0, 3>> {
         let here = at.image_from_direction_jacobian(self.direction).ok()?;
         let mut by_own = here.by_ptz;
+        // ∂/∂(ln f) = f ∂/∂f.
         by_own.column_mut(2).scale_mut(at.ptz().focal_px);
         Some(Linearised {
             value: here.point.offset_from(self.image),

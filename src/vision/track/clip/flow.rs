@@ -1,34 +1,36 @@
-//! The boundary to OpenCV's corners and optical flow, the only place where its pixel convention is
-//! seen.
+//! The boundary to OpenCV's corner detector and optical flow; only this file deals with OpenCV's
+//! pixel convention.
 
 use crate::media::GreyPicture;
 use opencv::core::{Mat, Point, Point2f, Rect, Scalar, Size, TermCriteria, Vector, no_array};
 use opencv::prelude::*;
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
 
-/// OpenCV counts from the centre of the first pixel.
+/// OpenCV's origin is the centre of the first pixel; ours is its top-left corner.
 const CORNER_FROM_OPENCV: f64 = 0.5;
 
-/// The side of the patch that is looked for, px.
+/// Side of the window of Lucas–Kanade, px.
 const PATCH_PX: i32 = 21;
 
-/// Halvings of the picture.
+/// Number of pyramid levels above the full picture.
 const LEVELS: i32 = 3;
 
-/// A patch must have this much texture, in OpenCV's measure (its own default).
+/// Minimum eigenvalue threshold of OpenCV's flow (its default): patches with less texture are not
+/// tracked.
 const MIN_TEXTURE: f64 = 1e-4;
 
-/// A corner has at least this share of the strength of the best one in its part of the picture,
+/// Minimum strength of a corner, relative to the strongest corner in its cell of the picture.
 const CORNER_QUALITY: f64 = 0.05;
 
-/// which is one of so many.
+/// Rows and columns of cells from which corners are taken.
 const ROWS: i32 = 5;
 const COLUMNS: i32 = 8;
 
-/// Followed there and back, a point may lie this far from where it was, px.
+/// Forward–backward check: largest distance between a point and its image tracked forth and back,
+/// px.
 const THERE_AND_BACK_PX: f32 = 1.0;
 
-/// A picture made ready to be followed from or into.
+/// A picture with its image pyramid.
 pub(super) struct FlowPicture {
     grey: Mat,
     levels: Vector<Mat>,
@@ -38,6 +40,7 @@ pub(super) struct FlowPicture {
 impl FlowPicture {
     pub fn of(grey: &GreyPicture) -> opencv::Result<Self> {
         let size = grey.size;
+        // `rows` borrows the pixels; the clone owns them.
         let rows = Mat::new_rows_cols_with_bytes::<u8>(
             size.height as i32,
             size.width as i32,
@@ -61,8 +64,9 @@ impl FlowPicture {
         Ok(Self { grey, levels, size })
     }
 
-    /// The strongest corners of each part of the picture, `limit` less those taken, at least
-    /// `distance_px` from each other and from all of `taken`, outside of the masks.
+    /// The strongest corners of each cell of the picture, outside the masks. Each cell gets an
+    /// equal share of `limit`, less the points in `taken` that it already holds. Corners keep
+    /// `distance_px` from all of `taken`, and from each other within a cell.
     pub fn corners(
         &self,
         limit: usize,
@@ -70,6 +74,7 @@ impl FlowPicture {
         taken: &[ImagePoint],
         masks: &[PixelBox],
     ) -> opencv::Result<Vec<ImagePoint>> {
+        // Blank out the masks and the surroundings of points that are already tracked.
         let mut open = Mat::new_rows_cols_with_default(
             self.size.height as i32,
             self.size.width as i32,
@@ -106,6 +111,7 @@ impl FlowPicture {
                 0,
             )?;
         }
+        // Equal numbers per cell, so that points cover the picture.
         let cell =
             |at: i32, of: i32, side: u32| (at * side as i32 / of, (at + 1) * side as i32 / of);
         let mut corners = Vec::new();
@@ -127,8 +133,8 @@ impl FlowPicture {
         Ok(corners)
     }
 
-    /// The strongest open corners of a part of the picture. Graphics are crisper than anything
-    /// else, so that the strongest corners of the whole picture would all be theirs.
+    /// The strongest corners of one cell, where `open` is not zero. Burnt-in graphics are crisper
+    /// than anything else; the strongest corners of the whole picture would all be on them.
     fn strongest(
         &self,
         area: Rect,
@@ -138,6 +144,8 @@ impl FlowPicture {
     ) -> opencv::Result<impl Iterator<Item = ImagePoint>> {
         let (part, open) = (Mat::roi(&self.grey, area)?, Mat::roi(open, area)?);
         let (mut found, limit) = (Vector::<Point2f>::new(), limit as i32);
+        // The smaller eigenvalue as measure (Shi and Tomasi: "Good features to track", CVPR 1994),
+        // over blocks of 5 px; 0.04 is Harris' parameter and has no effect here.
         let (block, harris) = (5, false);
         opencv::imgproc::good_features_to_track(
             &part,
@@ -154,8 +162,9 @@ impl FlowPicture {
         Ok(found.into_iter().map(move |at| from_opencv(at + corner)))
     }
 
-    /// Where each point is in another picture, looked for around the second place given; none where
-    /// it is not found there, or does not lead back.
+    /// Tracks points into another picture. Each item is a point's position here and a guess of its
+    /// position there; `None` if it is not found, leaves the picture, or fails the forward–backward
+    /// check.
     pub fn followed(
         &self,
         into: &Self,
@@ -164,6 +173,7 @@ impl FlowPicture {
         if points.is_empty() {
             return Ok(Vec::new());
         }
+        // Track forth from the guess, then back from where that ended, and compare with the start.
         let from: Vector<Point2f> = points.iter().map(|(from, _)| to_opencv(*from)).collect();
         let guess: Vector<Point2f> = points.iter().map(|(_, guess)| to_opencv(*guess)).collect();
         let (there, found) = flow(&self.levels, &into.levels, &from, guess)?;
@@ -182,7 +192,8 @@ impl FlowPicture {
     }
 }
 
-/// Lucas and Kanade's flow from coarse to fine (Bouguet, 2001), from a guess.
+/// Pyramidal Lucas–Kanade from an initial guess (Bouguet: "Pyramidal implementation of the Lucas
+/// Kanade feature tracker", Intel, 2001).
 fn flow(
     from: &Vector<Mat>,
     into: &Vector<Mat>,

@@ -1,4 +1,4 @@
-//! Points followed from picture to picture.
+//! Tracking of points from picture to picture.
 
 use super::super::TrackError;
 #[cfg(feature = "opencv")]
@@ -12,17 +12,17 @@ use touchline_core::geometry::PixelBox;
 #[cfg(feature = "opencv")]
 use touchline_core::geometry::{ImagePoint, Vec2, median};
 
-/// How points are followed.
+/// Options of a [`PointFollower`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FollowOptions {
-    /// So many points are followed at once. 320 by default.
+    /// Target number of points tracked at once. Default: 320.
     pub points: usize,
-    /// New points are looked for where fewer than this share of them is left. .8 by default.
+    /// New points are detected when fewer than this share of them remains. Default: 0.8.
     pub refill: f64,
-    /// A point is followed through at most so many frames, and then found anew: it may creep. 60 by
-    /// default.
+    /// Maximum length of a track in frames, because tracks drift; its point may be detected anew.
+    /// Default: 60.
     pub longest: usize,
-    /// Pictures wider than this are halved, px. 2000 by default.
+    /// Wider pictures are reduced by the smallest integer factor that fits, px. Default: 2000.
     pub max_width: u32,
 }
 
@@ -37,7 +37,7 @@ impl Default for FollowOptions {
     }
 }
 
-/// Follows points through the pictures of a clip, given one after the other.
+/// Tracks points through the pictures of a clip, which are added in order.
 pub struct PointFollower {
     #[cfg_attr(
         not(feature = "opencv"),
@@ -49,27 +49,27 @@ pub struct PointFollower {
     last: Option<Last>,
 }
 
-/// The last picture, and the points that are followed from it on.
+/// The last picture, and the points alive in it.
 #[cfg(feature = "opencv")]
 struct Last {
     picture: FlowPicture,
     alive: Vec<Alive>,
 }
 
-/// A point that is being followed, px of the reduced picture.
+/// A point that is being tracked, px of the reduced picture.
 #[cfg(feature = "opencv")]
 #[derive(Clone, Copy)]
 struct Alive {
     track: usize,
     at: ImagePoint,
-    /// How it moved last; none for a new one.
+    /// Its last displacement; `None` for a new point.
     moved: Option<Vec2>,
-    /// Frames it will still be followed into.
+    /// Number of frames until its track ends.
     left: usize,
 }
 
 impl PointFollower {
-    /// Nothing is followed yet.
+    /// A tracker without any points.
     #[must_use]
     pub const fn new(image_size: ImageSize, options: FollowOptions) -> Self {
         Self {
@@ -84,34 +84,34 @@ impl PointFollower {
         }
     }
 
-    /// All points followed so far.
+    /// All tracks so far.
     #[must_use]
     pub fn finished(self) -> PointTracks {
         self.tracks
     }
 
-    /// Follows the points into the next picture, none into or out of the masks; how many were found
-    /// there.
+    /// Tracks the points into the next picture and returns how many were found there. Points inside
+    /// a mask are dropped, and none is detected in one.
     ///
     /// # Errors
-    /// OpenCV refused; or the program was built without it.
+    /// OpenCV returned an error, or the program was built without it.
     #[cfg(not(feature = "opencv"))]
     pub fn add(&mut self, _: &Picture, _: &[PixelBox]) -> Result<usize, TrackError> {
         Err(TrackError::WithoutOpenCv)
     }
 }
 
-/// Points keep at least this distance, as a share of the picture's width.
+/// Minimum distance between points, as a share of the picture's width.
 #[cfg(feature = "opencv")]
 const DISTANCE_SHARE: f64 = 0.016;
 
 #[cfg(feature = "opencv")]
 impl PointFollower {
-    /// Follows the points into the next picture, none into or out of the masks; how many were found
-    /// there.
+    /// Tracks the points into the next picture and returns how many were found there. Points inside
+    /// a mask are dropped, and none is detected in one.
     ///
     /// # Errors
-    /// OpenCV refused.
+    /// OpenCV returned an error.
     pub fn add(&mut self, picture: &Picture, masks: &[PixelBox]) -> Result<usize, TrackError> {
         self.follow(picture, masks)
             .map_err(|error| TrackError::of_opencv(&error))
@@ -129,6 +129,8 @@ impl PointFollower {
         let picture = FlowPicture::of(&grey)?;
         let frame = self.tracks.frames;
         self.tracks.frames += 1;
+        // Track the points into this picture and append them to their tracks, in px of the full
+        // picture.
         let mut alive = match self.last.take() {
             Some(last) => last.followed(&picture, &masks)?,
             None => Vec::new(),
@@ -138,6 +140,7 @@ impl PointFollower {
                 .points
                 .push(scaled(point.at, full_px));
         }
+        // End tracks at their age limit, then detect new points if too few remain.
         let found = alive.len();
         alive.retain(|point| point.left > 0);
         if (alive.len() as f64) < self.options.refill * self.options.points as f64 {
@@ -150,7 +153,9 @@ impl PointFollower {
                     first: frame,
                     points: vec![scaled(at, full_px)],
                 });
-                // Those that begin together end one after the other.
+                // Tracks that begin together end at different ages, between half and all of
+                // `longest`: otherwise all points would be replaced in one frame, and nothing would
+                // connect the frames around it.
                 let longest = self.options.longest;
                 let left = (longest / 2 + (place * 7) % (longest / 2 + 1)).max(1);
                 alive.push(Alive {
@@ -168,8 +173,9 @@ impl PointFollower {
 
 #[cfg(feature = "opencv")]
 impl Last {
-    /// The points that are found in the next picture.
+    /// The points that are found in the next picture outside the masks.
     fn followed(self, into: &FlowPicture, masks: &[PixelBox]) -> opencv::Result<Vec<Alive>> {
+        // Guess: the point moves on as it did last; a new point moves as the median of the others.
         let along = |axis: usize| {
             let mut moved: Vec<f64> = self
                 .alive
@@ -196,17 +202,18 @@ impl Last {
     }
 }
 
-/// The mean and the scatter that every picture is given: flow takes it that a point keeps its
-/// brightness, and a camera that opens its iris changes that of all.
+/// Mean and standard deviation to which every picture is normalised, grey levels. Optical flow
+/// assumes that a point keeps its brightness, but the iris changes that of the whole picture.
 #[cfg(feature = "opencv")]
 const LEVEL: f64 = 110.0;
 #[cfg(feature = "opencv")]
 const CONTRAST: f64 = 45.0;
 
-/// Gives a picture the usual mean and scatter.
+/// Normalises the mean and the standard deviation of a picture.
 #[cfg(feature = "opencv")]
 fn even_out(grey: &mut crate::media::GreyPicture) {
     let count = grey.values.len().max(1) as f64;
+    // By the histogram: 256 values instead of every pixel.
     let mut numbers = [0_u32; 256];
     for value in &grey.values {
         numbers[usize::from(*value)] += 1;

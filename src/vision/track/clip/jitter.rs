@@ -2,7 +2,7 @@
 
 use touchline_core::camera::Ptz;
 
-/// The root mean square of the second differences of cameras that follow each other.
+/// Root mean square of the second differences of consecutive cameras.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Jitter {
     /// Of the pan, degrees.
@@ -11,13 +11,13 @@ pub struct Jitter {
     pub tilt_deg: f64,
     /// Of the focal length, px.
     pub focal_px: f64,
-    /// Of the picture's middle, px.
+    /// Of the image position of the scene at the picture's centre, px.
     pub centre_px: f64,
 }
 
 impl Jitter {
-    /// Of cameras in the order of their frames; frames without one interrupt. None without three in
-    /// a row.
+    /// Of cameras in frame order. A missing frame interrupts the sequence; `None` without three
+    /// consecutive cameras.
     #[must_use]
     pub fn of(cameras: &[Option<Ptz>]) -> Option<Self> {
         let (mut squares, mut count) = ([0.0; 4], 0.0);
@@ -25,6 +25,8 @@ impl Jitter {
             let [Some(a), Some(b), Some(c)] = three else {
                 continue;
             };
+            // Second differences. At the picture's centre a pan moves the image by f cos(tilt) per
+            // radian, a tilt by f.
             let pan = (c.pan.turn_from(b.pan) - b.pan.turn_from(a.pan)).degrees();
             let tilt = (c.tilt - b.tilt - (b.tilt - a.tilt)).degrees();
             let focal = c.focal_px - 2.0 * b.focal_px + a.focal_px;
@@ -59,7 +61,7 @@ mod tests {
         let mut jerk = even.clone();
         jerk[4] = Some(Ptz::from_degrees(0.5, -10.0, 2000.0));
         let jerk = Jitter::of(&jerk).unwrap();
-        // .1 − 2 · .1 + .1: second differences of .1, −.2 and .1 among seven.
+        // 0.1 − 2 · 0.1 + 0.1: second differences of 0.1, −0.2 and 0.1 among seven.
         assert!(
             (jerk.pan_deg - (0.06_f64 / 7.0).sqrt()).abs() < 1e-9,
             "{jerk:?}"

@@ -1,51 +1,51 @@
-//! A clip: frames of one camera that follow each other in time. What is known of some of its frames
-//! is carried to all.
+//! A clip: consecutive frames of one camera. Cameras that are known for some of its frames are
+//! propagated to all.
 //!
 //! | what | where |
 //! |---|---|
 //! | [`ClipCamera`] | the base, and lenses that are known frame by frame |
-//! | [`PointFollower`], [`PointTracks`] | points followed from picture to picture by optical flow |
-//! | [`carry`] | pan, tilt and focal length of every frame, one after the other, from the frames that are known |
+//! | [`PointFollower`], [`PointTracks`] | points tracked from picture to picture by optical flow |
+//! | [`carry`] | pan, tilt and focal length of every frame, one after the other, from the known frames |
 //! | [`adjust_clip`] | all frames in one adjustment, with covariance |
-//! | [`smooth`] | the frames' cameras as one smooth motion |
+//! | [`smooth`] | the cameras of all frames as one smooth motion |
 //!
 //! # Problem
 //!
-//! Some frames have cameras: a person's, painted lines', a forest's (`PosePrior`). Neighbouring
-//! frames show mostly the same points, and the camera between them turns and zooms. Find pan, tilt
-//! and focal length of all frames, and the covariance of each. The base of the camera is known and
-//! stays as it is. Where the lens of a frame is known beforehand, its focal length stays as well,
-//! and pan and tilt alone are sought.
+//! Some frames have cameras, from user clicks, painted lines or a forest (`PosePrior`).
+//! Neighbouring frames show mostly the same points, and between them the camera rotates and zooms.
+//! Find pan, tilt and focal length of all frames, and the covariance of each. The base of the
+//! camera is known and held fixed. Where the lens of a frame is known beforehand, its focal length
+//! is held as well, and only pan and tilt are estimated.
 //!
 //! # Method
 //!
-//! 1. **Following** (`follow.rs`, `flow.rs`): up to 320 corners by pyramidal Lucas–Kanade, each
-//!    checked by following it back. A track ends after 60 frames at most, because it may creep.
-//! 2. **Carrying** (`carry.rs`): a point is the mean direction in which frames so far saw it. The
-//!    next frame's camera is the one that puts the directions where the points are, by a Cauchy
-//!    loss whose scale shrinks. Points that disagree three times are of something that moves. A
-//!    frame is not reached if fewer than 40 % of its points, or than 20, agree, or if these lie in
-//!    a corner.
-//! 3. **One adjustment** (`adjust.rs`, `../pose_problem.rs`): all cameras and all directions at
-//!    once, from all sightings and priors. Directions are eliminated; what is left is a band of 3 ×
-//!    3 blocks, solved by Cholesky factorisation in envelope storage (`../envelope.rs`). The same
-//!    factor gives every frame's covariance. The points' noise is measured from the clip, per
-//!    frame, for blur puts all points of a frame off alike.
-//! 4. **Contradiction**. A lens or base that is a little off bends all points alike, which is no
-//!    scatter. Where priors of people or paint lie farther off than they state, the points are
-//!    taken as less exact until they do not, and the difference is spread over the frames around a
-//!    prior. A forest's answers give way instead.
-//! 5. **Smoothing** (`smooth.rs`), if asked for: a Rauch–Tung–Striebel smoother whose noise is what
-//!    makes the clip most likely.
+//! 1. **Tracking** (`follow.rs`, `flow.rs`): up to 320 corners by pyramidal Lucas–Kanade, each
+//!    checked by tracking it back. A track ends after at most 60 frames, because it drifts.
+//! 2. **Propagation** (`carry.rs`): a point is the mean direction in which the frames so far saw
+//!    it. The next frame's camera is the one that projects the directions onto the points, under a
+//!    Cauchy loss whose scale shrinks. A point that disagrees three times is taken to move in the
+//!    scene. A frame is not reached if fewer than 40 % of its points, or fewer than 20, agree, or
+//!    if these lie in a corner.
+//! 3. **Joint adjustment** (`adjust.rs`, `../pose_problem.rs`): all cameras and all directions at
+//!    once, from all observations and priors. Directions are eliminated; what remains is a band of
+//!    3 × 3 blocks, solved by Cholesky factorisation in envelope storage (`../envelope.rs`). The
+//!    same factor gives the covariance of every frame. The noise of the points is estimated from
+//!    the clip, per frame, since motion blur displaces all points of a frame alike.
+//! 4. **Contradiction**. A small error of lens or base biases all points alike and does not appear
+//!    in their scatter. Where priors of persons or paint lie farther off than they state, the
+//!    covariance of the points is inflated until they agree, and the difference is spread over the
+//!    frames around a prior. For a forest's answers it is the prior that is inflated.
+//! 5. **Smoothing** (`smooth.rs`), optional: a Rauch–Tung–Striebel smoother whose noise parameters
+//!    are those of maximum likelihood for the clip.
 //!
-//! `calibrate::track_clip` adds the painted lines: frames are aligned to them in rounds, and each
-//! is judged where it ended.
+//! `calibrate::track_clip` adds the painted lines: frames are aligned to them in rounds, and a
+//! verdict on each follows at the end.
 //!
-//! # What it is proof against
+//! # Robustness
 //!
-//! Players, scrolling boards, a burnt-in graphic, a camera that stands still, motion blur. It is
-//! not proof against a dissolve between two shots that hardly move: points of the second one appear
-//! while those of the first fade, and only the paint tells (`calibrate/clip/fit.rs`).
+//! Robust against players, scrolling boards, a burnt-in graphic, a camera at rest, and motion blur.
+//! Not robust against a dissolve between two shots that hardly move: points of the second shot
+//! appear while those of the first fade, and only the paint reveals it (`calibrate/clip/fit.rs`).
 
 mod adjust;
 mod camera;

@@ -1,30 +1,31 @@
-//! Points followed through a clip.
+//! Points tracked through a clip.
 
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
 
-/// One point of the scene, in frame after frame.
+/// One point of the scene, tracked through consecutive frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointTrack {
-    /// The first frame that shows it, by its place in the clip.
+    /// The first frame that shows it, as an index into the clip.
     pub first: usize,
-    /// Where it is in that frame and in each one after, px.
+    /// Its position in that frame and in each following one, px.
     pub points: Vec<ImagePoint>,
 }
 
-/// All points followed through a clip.
+/// All points tracked through a clip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointTracks {
     /// The size of all frames, px.
     pub image_size: ImageSize,
-    /// How many frames were looked at.
+    /// Number of frames processed.
     pub frames: usize,
-    /// In the order in which they begin.
+    /// In the order in which the tracks begin.
     pub tracks: Vec<PointTrack>,
 }
 
 impl PointTracks {
-    /// The same without what masks cover: `masks` has those of each frame. A point that comes out
-    /// of a mask is another one.
+    /// The tracks outside the masks; `masks` has those of each frame. A track that enters a mask
+    /// ends, and a new one begins where it leaves the mask, because a point under a graphic is not
+    /// tracked reliably.
     #[must_use]
     pub fn outside(&self, masks: &[Vec<PixelBox>]) -> Self {
         let is_covered = |frame: usize, point: ImagePoint| {
@@ -52,7 +53,8 @@ impl PointTracks {
         Self { tracks, ..*self }
     }
 
-    /// For each frame the tracks that show it, each with the place of the frame in it.
+    /// For each frame the tracks that show it, each with the index of the observation within the
+    /// track.
     pub(super) fn by_frame(&self) -> Vec<Vec<(usize, usize)>> {
         let mut frames = vec![Vec::new(); self.frames];
         for (track, followed) in self.tracks.iter().enumerate() {

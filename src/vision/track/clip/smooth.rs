@@ -1,18 +1,19 @@
-//! Smoothing: the cameras of a clip as one motion, by a fixed-interval smoother (Rauch, Tung,
-//! Striebel: "Maximum likelihood estimates of linear dynamic systems", AIAA J. 3, 1965).
+//! Smoothing: the cameras of a clip as one motion, by a fixed-interval Kalman smoother (Rauch,
+//! Tung, Striebel: "Maximum likelihood estimates of linear dynamic systems", AIAA J. 3, 1965).
 //!
-//! Pan, tilt and the logarithm of the focal length each move at a speed that wanders. How fast it
-//! wanders, and how much the frames scatter about the motion, is what makes the clip most likely.
+//! Pan, tilt and the logarithm of the focal length follow a constant-velocity model each: the rate
+//! performs a random walk. The variance of that walk and the scale of the measurement noise are
+//! those of maximum likelihood for the clip.
 
 use super::super::pose_prior::{by_log_focal, moved, offset};
 use nalgebra::{Matrix6, Vector6};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::{Mat3, Vec3};
 
-/// How a clip is smoothed.
+/// Options of [`smooth()`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothOptions {
-    /// A frame that a person accepted moves by at most so many of its 1-σ. 1 by default.
+    /// A frame that a person accepted moves by at most this many of its 1-σ. Default: 1.
     pub reference_sigmas: f64,
 }
 
@@ -24,7 +25,7 @@ impl Default for SmoothOptions {
     }
 }
 
-/// A frame that is smoothed.
+/// A frame before smoothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unsmoothed {
     /// Pan, tilt, focal length.
@@ -35,7 +36,8 @@ pub struct Unsmoothed {
     pub is_reference: bool,
 }
 
-/// Frames that follow each other without a gap, smoothed; as many as were given.
+/// Smooths consecutive frames; returns one camera per frame. Fewer than five frames are returned
+/// unchanged.
 #[must_use]
 pub fn smooth(frames: &[Unsmoothed], options: &SmoothOptions) -> Vec<Ptz> {
     let Some(first) = frames.first().map(|frame| frame.ptz) else {
@@ -44,7 +46,8 @@ pub fn smooth(frames: &[Unsmoothed], options: &SmoothOptions) -> Vec<Ptz> {
     if frames.len() < LEAST {
         return frames.iter().map(|frame| frame.ptz).collect();
     }
-    // From frame to frame, so that a camera that turns by more than half a circle does not jump.
+    // Accumulate (pan rad, tilt rad, ln f) from frame to frame, relative to the first: pan then
+    // does not wrap if the camera rotates by more than half a circle.
     let steps = frames.windows(2).map(|two| offset(two[0].ptz, two[1].ptz));
     let seen: Vec<Vec3> = std::iter::once(Vec3::zeros())
         .chain(steps.scan(Vec3::zeros(), |at, step| {
@@ -56,6 +59,7 @@ pub fn smooth(frames: &[Unsmoothed], options: &SmoothOptions) -> Vec<Ptz> {
         .iter()
         .map(|frame| by_log_focal(&frame.covariance, frame.ptz.focal_px))
         .collect();
+    // Noise parameters per axis by maximum likelihood, correlations between the axes ignored.
     let axes = [0, 1, 2].map(|axis| {
         let values: Vec<f64> = seen.iter().map(|at| at[axis]).collect();
         let variances: Vec<f64> = scatter
@@ -64,6 +68,8 @@ pub fn smooth(frames: &[Unsmoothed], options: &SmoothOptions) -> Vec<Ptz> {
             .collect();
         Motion::likeliest(&values, &variances)
     });
+    // Smooth the three axes together. A reference that moves too far has its measurement covariance
+    // divided by ten, and the smoother runs again.
     let share = Mat3::from_diagonal(&Vec3::from(axes.map(|axis| axis.scatter.sqrt())));
     let unrest = Vec3::from(axes.map(|axis| axis.unrest));
     let mut weights = vec![1.0; frames.len()];
@@ -93,26 +99,29 @@ pub fn smooth(frames: &[Unsmoothed], options: &SmoothOptions) -> Vec<Ptz> {
     smoothed.into_iter().map(|by| moved(first, by)).collect()
 }
 
-/// Fewer frames are left as they are.
+/// Minimum number of frames to smooth.
 const LEAST: usize = 5;
 
-/// How often references are held more strongly.
+/// Maximum number of runs in which references gain weight.
 const TRIES: usize = 8;
 
-/// The least logarithm of a share that is tried.
+/// Lower bound of both parameters of the search, which are logarithms.
 const LEAST_LOG: f64 = -15.0;
 
-/// How one axis moves.
+/// The noise model of one axis.
 #[derive(Clone, Copy, Debug)]
 struct Motion {
-    /// The variance by which its speed changes from frame to frame.
+    /// Variance of the change of the rate from one frame to the next.
     unrest: f64,
-    /// Its scatter from frame to frame, as a share of the stated variance.
+    /// Measurement variance as a multiple of the stated variance.
     scatter: f64,
 }
 
 impl Motion {
-    /// What makes the values most likely: a search in steps that halve.
+    /// The parameters of maximum likelihood.
+    ///
+    /// A grid over both logarithms, then a pattern search whose step halves from 0.75 to 0.05: the
+    /// likelihood has plateaus, and the filter has no simple derivative.
     fn likeliest(values: &[f64], variances: &[f64]) -> Self {
         let typical = variances.iter().sum::<f64>() / variances.len() as f64;
         let at = |log: [f64; 2]| Self {
@@ -133,7 +142,8 @@ impl Motion {
         let mut step = 0.75;
         while step > 0.05 {
             let around = [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]];
-            // A clip without any scatter would lead ever further down.
+            // The likelihood of a clip without any scatter has no maximum: it rises as the
+            // parameters go to zero.
             let stepped = |by: [f64; 2]| {
                 [
                     (best.0[0] + by[0]).max(LEAST_LOG),
@@ -153,7 +163,9 @@ impl Motion {
         at(best.0)
     }
 
-    /// Minus twice the logarithm of the likelihood, but for a constant.
+    /// −2 ln L up to a constant, by the innovations of a Kalman filter (prediction error
+    /// decomposition; Schweppe: "Evaluation of likelihood functions for Gaussian signals", IEEE
+    /// Trans. Information Theory 11, 1965): Σ ln Sₖ + eₖ²/Sₖ.
     fn surprise(self, values: &[f64], variances: &[f64]) -> f64 {
         let speed = values
             .windows(2)
@@ -161,14 +173,19 @@ impl Motion {
             .sum::<f64>()
             / values.len() as f64;
         let (mut at, mut moves) = (values[0], 0.0);
-        // The variances of place and speed, and their covariance.
+        // Filter covariance [[place, both], [both, pace]] of (position, rate). The rate is
+        // initially almost unknown: ten mean squared steps.
         let (mut place, mut both, mut pace) = (variances[0], 0.0, 10.0 * speed + self.unrest);
         let mut surprise = 0.0;
         for (value, variance) in values.iter().zip(variances).skip(1) {
+            // Prediction P ← F P Fᵀ + Q with F = [[1, 1], [0, 1]] and Q = q [[1/3, 1/2], [1/2, 1]],
+            // the rate being a Wiener process sampled once per frame (q is `unrest`).
             at += moves;
             place += 2.0 * both + pace + self.unrest / 3.0;
             both += pace + self.unrest / 2.0;
             pace += self.unrest;
+            // Innovation `off` and its variance, then the Kalman update. The order of the last
+            // three lines matters: each uses values from before the update.
             let spread = place + self.scatter * variance;
             let off = value - at;
             surprise += spread.ln() + off * off / spread;
@@ -183,8 +200,12 @@ impl Motion {
     }
 }
 
-/// The smoother over (pan, tilt, log of the focal length) and their speeds.
+/// The Rauch–Tung–Striebel smoother over (pan, tilt, ln f) and their rates: smoothed positions,
+/// given measurements `seen`, their covariances `scatter`, and the variances `unrest` of the change
+/// of the rates per frame.
 pub(super) fn smoothed_offsets(seen: &[Vec3], scatter: &[Mat3], unrest: &Vec3) -> Vec<Vec3> {
+    // Constant-velocity model, F = [[I, I], [0, I]], with the process noise of rates that are
+    // Wiener processes sampled once per frame.
     let mut turn = Matrix6::identity();
     turn.fixed_view_mut::<3, 3>(0, 3)
         .copy_from(&Mat3::identity());
@@ -195,6 +216,8 @@ pub(super) fn smoothed_offsets(seen: &[Vec3], scatter: &[Mat3], unrest: &Vec3) -
         noise[(axis + 3, axis)] = unrest[axis] / 2.0;
         noise[(axis + 3, axis + 3)] = unrest[axis];
     }
+    // A weak start: a hundred times the covariance of the first measurement, and rates of ten times
+    // the root mean squared step.
     let mut state = Vector6::zeros();
     state.fixed_rows_mut::<3>(0).copy_from(&seen[0]);
     let mut covariance = Matrix6::zeros();
@@ -209,7 +232,7 @@ pub(super) fn smoothed_offsets(seen: &[Vec3], scatter: &[Mat3], unrest: &Vec3) -
             / seen.len() as f64;
         covariance[(axis + 3, axis + 3)] = 100.0 * (speed + unrest[axis]);
     }
-    // What is known of each frame before and after its own value.
+    // Forward pass. For each frame, state and covariance before and after its measurement.
     let mut passes: Vec<[(Vector6<f64>, Matrix6<f64>); 2]> = Vec::with_capacity(seen.len());
     for (place, value) in seen.iter().enumerate() {
         if place > 0 {
@@ -225,6 +248,8 @@ pub(super) fn smoothed_offsets(seen: &[Vec3], scatter: &[Mat3], unrest: &Vec3) -
         }
         passes.push([before, (state, covariance)]);
     }
+    // Backward pass: C = P Fᵀ P⁻ₖ₊₁⁻¹ and x ← xₖ + C (xₖ₊₁ − x⁻ₖ₊₁). The smoothed covariances are
+    // not needed and not computed.
     let mut smoothed = vec![state.fixed_rows::<3>(0).into_owned(); seen.len()];
     for place in (0..seen.len() - 1).rev() {
         let (own, own_covariance) = passes[place][1];

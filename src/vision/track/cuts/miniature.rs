@@ -1,4 +1,5 @@
-//! A frame so small that only what fills it is left: what cuts are looked for in.
+//! A frame reduced to a size at which only large structures remain; shot boundaries are detected on
+//! it.
 
 use crate::media::Picture;
 
@@ -6,21 +7,20 @@ use crate::media::Picture;
 pub const WIDTH: usize = 64;
 /// Rows of a miniature.
 pub const HEIGHT: usize = 36;
-/// How many pixels of a cell are looked at along each side; the mean of these stands for the cell.
+/// Pixels sampled per side of a cell; their mean is the value of the cell.
 const SAMPLES: usize = 6;
-/// The farthest shift that is tried, in halves of a cell's count: columns and rows of a picture of
-/// half the size.
+/// Largest shift tried, in columns and rows of a miniature of half the size.
 const COARSE_SHIFT: (i32, i32) = (8, 4);
 
 /// A frame reduced to 64 × 36 cells of red, green and blue, whatever its shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Miniature {
-    /// Red, green and blue of each cell, rows from the top.
+    /// Red, green and blue of each cell, 0 to 255, row by row from the top.
     cells: Vec<[f32; 3]>,
 }
 
 impl Miniature {
-    /// Reduces a picture.
+    /// Reduces a picture to cells.
     #[must_use]
     pub fn of(picture: &Picture) -> Self {
         let (width, height) = (
@@ -28,7 +28,7 @@ impl Miniature {
             picture.size().height as usize,
         );
         let rgba = picture.rgba();
-        // The middles of so many equal parts of a side.
+        // The centres of `parts` equal parts of a side.
         let places = |side: usize, parts: usize| -> Vec<usize> {
             (0..parts)
                 .map(|part| (2 * part + 1) * side / (2 * parts))
@@ -38,6 +38,8 @@ impl Miniature {
             places(width, WIDTH * SAMPLES),
             places(height, HEIGHT * SAMPLES),
         );
+        // The mean of 6 × 6 samples per cell; a full average would visit every pixel of every
+        // frame.
         let mut cells = Vec::with_capacity(WIDTH * HEIGHT);
         for rows in rows.chunks_exact(SAMPLES) {
             for columns in columns.chunks_exact(SAMPLES) {
@@ -58,12 +60,14 @@ impl Miniature {
         Self { cells }
     }
 
-    /// How far two differ where one is shifted as fits best: the mean difference of a colour, 0 to
-    /// 255.
+    /// The difference of two miniatures under the shift that fits best: mean absolute difference
+    /// per colour channel, 0 to 255.
     ///
-    /// A camera that turns shifts its picture, which is no cut; what differs then is little.
+    /// A panning camera shifts its picture, which is no cut; after the shift little difference
+    /// remains.
     #[must_use]
     pub fn difference(&self, other: &Self) -> f32 {
+        // Exhaustive search at half the size, then refinement by one cell at full size.
         let (small, small_other) = (self.halved(), other.halved());
         let half = (WIDTH / 2, HEIGHT / 2);
         let shifts = (-COARSE_SHIFT.0..=COARSE_SHIFT.0)
@@ -79,10 +83,11 @@ impl Miniature {
             .fold(f32::INFINITY, f32::min)
     }
 
-    /// How far it is from the mean of two others, none of them shifted: little where one fades into
-    /// the other.
+    /// Mean absolute difference from the mean of two others, without a shift; small in a cross-fade
+    /// from one to the other.
     #[must_use]
     pub fn difference_from_blend(&self, before: &Self, after: &Self) -> f32 {
+        // Midway through a cross-fade a frame is the mean of both pictures, colour by colour.
         let blended = before.cells.iter().zip(&after.cells);
         let sum: f32 = self
             .cells
@@ -97,13 +102,14 @@ impl Miniature {
         sum / (3 * self.cells.len()) as f32
     }
 
-    /// How far two differ as they lie.
+    /// Mean absolute difference without a shift.
     #[must_use]
     pub fn unshifted_difference(&self, other: &Self) -> f32 {
         shifted_difference(&self.cells, &other.cells, (WIDTH, HEIGHT), (0, 0))
     }
 
-    /// How far its cells are from their mean: nothing in a picture of one colour.
+    /// Mean absolute deviation of the cells from their mean, per colour channel; zero for a picture
+    /// of one colour.
     #[must_use]
     pub fn contrast(&self) -> f32 {
         let count = self.cells.len() as f32;
@@ -137,14 +143,15 @@ impl Miniature {
     }
 }
 
-/// The mean difference of a colour where cell (x, y) of one lies on (x + right, y + down) of the
-/// other.
+/// Mean absolute difference per colour channel over the overlap, where cell (x, y) of `one` lies on
+/// (x + right, y + down) of `other`.
 fn shifted_difference(
     one: &[[f32; 3]],
     other: &[[f32; 3]],
     (width, height): (usize, usize),
     (right, down): (i32, i32),
 ) -> f32 {
+    // The columns or rows of `one` that overlap the shifted `other`.
     let span = |side: usize, shift: i32| {
         let (from, cut) = (shift.min(0).unsigned_abs() as usize, shift.max(0) as usize);
         from..side - cut

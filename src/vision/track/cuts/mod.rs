@@ -1,9 +1,10 @@
-//! Where one shot of a video ends and the next begins.
+//! Shot boundary detection.
 //!
-//! A hard cut is a frame that differs from the one before far more than neighbouring frames differ
-//! from each other, however the picture is shifted, and that stays different: a camera's flash
-//! lasts one frame, and the picture is back. A fade is a frame that looks like the mean of two
-//! frames that differ, or nearly empty frames in between. Fades are unsure and said to be.
+//! A hard cut is a frame that differs from the previous one far more than neighbouring frames
+//! differ from each other, under every shift of the picture, and stays different: a camera's flash
+//! lasts one frame, and then the old picture is back. A fade is a frame that looks like the mean of
+//! two different frames, or a run of nearly empty frames in between. The position of a fade is
+//! uncertain and marked as such.
 
 mod miniature;
 
@@ -11,57 +12,59 @@ pub use miniature::Miniature;
 
 use std::collections::VecDeque;
 
-/// The least difference of a cut, grey levels. Neighbouring frames of the fastest pans and zooms of
-/// two broadcasts differ by 5.3.
+/// Minimum difference of a cut, grey levels. Neighbouring frames of the fastest pans and zooms of
+/// two broadcasts differ by up to 5.3.
 const LEAST_CUT: f32 = 6.0;
-/// By how much a cut exceeds the differences around it.
+/// Minimum ratio of a cut's difference to the median difference around it.
 const CUT_OVER_MOTION: f32 = 2.5;
-/// How many differences on each side are what is usual around a frame.
+/// Number of differences on each side that measure the usual motion around a frame.
 const AROUND: usize = 4;
-/// A fade is looked for between frames this far before and after it.
+/// Half the length of the window in which fades are detected, frames.
 const HALF_FADE: usize = 8;
-/// The least difference between both ends of a fade, grey levels.
+/// Minimum difference between the two ends of a fade, grey levels.
 const LEAST_FADE: f32 = 12.0;
-/// The largest difference of a frame within a fade from the mean of its ends, as a share of their
-/// difference.
+/// Maximum difference of the middle frame of a fade from the mean of its ends, relative to the
+/// difference of the ends.
 const MOST_OFF_BLEND: f32 = 0.35;
-/// Frames of less contrast than this are empty, grey levels.
+/// Frames of lower contrast are empty, grey levels.
 const EMPTY: f32 = 4.0;
-/// Two cuts are at least this far apart: what is found nearer to a surer one is part of it.
+/// Minimum distance between a fade and any other cut, frames; a weaker one within it is part of the
+/// stronger one.
 const APART: usize = 2 * HALF_FADE;
 
-/// A cut that was found.
+/// A shot boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FoundCut {
-    /// The first frame of the shot that begins there, from 0.
+    /// The first frame of the new shot, from 0.
     pub frame: usize,
-    /// Whether it is a fade, whose place is unsure.
+    /// Whether it is a fade; its position is uncertain.
     pub is_fade: bool,
 }
 
-/// Looks for cuts in frames that it is given one after the other, all of them.
+/// Detects cuts in frames that are pushed one after the other without gaps.
 #[derive(Debug, Default)]
 pub struct CutFinder {
-    /// The latest frames, as many as a fade needs.
+    /// The latest frames, as many as the window of a fade has.
     latest: VecDeque<Miniature>,
     measured: Vec<Measured>,
 }
 
-/// What a frame is measured to be.
+/// Measurements of one frame.
 #[derive(Clone, Copy, Debug)]
 struct Measured {
-    /// The difference from the frame before.
+    /// The difference from the previous frame, grey levels.
     step: f32,
-    /// The smallest difference of the frames just before from the frame and the one behind: what a
-    /// flash leaves is little.
+    /// The smallest difference between one of the two frames before it and this frame or the next
+    /// one. After a flash it is small.
     lasting: f32,
-    /// How far it is from the mean of the ends of a fade around it, and how far these differ.
+    /// Its difference from the mean of the ends of the window around it, and the difference of the
+    /// ends.
     fade: Option<(f32, f32)>,
     contrast: f32,
 }
 
 impl CutFinder {
-    /// Takes the next frame.
+    /// Adds the next frame.
     pub fn push(&mut self, frame: Miniature) {
         let from_end = |back: usize| {
             self.latest
@@ -72,7 +75,7 @@ impl CutFinder {
         let step = from_end(1).map_or(0.0, |before| frame.difference(before));
         let over_two = from_end(2).map_or(f32::INFINITY, |before| frame.difference(before));
         let over_three = from_end(3).map_or(f32::INFINITY, |before| frame.difference(before));
-        // The frame behind tells whether what came with a frame has stayed.
+        // Only now is it known whether the change at the last frame persists.
         if let Some(last) = self.measured.last_mut() {
             last.lasting = last.lasting.min(over_two).min(over_three);
         }
@@ -87,6 +90,7 @@ impl CutFinder {
         if self.latest.len() > 2 * HALF_FADE + 1 {
             self.latest.pop_front();
         }
+        // Once the window is full, measure its middle frame as the middle of a fade.
         if let (Some(first), Some(middle), Some(last)) = (
             self.latest.front(),
             self.latest.get(HALF_FADE),
@@ -98,13 +102,13 @@ impl CutFinder {
         }
     }
 
-    /// How many frames it was given.
+    /// Number of frames added.
     #[must_use]
     pub const fn frames(&self) -> usize {
         self.measured.len()
     }
 
-    /// The cuts among the frames that were given, in their order.
+    /// The cuts among the frames added so far, in frame order.
     #[must_use]
     pub fn cuts(&self) -> Vec<FoundCut> {
         let empty = self.empty_runs();
@@ -115,7 +119,8 @@ impl CutFinder {
                 is_fade: true,
             })
             .collect();
-        // To and from an empty picture is one cut, and none to each side of it.
+        // Fades over empty frames come first: a fade to black and back is one cut, not one on each
+        // side.
         let is_apart = |cuts: &[FoundCut], frame: usize| {
             cuts.iter().all(|cut| cut.frame.abs_diff(frame) > APART)
         };
@@ -128,6 +133,7 @@ impl CutFinder {
             })
             .collect();
         cuts.extend(hard);
+        // Cross-fades, the most certain first; each suppresses weaker ones near it.
         let mut blends: Vec<(f32, usize)> = (1..self.measured.len())
             .filter_map(|frame| self.blend_at(frame))
             .collect();
@@ -145,20 +151,22 @@ impl CutFinder {
     }
 
     fn is_cut(&self, frame: usize) -> bool {
+        // Compare with the usual motion around the frame; the frame itself and its two neighbours
+        // are part of the event.
         let lasting = self.measured[frame].lasting;
         let (from, to) = (
             frame.saturating_sub(AROUND).max(1),
             (frame + AROUND).min(self.measured.len() - 1),
         );
         let around = (from..=to).filter(|at| at.abs_diff(frame) > 1);
-        // The median: another cut or a flash near by is no motion.
+        // The median is robust against another cut or a flash near by.
         let mut steps: Vec<f32> = around.map(|at| self.measured[at].step).collect();
         steps.sort_by(f32::total_cmp);
         let motion = steps.get(steps.len() / 2).copied().unwrap_or_default();
         lasting >= LEAST_CUT && lasting >= CUT_OVER_MOTION * motion
     }
 
-    /// The middles of short runs of empty frames between frames that are not.
+    /// The middle of each short run of empty frames between frames that are not empty.
     fn empty_runs(&self) -> Vec<usize> {
         let mut runs = Vec::new();
         let mut begun = None;
@@ -179,7 +187,7 @@ impl CutFinder {
         runs
     }
 
-    /// How sure a fade of one picture into another is whose middle is a frame; none where there is
+    /// The strength of a cross-fade whose middle is this frame, and the frame; `None` if it is
     /// none.
     fn blend_at(&self, frame: usize) -> Option<(f32, usize)> {
         let (off, ends) = self.measured[frame].fade?;
