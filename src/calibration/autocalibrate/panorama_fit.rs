@@ -53,7 +53,8 @@ const MIN_CORRESPONDENCES: usize = 100;
 /// The crown stays within what building rules allow, m.
 const CROWN_RANGE_M: [f64; 2] = [-0.1, 0.5];
 
-/// 1-σ that holds a parameter at its value.
+/// 1-σ of a parameter that is not fitted: all ten stay in the equations, and a tight prior holds
+/// this one.
 const HELD_SIGMA: f64 = 1e-6;
 
 /// Number of parameters, and their indices: position (m) and rotation vector (rad) in `world`, log
@@ -72,9 +73,9 @@ const LENGTHS: usize = 8;
 pub(super) struct PanoramaFit {
     pub pose: PanoramaPose,
     pub log_scale: f64,
-    /// Of the frames, at that focal scale.
+    /// The rotations of the frames at that focal scale.
     pub rotations: Turns,
-    /// With its crown and, where a size prior was given, its size.
+    /// The field with its fitted crown and, if a size prior was given, its fitted size.
     pub field: FieldModel,
     /// The share of the paint that lies on a line.
     pub explained: f64,
@@ -97,12 +98,12 @@ impl PanoramaFit {
     }
 }
 
-/// Where a fit begins.
+/// The initial values of a fit.
 #[derive(Clone, Copy)]
 pub(super) struct PanoramaStart<'a> {
     pub pose: PanoramaPose,
     pub log_scale: f64,
-    /// With the crown and the size to begin with.
+    /// The field, with the initial crown and size.
     pub field: &'a FieldModel,
 }
 
@@ -119,6 +120,8 @@ pub(super) fn fit_panorama(
     size_prior: Option<&FieldPrior>,
     rotations: &RotationsByFocalScale,
 ) -> Option<PanoramaFit> {
+    /// The fit without the matches' focal scale is chosen only if it explains this many times as
+    /// much paint.
     const OVERRULES_MATCHES: f64 = 1.1;
     let paint = PaintSamples::spread_over_sphere(frames, rotations);
     let with_matches = fit_with_scale_prior(
@@ -153,6 +156,7 @@ fn fit_with_scale_prior(
         short_step: 1e-6,
         small_gain: 1e-6,
     };
+    // Start from the pose of the search; open lengths start at those of the field.
     let family = FieldFamily::new(start.field, size_prior);
     let mut found = Parameters {
         pose: start.pose,
@@ -202,7 +206,7 @@ fn explained_share(
 struct FieldFamily<'a> {
     field: &'a FieldModel,
     size_prior: Option<&'a FieldPrior>,
-    /// At most two; none without a size prior.
+    /// The lengths to fit: at most two, none without a size prior.
     open_lengths: Vec<OpenLength>,
 }
 
@@ -415,19 +419,19 @@ fn subsample_per_line(pairs: Vec<Correspondence>) -> Vec<Correspondence> {
         .collect()
 }
 
-/// What is fitted.
+/// The fitted parameters.
 #[derive(Clone, Copy)]
 struct Parameters {
     pose: PanoramaPose,
     log_scale: f64,
     crown_m: f64,
-    /// Length and width of the field, as far as they are open.
+    /// Length and width of the field, m; only the first [`FieldFamily::open_lengths`] count.
     lengths_m: [f64; 2],
 }
 
 /// A direction of paint and its line, and how both move with the parameters other than the pose.
 struct Correspondence {
-    /// At `linearised_at`.
+    /// The pair at `linearised_at`.
     paint: PaintCorrespondence,
     direction_by_log_scale: Vec3,
     /// The point of the line, by crown, length and width of the field.
@@ -495,7 +499,7 @@ impl Residual<1, 0, NUM_PARAMETERS> for Correspondence {
     }
 }
 
-/// What is known of one parameter beforehand.
+/// A Gaussian prior on one parameter.
 struct Prior {
     parameter: usize,
     value: f64,
@@ -571,6 +575,8 @@ impl Problem for PaintProblem {
     }
 
     fn stepped(&self, from: &Parameters, step: &SVector<f64, NUM_PARAMETERS>) -> Parameters {
+        // Position and rotation are updated in `world`, the rotation by a rotation vector, so it
+        // needs no parametrisation of its own.
         let shift_m = step.fixed_rows::<3>(POSITION).into_owned();
         let turn = step.fixed_rows::<3>(ROTATION).into_owned();
         Parameters {
