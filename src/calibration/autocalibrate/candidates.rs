@@ -33,10 +33,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::field::FieldModel;
 use touchline_core::progress::Progress;
 
-/// Hypotheses that are adjusted with all frames, at most.
+/// Maximum number of hypotheses that are adjusted with all frames.
 const MAX_REFINED: usize = 5;
 
-/// Candidates for which neighbouring field sizes are tried, at most.
+/// Maximum number of candidates for which neighbouring field sizes are tried.
 const MAX_RESIZED: usize = 2;
 
 /// An adjustment replaces another one if its score is this many times higher.
@@ -45,7 +45,7 @@ const MIN_GAIN: f64 = 1.01;
 /// Positions nearer to each other than this are one answer, m.
 pub(super) const SAME_POSITION_M: f64 = 1.5;
 
-/// The best candidate has no rival if its score is this many times that of the runner-up.
+/// There is no runner-up if the score of the best candidate is this many times that of the next.
 pub(super) const RUNNER_UP_RATIO: f64 = 1.35;
 
 /// A pose after step 1.
@@ -122,8 +122,7 @@ fn sort_best_first(hypotheses: &mut [Hypothesis]) {
     hypotheses.sort_by(|a, b| b.score().total_cmp(&a.score()));
 }
 
-/// Step 1: fits the panorama at each pose; the best first, one for each place where the camera may
-/// stand.
+/// Step 1: fits the panorama at each pose. Returns the best first, one for each position.
 fn place_panoramas<'a>(
     poses: &'a [ScaledPose],
     fields: &[FieldModel],
@@ -146,12 +145,12 @@ fn place_panoramas<'a>(
         })
         .collect();
 
-    // The fit says how much of the paint lies on lines, the search how many of the lines show
-    // paint.
+    // Rank by both kinds of evidence: the share of paint on lines, from the fit, and the share of
+    // lines with paint, from the search.
     let score = |placed: &PlacedPanorama<'_>| placed.fit.explained * placed.pose.scored.visible;
     placed.sort_by(|a, b| score(b).total_cmp(&score(a)));
 
-    // Neighbouring poses converge to one place.
+    // Neighbouring poses converge to one position; keep the best of each.
     let mut distinct: Vec<PlacedPanorama<'_>> = Vec::new();
     for candidate in placed {
         let position_m = candidate.fit.pose.position_m;
@@ -213,7 +212,7 @@ fn adjust_with_and_without_size(
     choose_size(as_assumed, resized, field_prior.is_known)
 }
 
-/// Fits a panorama again from where it stands, starting with the field as assumed.
+/// Fits a panorama again from its own pose, starting with the field as assumed.
 fn refit_assumed_field(
     panorama: &PlacedPanorama<'_>,
     size_prior: Option<&FieldPrior>,
@@ -242,7 +241,7 @@ impl JointStart {
     }
 
     /// From the result of an adjustment. Frames that it dropped are placed by their matches with
-    /// those that it kept.
+    /// the frames that it kept.
     fn from_hypothesis(hypothesis: &Hypothesis, matched: &MatchedFrames) -> Option<Self> {
         let ptz = hypothesis.all_ptz(matched)?.into_iter().map(Some).collect();
         let camera = &hypothesis.camera;

@@ -369,6 +369,8 @@ fn match_paint_to_lines(
     let stepped_directions = paint.directions_at(at.log_scale + LOG_SCALE_STEP)?;
 
     let mut pairs = Vec::new();
+    // A pair that is already farther from its line than three gates is probably paint of another
+    // line, or no line at all.
     for (direction, stepped_direction) in directions.into_iter().zip(stepped_directions) {
         let (Some(direction), Some(stepped_direction)) = (direction, stepped_direction) else {
             continue;
