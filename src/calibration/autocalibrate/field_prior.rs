@@ -122,7 +122,8 @@ impl FieldPrior {
             .collect()
     }
 
-    /// The field with these lengths, in their order; none if the rules exclude them.
+    /// The field with these lengths, in their order, clamped to what the rules allow; none if the
+    /// template has no field of that size.
     pub fn with_lengths(&self, values_m: &[f64]) -> Option<FieldModel> {
         self.open.as_ref()?.sized(values_m)
     }
