@@ -103,8 +103,9 @@ pub(super) fn poses_from_clicks(
 /// The best poses at each of some focal scales, and at the neighbours of the scale that has the
 /// best pose of all. `poses_at` returns the poses at one scale, the best first.
 ///
-/// # Errors The search was stopped, no scale could be evaluated, or the frames are not those of a
-/// rotating camera, which shows at the first scale.
+/// # Errors
+/// The search was stopped, no scale could be evaluated, or the frames are not those of a rotating
+/// camera, which shows at the first scale.
 fn try_focal_scales(
     matched: &MatchedFrames,
     focal_percent: &[u32],

@@ -52,6 +52,9 @@ pub(super) struct FramesAtScale {
 }
 
 impl MatchedFrames {
+    /// Matches the sampled frames and keeps the largest connected group.
+    ///
+    /// # Errors
     /// Too few frames are connected, the search was stopped, or OpenCV is missing or failed.
     pub fn from_sampled(
         frames: &[SampledFrame],

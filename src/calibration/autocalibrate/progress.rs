@@ -59,6 +59,9 @@ pub enum AutocalibrationProgress {
 }
 
 /// Reports progress.
+///
+/// # Errors
+/// [`AutocalibrationError::Stopped`] if the receiver ends the search.
 pub(super) fn report(
     progress: &Progress<'_, AutocalibrationProgress>,
     step: AutocalibrationProgress,

@@ -1,5 +1,5 @@
-//! From a document's references to proposed cameras: the training set, the forest, what it answers,
-//! and where to label next.
+//! From a document's references to proposed cameras: the training set, the forest, its answers, and
+//! advice on where to label next.
 //!
 //! | what | where |
 //! |---|---|
@@ -19,7 +19,8 @@
 //! | [`UsedFeatures`] | what the forest made of a picture's features |
 //! | [`adopt_bases`] | whether a forest and a document mean the same cameras |
 //!
-//! The window's trainer and the command line both live on this room; nothing here starts a thread.
+//! The trainer of the window and the command line both use this module. Nothing here starts a
+//! thread of its own.
 
 mod advice;
 mod asked;

@@ -1,4 +1,4 @@
-//! The forest asked for a frame.
+//! Queries the forest for a frame.
 
 use super::{Answer, Asked, FrameFeatures, NoProposal, PictureError, Proposal, Timings};
 use touchline_core::camera::CameraBase;
@@ -6,7 +6,7 @@ use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Document, FramePtz};
 use touchline_vision::relocalize::{ForestModel, Pose, RelocalizeOptions, Relocalized, relocalize};
 
-/// What the forest says of a frame with these features, if they could be had.
+/// The proposal of a forest for a frame with these features.
 #[must_use]
 pub fn propose(
     document: &Document,
