@@ -1,7 +1,7 @@
 //! Aligns the frames of a hypothesis to the paint of their own pictures.
 //!
-//! A frame's camera is known from three sides: its paint in the joint adjustment, its matches with
-//! other frames, and, once a base is known, the painted lines of its own picture at full
+//! A frame's camera is constrained from three sides: its paint in the joint adjustment, its matches
+//! with other frames, and, once a base is known, the painted lines of its own picture at full
 //! resolution. The three are combined in two passes of one least-squares problem over all frames
 //! ([`adjust_matched_frames`]):
 //!
@@ -187,6 +187,7 @@ impl ConstrainedFrames {
             frame.ptz = held.ptz;
             frame.uncertainty = placed.uncertainty(held);
             let camera = PtzCamera::new(self.base, held.ptz);
+            // Compare the alignment with the camera that all constraints together give.
             let agrees = |snapped: &Snapped| {
                 overlays_apart_px(&camera, snapped.ptz, self.image_size)
                     <= MAX_CONTRADICTION_PX * scale
@@ -254,6 +255,7 @@ pub(super) fn prior_from_alignment(
     covariance: &Mat3,
     image_size: ImageSize,
 ) -> Option<PosePrior> {
+    // The floor, for each of (pan, tilt, log f).
     let least_angle = MIN_ALIGNED_SIGMA_PX * image_size.scale_from_1920() / ptz.focal_px;
     let least_log_focal =
         2.0 * MIN_ALIGNED_SIGMA_PX * image_size.scale_from_1920() / f64::from(image_size.width);

@@ -154,7 +154,7 @@ impl Search<'_> {
     }
 
     /// Decides between two candidates that explain the paint about equally well. `best` is already
-    /// aligned; `is_doubted` says that some evidence speaks against it.
+    /// aligned; `is_doubted` says that some evidence contradicts it.
     fn decide_between(
         &self,
         best: Hypothesis,
@@ -168,8 +168,8 @@ impl Search<'_> {
         let runner_up = align_frames(runner_up, matched, picture, self.progress)?;
 
         // The frames' own pictures decide first. A candidate with which too few frames agree
-        // becomes the runner-up; if there are other doubts, or both are misaligned, there is no
-        // answer.
+        // becomes the runner-up. There is no answer if other evidence contradicts one of them, or
+        // if both are misaligned.
         let is_misaligned = |hypothesis: &Hypothesis| {
             few_aligned(&hypothesis.camera, MIN_ALIGNED_BEFORE_REFINING).is_some()
         };
@@ -225,6 +225,7 @@ impl Search<'_> {
             doubts.insert(0, Doubt::Rival);
             return Err(uncertain(doubts, best));
         }
+        // Suggest the click that separates them best.
         let deciding = deciding_landmark(&self.document, &best, &other);
         Ok(AutocalibrationAnswer::Two {
             best: Box::new(best),
@@ -403,12 +404,13 @@ impl Search<'_> {
 fn choose(candidates: Vec<Hypothesis>) -> Result<Choice, Abstention> {
     let mut candidates = candidates.into_iter();
     let mut best = candidates.next().ok_or(Abstention::NothingFits)?;
+    // Candidates in the position of the best are the same answer.
     let is_elsewhere = |other: &Hypothesis| {
         (other.position_m() - best.position_m()).norm() > SAME_POSITION_M && other.score() > 0.0
     };
     let elsewhere = candidates.find(is_elsewhere);
     best.camera.evidence.rival = elsewhere.as_ref().map_or(0.0, Hypothesis::score);
-    // A candidate with doubts cannot question one without.
+    // A candidate against which there is evidence cannot question one without.
     let is_runner_up = |other: &Hypothesis| {
         best.score() < RUNNER_UP_RATIO * other.score()
             && (other.doubts().is_empty() || !best.doubts().is_empty())

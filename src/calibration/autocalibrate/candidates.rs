@@ -5,13 +5,13 @@
 //! It becomes a [`Hypothesis`] in three steps, each with more freedom than the one before:
 //!
 //! 1. [`fit_panorama`] frees the focal scale, the crown and the field's size; the frames stay rigid
-//!    to each other. The best [`MAX_REFINED`] that stand in different places go on.
+//!    to each other. The best [`MAX_REFINED`] in different positions go on.
 //! 2. [`Hypothesis::adjust`] frees pan, tilt and focal length of every frame and the lens, and fits
 //!    the paint in the pictures. It is repeated from its own result ([`adjust_repeatedly`]).
 //! 3. Where the field's size is unknown, the best [`MAX_RESIZED`] try neighbouring sizes
 //!    ([`try_neighbouring_sizes`]).
 //!
-//! Hypotheses are ranked by their evidence after step 2: the score of the search does not tell
+//! Hypotheses are ranked by their evidence after step 2: the score of the search does not separate
 //! right from wrong reliably.
 
 use super::clicked::GroundClick;
@@ -84,6 +84,7 @@ fn refine_poses(
     let PosesByFocalScale { poses, rotations } = found;
     let panoramas = place_panoramas(poses, fields, field_prior, rotations);
 
+    // Step 2 for all panoramas in parallel. The counter is for progress only.
     let num_done = AtomicUsize::new(0);
     let adjusted: Result<Vec<Option<Hypothesis>>, AutocalibrationError> = panoramas
         .par_iter()
@@ -107,6 +108,7 @@ fn refine_poses(
     let mut hypotheses: Vec<Hypothesis> = adjusted?.into_iter().flatten().collect();
     sort_best_first(&mut hypotheses);
 
+    // Step 3, in place, and the order once more.
     if field_prior.is_size_unknown() {
         let of = hypotheses.len().min(MAX_RESIZED);
         for (done, hypothesis) in hypotheses.iter_mut().take(of).enumerate() {
@@ -191,6 +193,7 @@ fn adjust_with_and_without_size(
     } else {
         (Some(fit.clone()), None)
     };
+    // Both variants are adjusted in parallel.
     let (as_assumed, resized) = rayon::join(
         || {
             adjust_repeatedly(
@@ -294,13 +297,14 @@ fn choose_size(
     /// Two more parameters always explain a little more: 0.1 % on a real pitch of the stated size,
     /// 2.8 % on a drawn one that is 3 m wider than stated.
     const CLEARLY_BETTER: f64 = 1.01;
-    /// Smaller differences are no doubt about the stated size, m: pitches are laid out by tape.
+    /// Smaller differences from the stated size do not count, m: pitches are laid out by tape.
     const MIN_DIFFERENCE_M: f64 = 1.0;
 
     let (mut as_assumed, resized) = match (as_assumed, resized) {
         (Some(as_assumed), Some(resized)) => (as_assumed, resized),
         (as_assumed, resized) => return as_assumed.or(resized.filter(|_| !is_known)),
     };
+    // The size is unknown: the higher score wins, the fitted size if equal.
     if !is_known {
         return Some(if resized.score() >= as_assumed.score() {
             resized
@@ -308,6 +312,7 @@ fn choose_size(
             as_assumed
         });
     }
+    // The size is stated: keep it, but record a clearly better one.
     if resized.score() > CLEARLY_BETTER * as_assumed.score() {
         let (stated, other) = (&as_assumed.camera.field, &resized.camera.field);
         let difference_m = (other.length_m - stated.length_m)
@@ -332,6 +337,7 @@ fn try_neighbouring_sizes(
 ) {
     const MAX_STEPS: usize = 3;
     for _ in 0..MAX_STEPS {
+        // Adjust at each neighbouring size, starting from the present base and frames.
         let neighbours: Vec<Hypothesis> = field_prior
             .neighbouring_sizes(&hypothesis.camera.field)
             .into_par_iter()

@@ -73,6 +73,7 @@ pub(super) fn poses(
     };
     let sights: Vec<(Vec2, Vec2)> = clicks.iter().filter_map(sight).collect();
     let mut found: Vec<(f64, PanoramaPose)> = Vec::new();
+    // All pairs of clicks. The distance of the landmarks is the sort key.
     for (index, one) in sights.iter().enumerate() {
         for other in &sights[index + 1..] {
             found.extend(pose_of(one, other).map(|pose| ((other.1 - one.1).norm(), pose)));
@@ -99,6 +100,8 @@ fn pose_of((ray, at): &(Vec2, Vec2), (other_ray, other_at): &(Vec2, Vec2)) -> Op
     }
     let angle = |of: Vec2| of.y.atan2(of.x);
     let heading = Angle::from_radians(angle(between_rays) - angle(between));
+    // The ray to the first landmark in `world`, 1 m down; the camera is `height_m` such steps back
+    // from it.
     let turned = PanoramaPose::upright(Vec3::zeros(), heading).world_from_panorama
         * Vec3::new(ray.x, ray.y, -1.0);
     Some(PanoramaPose::upright(

@@ -71,6 +71,7 @@ pub(super) fn doubts_of(evidence: &AutocalibrationEvidence, base: &CameraBase) -
             residual_px: evidence.residual_px,
         },
     );
+    // An infinite distance means that some part of the frames gave no position at all.
     let parts_m = evidence.parts_m;
     if parts_m.is_finite() {
         ask(parts_m > MAX_PARTS_M, Doubt::PartsDisagree { parts_m });
@@ -99,6 +100,7 @@ pub(super) fn measure_evidence(
     let frames: Vec<usize> = (0..strokes.len())
         .filter(|frame| joint.ptz[*frame].is_some())
         .collect();
+    // Count in each frame that has a camera.
     let counts: Vec<Counts> = frames
         .par_iter()
         .filter_map(|&frame| {
@@ -114,6 +116,7 @@ pub(super) fn measure_evidence(
         .iter()
         .flat_map(|counts| counts.lines.iter().copied())
         .collect();
+    // Whether a line is missing is decided over all frames together.
     let of_lines: Vec<&[LineCounts]> = counts
         .iter()
         .map(|counts| counts.of_line.as_slice())

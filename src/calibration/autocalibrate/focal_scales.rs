@@ -127,6 +127,7 @@ fn try_focal_scales(
         done += 1;
         match matched.at_scale(percent) {
             Ok((frames, panorama)) => {
+                // Find the poses at this scale, and remember the scale with the best pose.
                 let poses = poses_at(&frames.rotations, &panorama);
                 let score = poses.first().map_or(0.0, ScoredPose::score);
                 if best.is_none_or(|(other, _)| score > other) {
@@ -149,9 +150,11 @@ fn try_focal_scales(
             percents.extend(best.and_then(|(_, percent)| untried_beside(percent, &percents)));
         }
     }
+    // Report a failure only if no scale worked; the first reason is that of the most likely scale.
     if let Some(why) = refused.filter(|_| rotations.is_empty()) {
         return Err(why.into());
     }
+    // Poses of all scales compete; the sort is stable.
     found.sort_by(|a, b| b.scored.score().total_cmp(&a.scored.score()));
     Ok(PosesByFocalScale {
         poses: found,
@@ -165,6 +168,8 @@ fn try_focal_scales(
 fn untried_beside(percent: u32, tried: &[u32]) -> Option<u32> {
     let above = FOCAL_PERCENT.into_iter().find(|share| *share > percent);
     let below = FOCAL_PERCENT.into_iter().rfind(|share| *share < percent);
+    // A neighbour counts as tried if any scale between it and the best was tried: scales from the
+    // finer list may lie between two of the table.
     let is_tried = |range: RangeInclusive<u32>| tried.iter().any(|share| range.contains(share));
     let above = above.filter(|above| !is_tried(percent + 1..=*above));
     let below = below.filter(|below| !is_tried(*below..=percent - 1));

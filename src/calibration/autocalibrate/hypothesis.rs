@@ -49,6 +49,7 @@ impl Hypothesis {
         let joint = adjust_jointly(start, size_prior, &observed)?;
         let evidence = measure_evidence(&joint, paint, &matched.strokes);
         let paint_priors = joint.paint_priors();
+        // Frames with too little paint have no camera yet; they get one in the alignment.
         let placed = matched
             .indices
             .iter()

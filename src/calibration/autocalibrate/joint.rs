@@ -313,10 +313,12 @@ fn apart(
         let of_rest = |(frame, ptz): (usize, &Option<Ptz>)| ptz.filter(|_| !is_left_out(frame));
         position_m(&ptz.iter().enumerate().map(of_rest).collect::<Vec<_>>())
     };
+    // Even against odd frames, so that both halves cover the same views.
     let [one, other] = [1, 0].map(|half| without(&|frame| frame % 2 == half));
     if let Some((one, other)) = one.zip(other) {
         return Some(one - other);
     }
+    // Jackknife over the frames that take part.
     let part: Vec<usize> = (0..ptz.len())
         .filter(|frame| ptz[*frame].is_some())
         .collect();
@@ -398,6 +400,8 @@ fn near_lines(
         let Some(near) = ground.and_then(|ground| map.nearest(ground, eye_m)) else {
             continue;
         };
+        // Assignment is by angle on the viewing sphere; the gate is in pixels, the unit of the
+        // adjustment.
         let off_px = beside_px(camera, &near, *image).unwrap_or(f64::INFINITY);
         if off_px > reach_px {
             continue;
@@ -437,8 +441,8 @@ mod tests {
     fn parts_of_the_frames_say_how_sure_all_of_them_are() {
         let halves = apart_of(&[Some(10.0), Some(10.4), Some(10.2), Some(10.6)], 2).unwrap();
         assert!((halves.x + 0.4).abs() < 1e-9 && halves.y == 0.0, "{halves}");
-        // Of three frames one at a time is left out: the mean of .1, .2 and .6 is sure to .1528,
-        // their standard error.
+        // Of three frames one at a time is left out: the standard error of the mean of 0.1, 0.2 and
+        // 0.6 is 0.1528.
         let three = apart_of(&[Some(10.1), Some(10.2), None, Some(10.6)], 2).unwrap();
         assert!(
             (three.x - 2.0 * (0.07_f64 / 3.0).sqrt()).abs() < 1e-9,

@@ -42,7 +42,7 @@ pub(super) struct MatchedFrames {
     pub masks: Vec<Vec<PixelBox>>,
 }
 
-/// The frames as pairwise matches place them at one focal scale.
+/// The frames at one focal scale, with the rotations that fit the pairwise matches.
 pub(super) struct FramesAtScale {
     /// The log focal scale: of the factor on the focal lengths that fit the matches best.
     pub log_scale: f64,

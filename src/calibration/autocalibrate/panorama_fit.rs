@@ -4,10 +4,10 @@
 //! # Problem
 //!
 //! Pairwise matches give all frames' rotations relative to each other, so the paint of all frames
-//! is one rigid set of directions: the panorama. Its place in the world is open, and so are a few
-//! numbers that matches say little or nothing about. From a low camera these trade off against each
-//! other: a pitch 2 m wider, seen from 3 m farther away, looks nearly the same. They are therefore
-//! fitted together, ten parameters in all ([`Parameters`]).
+//! is one rigid set of directions: the panorama. Its pose in the world is open, and so are a few
+//! numbers that matches determine badly or not at all. From a low camera these trade off against
+//! each other: a pitch 2 m wider, seen from 3 m farther away, looks nearly the same. They are
+//! therefore fitted together, ten parameters in all ([`Parameters`]).
 //!
 //! # Method
 //!
@@ -88,6 +88,8 @@ impl PanoramaFit {
             position_m,
             world_from_panorama,
         } = self.pose;
+        // The frame `panorama` has the pan axis as z; `base` has z forward and y down. At the
+        // default angles the rotation between them is the same as from `world`.
         let base_from_panorama = BaseAngles::default().base_from_world();
         let base_from_world = base_from_panorama * world_from_panorama.transpose();
         let centre = self.rotations.image_size.centre();
@@ -136,6 +138,7 @@ pub(super) fn fit_panorama(
         start,
         size_prior,
     );
+    // Prefer the fit with the matches' prior, unless the other is clearly better.
     match (with_matches, without) {
         (Some(with), Some(without)) if without.explained <= OVERRULES_MATCHES * with.explained => {
             Some(with)
@@ -195,6 +198,8 @@ fn explained_share(
     family: &FieldFamily<'_>,
 ) -> Option<f64> {
     let within = angular_scale(at.pose.position_m.z) * EXPLAINED_DEG.to_radians();
+    // Without a gate and without the subsample per line, so that fits with different gates are
+    // comparable.
     let all = match_paint_to_lines(at, paint, family, f64::INFINITY)?;
     let is_explained =
         |pair: &&Correspondence| pair.value(at).is_some_and(|off| off[0].abs() < within);
@@ -246,6 +251,7 @@ impl<'a> FieldFamily<'a> {
 /// `scale_prior`, the crown is that of an ordinary pitch, and open lengths are near what the
 /// document assumes.
 fn priors(scale_prior: FocalScale, family: &FieldFamily<'_>) -> Vec<Prior> {
+    // Fields that are never crowned keep a crown of zero.
     let (crown_m, crown_sigma_m) = if family.field.may_be_crowned() {
         BasePriors::default().crown_m
     } else {
@@ -273,6 +279,7 @@ fn priors(scale_prior: FocalScale, family: &FieldFamily<'_>) -> Vec<Prior> {
             sigma: crown_sigma_m,
         },
     ];
+    // Lengths that are not open are held at zero: without a prior the equations would be singular.
     for index in 0..2 {
         let open = family.open_lengths.get(index);
         let (value, sigma) = open.map_or((0.0, HELD_SIGMA), |length| {
@@ -287,7 +294,7 @@ fn priors(scale_prior: FocalScale, family: &FieldFamily<'_>) -> Vec<Prior> {
     priors
 }
 
-/// Places of paint in the pictures, evenly spread over the viewing sphere.
+/// Points of paint in the pictures, evenly spread over the viewing sphere.
 struct PaintSamples<'a> {
     rotations: &'a RotationsByFocalScale,
     samples: Vec<PaintSample>,
@@ -300,7 +307,7 @@ struct PaintSample {
 
 impl<'a> PaintSamples<'a> {
     /// The paint of frames, at most one sample per frame in each cell of a grid over the sphere.
-    /// Several frames that show one place keep a sample each: they are independent measurements of
+    /// Several frames that show one point keep a sample each: they are independent measurements of
     /// it.
     fn spread_over_sphere(frames: &FramesAtScale, rotations: &'a RotationsByFocalScale) -> Self {
         const CELL_DEG: f64 = 0.1;
@@ -314,6 +321,7 @@ impl<'a> PaintSamples<'a> {
                 let Ok(direction) = camera.world_direction_from_image(image) else {
                     continue;
                 };
+                // The grid is over pan and tilt in `panorama`.
                 let cell = [
                     direction.x.atan2(direction.y),
                     direction.z.atan2(direction.xy().norm()),
@@ -405,7 +413,7 @@ fn match_paint_to_lines(
 }
 
 /// Keeps equally many pairs of each line. The near touchline, which every frame shows, would
-/// otherwise outweigh all others, and alone it says nothing about the position along itself.
+/// otherwise outweigh all others, and alone it does not constrain the position along itself.
 fn subsample_per_line(pairs: Vec<Correspondence>) -> Vec<Correspondence> {
     const MAX_PER_LINE: usize = 60;
     let mut pairs_by_line: BTreeMap<usize, Vec<Correspondence>> = BTreeMap::new();
@@ -476,6 +484,8 @@ impl Residual<1, 0, NUM_PARAMETERS> for Correspondence {
     }
 
     fn linearised(&self, at: &Parameters) -> Option<Linearised<1, 0, NUM_PARAMETERS>> {
+        // The derivatives by the pose are those of the pair; the others follow from them by the
+        // chain rule.
         let moved = self.moved_to(at);
         let by_pose = moved.linearised(&at.pose)?;
         let (normal, _) = moved.plane(&at.pose)?;
@@ -565,6 +575,8 @@ impl Problem for PaintProblem {
     type Equations = BlockEquations<0, NUM_PARAMETERS>;
 
     fn equations(&self, at: &Parameters) -> Self::Equations {
+        // σ of a pair is the gate, so the loss has the scale of the gate. Priors use a squared
+        // loss.
         let loss = Loss::Cauchy { c: 1.0 };
         let mut equations = BlockEquations::zero();
         for correspondence in &self.correspondences {

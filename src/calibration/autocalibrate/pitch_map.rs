@@ -62,6 +62,7 @@ impl Grid {
 fn nearest_of(curves: &[(usize, Curve)], place: Vec3) -> NearOfKinds {
     let mut nearest: [Option<(f64, u16)>; KINDS] = [None; KINDS];
     for (number, (_, curve)) in (0_u16..).zip(curves) {
+        // Of equally near curves the first stays.
         let near = &mut nearest[kind_of(curve)];
         if let Some(distance_m) = across_m(curve, place)
             && near.is_none_or(|(nearest_m, _)| distance_m < nearest_m)
@@ -201,6 +202,7 @@ impl PitchMap {
             Vec3::new(x, y, 0.0)
         };
         let mut map = Self::without_grid(field);
+        // Brute force over all curves for each cell centre.
         let near = (0..columns * rows)
             .map(|cell| nearest_of(&map.curves, place(cell)))
             .collect();
@@ -257,6 +259,8 @@ impl PitchMap {
     /// [`Self::ground`] with one iteration: exact on flat ground, else within some decimetres.
     #[inline]
     pub fn ground_roughly(&self, at: impl Fn(f64) -> Option<Vec3>) -> Option<Vec3> {
+        // The height of the crown depends on y only, so its height where the ray meets z = 0 is a
+        // good first guess.
         let flat = at(0.0)?;
         if self.crown.height_m == 0.0 {
             Some(flat)
@@ -308,6 +312,7 @@ impl PitchMap {
             );
             (on_line.passed_by(eye_m, direction), on_line)
         };
+        // Of the candidates on the ground, the nearest as an angle.
         let near = self.near(place)?.into_iter().flatten().map(on_line);
         near.min_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, on_line)| on_line)
@@ -334,6 +339,7 @@ impl PitchMap {
     /// Points along all lines, at most `spacing_m` apart.
     pub fn samples(&self, spacing_m: f64) -> impl Iterator<Item = OnLine> + '_ {
         self.curves.iter().flat_map(move |(line, curve)| {
+            // Both ends are sampled; even a very short curve has two samples.
             let count = (curve.length_m() / spacing_m).ceil().max(1.0);
             (0..=count as usize).map(move |step| self.on_line(*line, curve, step as f64 / count))
         })
@@ -364,6 +370,8 @@ fn direction(curve: &Curve, place: Vec3) -> Vec2 {
 /// The unsigned distance of a point across a curve, m; none more than [`OVERSHOOT_M`] beyond its
 /// ends.
 fn across_m(curve: &Curve, place: Vec3) -> Option<f64> {
+    // The offset from the nearest point is perpendicular to the curve unless that point is an end;
+    // its part along the curve is then the distance beyond the end.
     let nearest = curve.point_at(nearest_parameter(curve, place));
     let off = (place - nearest).xy();
     let along = direction(curve, nearest);
