@@ -100,8 +100,8 @@ fn pose_of((ray, at): &(Vec2, Vec2), (other_ray, other_at): &(Vec2, Vec2)) -> Op
     }
     let angle = |of: Vec2| of.y.atan2(of.x);
     let heading = Angle::from_radians(angle(between_rays) - angle(between));
-    // The ray to the first landmark in `world`, 1 m down; the camera is `height_m` such steps back
-    // from it.
+    // The ray to the first landmark in `world`, scaled to 1 m of descent. The camera is `height_m`
+    // times this vector away from the landmark.
     let turned = PanoramaPose::upright(Vec3::zeros(), heading).world_from_panorama
         * Vec3::new(ray.x, ray.y, -1.0);
     Some(PanoramaPose::upright(

@@ -150,7 +150,7 @@ fn try_focal_scales(
             percents.extend(best.and_then(|(_, percent)| untried_beside(percent, &percents)));
         }
     }
-    // Report a failure only if no scale worked; the first reason is that of the most likely scale.
+    // Fail only if no scale worked, with the first reason.
     if let Some(why) = refused.filter(|_| rotations.is_empty()) {
         return Err(why.into());
     }

@@ -313,7 +313,7 @@ fn apart(
         let of_rest = |(frame, ptz): (usize, &Option<Ptz>)| ptz.filter(|_| !is_left_out(frame));
         position_m(&ptz.iter().enumerate().map(of_rest).collect::<Vec<_>>())
     };
-    // Even against odd frames, so that both halves cover the same views.
+    // Even frames against odd ones.
     let [one, other] = [1, 0].map(|half| without(&|frame| frame % 2 == half));
     if let Some((one, other)) = one.zip(other) {
         return Some(one - other);
@@ -400,8 +400,8 @@ fn near_lines(
         let Some(near) = ground.and_then(|ground| map.nearest(ground, eye_m)) else {
             continue;
         };
-        // Assignment is by angle on the viewing sphere; the gate is in pixels, the unit of the
-        // adjustment.
+        // The nearest line is found by angle from the camera; the gate is in pixels, the unit of
+        // the adjustment.
         let off_px = beside_px(camera, &near, *image).unwrap_or(f64::INFINITY);
         if off_px > reach_px {
             continue;

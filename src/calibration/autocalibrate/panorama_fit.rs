@@ -14,7 +14,7 @@
 //! Iterative closest point on the viewing sphere. Each round assigns every direction of paint to
 //! the line that it passes nearest to, drops pairs beyond a gate, and minimises the angles between
 //! the directions and the planes through camera and line (the point-to-line metric of Chen and
-//! Medioni, 1992). The gate narrows from round to round, so that parallel lines are told apart only
+//! Medioni, 1992). The gate narrows from round to round, so that parallel lines are separated only
 //! once the pose is good enough for it. A Cauchy loss bounds the influence of wrong pairs; priors
 //! hold what paint leaves open.
 //!
@@ -88,8 +88,8 @@ impl PanoramaFit {
             position_m,
             world_from_panorama,
         } = self.pose;
-        // The frame `panorama` has the pan axis as z; `base` has z forward and y down. At the
-        // default angles the rotation between them is the same as from `world`.
+        // In `panorama` the cameras of the frames have a level base (`Turns::camera`), so
+        // `base_from_panorama` is that of the default angles.
         let base_from_panorama = BaseAngles::default().base_from_world();
         let base_from_world = base_from_panorama * world_from_panorama.transpose();
         let centre = self.rotations.image_size.centre();

@@ -259,8 +259,8 @@ impl PitchMap {
     /// [`Self::ground`] with one iteration: exact on flat ground, else within some decimetres.
     #[inline]
     pub fn ground_roughly(&self, at: impl Fn(f64) -> Option<Vec3>) -> Option<Vec3> {
-        // The height of the crown depends on y only, so its height where the ray meets z = 0 is a
-        // good first guess.
+        // The ground's height depends on y only, so that at the point with z = 0 is a good
+        // estimate.
         let flat = at(0.0)?;
         if self.crown.height_m == 0.0 {
             Some(flat)

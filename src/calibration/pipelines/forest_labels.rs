@@ -168,6 +168,7 @@ fn propose_in_batches(
             break;
         }
         let of_batch = pictures.each(reader, batch, |index, _, features| {
+            // A panic in one frame must not end the others.
             let ask = || {
                 propose(
                     pictures.document,
@@ -226,6 +227,7 @@ pub fn label_frames(
     };
     let mut proposals =
         propose_on_lines(&pictures, reader, frames, forest, Some(&evidence), progress);
+    // Record the answers. A frame may have a better camera from another source.
     for proposal in &mut proposals {
         let Some(frame) = document.frames.by_id_mut(&proposal.frame) else {
             continue;

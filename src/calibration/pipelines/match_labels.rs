@@ -197,6 +197,7 @@ pub fn label_match(
         found: Arc::clone(&first),
         separate_frames: None,
     });
+    // Further cameras, then the frames that were not sampled.
     let cameras = labelling.find_other_cameras(camera.clone(), first)?;
     let without = |document: &Document| {
         document
@@ -280,6 +281,8 @@ impl Labelling<'_> {
         camera: CameraId,
         first: Arc<AutocalibratedCamera>,
     ) -> Result<Vec<Arc<AutocalibratedCamera>>, AutocalibrationError> {
+        // Each search leaves the frames that did not match its group; the next camera is searched
+        // among these. A search without an answer ends it.
         let (mut found, mut of) = (vec![first], camera);
         while let Some(last) = found.last() {
             let sampled: Vec<usize> = last.frames.iter().map(|frame| frame.index).collect();
@@ -328,6 +331,7 @@ impl Labelling<'_> {
         {
             return self.label_by_forest(found);
         }
+        // The base comes from the sampled frames only, so refine it on all of them.
         let options = TrackingOptions {
             refine_base: true,
             ..TrackingOptions::default()
@@ -353,6 +357,7 @@ impl Labelling<'_> {
         found: &[Arc<AutocalibratedCamera>],
     ) -> Result<(), LabelMatchError> {
         let frames = found.iter().flat_map(|found| &found.frames);
+        // The training frames: those that were aligned to their own paint, in the document's order.
         let mut on_paint: Vec<usize> = frames
             .filter(|frame| frame.snapped.is_some())
             .map(|frame| frame.index)
@@ -375,6 +380,7 @@ impl Labelling<'_> {
         else {
             return Ok(());
         };
+        // Query it for the frames without a camera, and align the answers to their paint.
         let asked: Vec<usize> = (0..self.document.frames.len())
             .filter(|&index| self.document.frames[index].ptz.is_none())
             .collect();

@@ -116,6 +116,8 @@ pub fn track_clips(
     };
     // The document before a pass. Tracked cameras are no constraints, so every pass starts from it.
     let mut known = document.clone();
+    // First pass; then again if it shows another length of the field, and until the bases are
+    // settled.
     let mut frames = tracking.pass(document)?;
     if frames.is_stopped || frames.tracked == 0 {
         return Ok(frames);
@@ -186,6 +188,8 @@ impl Tracking<'_> {
             {
                 break;
             }
+            // All clips are tracked from the document as it was before the pass, so their order
+            // does not matter.
             let of_clip = self.progress.part(TrackingEvent::Progress);
             let (at, evidence) = (known.at(self.folder), &mut self.evidence[index]);
             let end = match track_clip(
@@ -260,6 +264,7 @@ impl Tracking<'_> {
         mut frames: TrackedFrames,
     ) -> Result<TrackedFrames, FieldError> {
         let first = mean_confidence(document);
+        // `tracked` is the latest pass, `document` the one that is kept.
         let (mut best, mut last, mut tracked) = (first, first, document.clone());
         for _ in 0..MAX_ROUNDS {
             let Some(refined) = self.with_refined_bases(&tracked, &known) else {

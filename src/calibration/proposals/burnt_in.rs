@@ -81,6 +81,7 @@ pub(super) fn leave_out_burnt_in(
             .map(|&at| &*training_samples[at].features)
             .collect();
         let scale = camera.image_size.scale_from_1920();
+        // Features that stay in place although the labels say that the camera moved.
         let burnt = burnt_in(&pictures, &|one, other, point| {
             moved(&cameras, [one, other], point, scale)
         });
@@ -110,6 +111,7 @@ pub(super) fn leave_out_burnt_in(
                 features: graphic.features,
             });
         }
+        // Remove their rays, so that they do not become training samples.
         for (&at, burnt) in of_camera.iter().zip(&burnt.features) {
             let burnt: BTreeSet<u32> = burnt.iter().map(|&feature| feature as u32).collect();
             training_samples[at]

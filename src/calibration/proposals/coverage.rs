@@ -70,7 +70,7 @@ impl Coverage {
             .collect()
     }
 
-    /// Where the `training_frames` of a camera look. None where the camera has no base.
+    /// The coverage of one camera by `training_frames`. None if the camera has no base.
     #[must_use]
     pub fn of(
         document: &Document,

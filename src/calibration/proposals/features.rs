@@ -122,6 +122,8 @@ impl FramePictures<'_> {
         frame: &Frame,
         picture: &Picture,
     ) -> Result<Arc<Features>, PictureError> {
+        // The key of the store is the content: the hash of an image file, the identity of a video's
+        // frame.
         let identity = match frame.image_path(self.folder) {
             Some(path) => Some(sha256_of_file(&path)?),
             None => frame
@@ -146,6 +148,7 @@ impl FramePictures<'_> {
     fn of_image(&self, frame: &Frame) -> Result<FrameFeatures, PictureError> {
         let path = frame.image_path(self.folder).ok_or(PictureError::None)?;
         let sha256 = sha256_of_file(&path)?;
+        // Compare with the hash that the document states, if any.
         let changed = frame
             .sha256
             .as_ref()

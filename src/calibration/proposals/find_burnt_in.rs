@@ -44,6 +44,7 @@ pub fn find_burnt_in(
         let of_camera: Vec<usize> = (0..frames.len())
             .filter(|&index| frames[index].camera == camera.id)
             .collect();
+        // Reduced pictures of a sample of frames, with features for a part of them.
         let looked_at = spread(of_camera.clone(), LOOKED_AT);
         let with_features = spread(looked_at.clone(), LOOKED_AT / FEATURES_EVERY);
         let seen = pictures.each_picture(reader, &looked_at, |index, frame, picture| {
@@ -102,6 +103,7 @@ fn by_edges(
     let mut found = Vec::new();
     for graphic in standing_graphics(&reduced) {
         let [first, last] = [graphic.first, graphic.last].map(|place| seen[place].frame);
+        // Graphics that the document masks already are not reported.
         let masked = document.masks_of(&document.frames[first]);
         if masked
             .iter()

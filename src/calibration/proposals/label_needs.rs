@@ -56,6 +56,8 @@ impl LabelNeeds {
             *self = Self::anew(&document.frames, self.edition + 1);
             return;
         };
+        // Remove the old state of each changed frame and add the new one; then recompute all frames
+        // that this concerns.
         let before = std::mem::replace(&mut self.frames, document.frames.clone());
         let mut concerned = BTreeSet::new();
         for index in changed {
@@ -148,6 +150,7 @@ impl LabelNeeds {
         let Some(shot) = self.shots.get(&shot_of(frame)) else {
             return Vec::new();
         };
+        // From the solved neighbour before to the one after.
         let from = shot
             .looks
             .range(..index)
@@ -168,6 +171,8 @@ impl LabelNeeds {
             return;
         };
         let is_unanswered = shot.unanswered.contains(&index);
+        // Without an answer the direction is interpolated and the need is 1; with an uncertain
+        // answer both follow from the answer.
         let found = if is_unanswered {
             shot.between(index).map(|look| (look, 1.0))
         } else {
@@ -179,6 +184,7 @@ impl LabelNeeds {
         } else {
             shot.unknown.remove(&index)
         };
+        // The edition changes only if the entry does.
         let needing = found.map(|(look, need)| Needing {
             frame: index,
             look,

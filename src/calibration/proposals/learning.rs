@@ -152,6 +152,7 @@ pub fn learn(
     let training_samples = &studied.training_samples;
     let mut cameras = Vec::new();
     for camera in &document.cameras {
+        // A forest per camera, from the samples with a known pose.
         let of_camera = training_samples
             .iter()
             .filter(|sample| sample.camera == camera.id);
@@ -193,6 +194,7 @@ fn learn_camera<'a>(
     let (training_samples, cameras): (Vec<&TrainingSample>, Vec<PtzCamera>) = training_samples
         .filter(|(sample, _)| !sample.rays.is_empty())
         .unzip();
+    // Adjust the labels to each other, by the features that references have in common.
     let references: Vec<Reference> = training_samples
         .iter()
         .zip(&cameras)
@@ -234,6 +236,7 @@ fn without_frames(document: &Document) -> Document {
         extra: Extra::new(),
         ..document.clone()
     };
+    // The field of the document and those of single cameras.
     let of_cameras = kept
         .cameras
         .iter_mut()

@@ -74,6 +74,7 @@ impl LineEvidence {
             .collect();
         let pictures =
             PictureStream::new(at, subsample(references, REFERENCES)).with_reader(reader);
+        // One supported reference suffices. References with too little open ground say nothing.
         for FramePicture { frame, picture, .. } in pictures {
             let (Some(camera), Ok(picture)) = (at.document.pointed(frame), picture) else {
                 continue;
@@ -93,8 +94,8 @@ impl LineEvidence {
 
     /// Checks answers against the paint, which enters their confidence. An answer that falls below
     /// `min_confidence` is withdrawn, unless it was aligned to the paint and the paint then
-    /// supports it. Other answers are aligned if that is wanted and the paint decides. Pictures
-    /// that cannot be read change nothing.
+    /// supports it. With snapping enabled, other answers are aligned as well if the paint
+    /// determines the camera. Pictures that cannot be read change nothing.
     pub fn judge(
         &self,
         at: DocumentAt<'_>,
@@ -189,6 +190,7 @@ impl LineEvidence {
             self.fields.of_frame(at.document, frame),
         );
         let start = answer.ptz.ptz();
+        // Check the answer where it is, and the earlier camera in the same picture.
         answer.line_check = Some(check_lines(&ground, field, &PtzCamera::new(base, start)));
         let earlier = at
             .document
@@ -208,7 +210,7 @@ impl LineEvidence {
 /// Results for a frame besides the check of the answer.
 #[derive(Clone, Default)]
 struct PaintAnswer {
-    /// The answer aligned to the paint, if that is wanted and the paint decides.
+    /// The answer aligned to the paint, if alignment is enabled and converges.
     snapped: Option<Answer>,
     /// The check of a camera that the frame has and that no forest proposed.
     earlier: Option<LineCheck>,

@@ -126,6 +126,7 @@ impl<'a> Iterator for PictureStream<'a> {
                 picture: Err(PictureError::None),
             });
         }
+        // Frames without a source are not in the stream, so the two sequences stay in step.
         let StreamedFrame { source, picture } = self.stream.next()?;
         let picture = picture.map_err(PictureError::from).and_then(|picture| {
             check_size(frame, &source.to_string(), picture.size())?;

@@ -174,6 +174,8 @@ impl Project {
         {
             let (frame, gone) = (&edited.frames[position], &self.edited.frames[position]);
             let base = bases.of_frame(gone);
+            // Only an answer that nothing else keeps: the other state leaves the frame untouched,
+            // no suggestion is there for it, and none was discarded.
             if frame.is_untouched()
                 && self.suggestions.topmost(&frame.id, base.as_ref()).is_none()
                 && !self.suggestions.has_discarded(&frame.id)
@@ -197,6 +199,7 @@ impl Project {
     /// suggestion: positions, and the frames that do show it.
     pub fn not_shown_in(&self, now: &Document) -> Vec<(usize, Shared<Frame>)> {
         let bases = Bases::in_document(now);
+        // A frame that shows no suggestion although there is one for it.
         let lacks = |frame: &Frame| {
             !frame.shows_suggestion() && self.suggestion_for(frame, &bases).is_some()
         };
@@ -223,6 +226,9 @@ impl Project {
         }
         let (bases_before, bases) = (Bases::in_document(&self.edited), Bases::in_document(now));
         let mut new_batch = None;
+        // A suggestion that was there before keeps its batch. One that undo or an edit brought back
+        // joins the batch that showed it. Only what is left is new, in one batch with the edit's
+        // name.
         for frame in self
             .concerned_positions(now, &bases)
             .into_iter()
@@ -299,6 +305,7 @@ impl Project {
                 }
             }
         }
+        // Show the new answers and name the edit by their number.
         let Shown { view, given, .. } = self.show_suggestions(now, &changed);
         let name = match self.suggestions.finder(batch) {
             Some(Finder::Command { name }) => name.clone(),
@@ -363,6 +370,8 @@ impl Project {
             if with == *before {
                 continue;
             }
+            // The edit in progress shows the suggestion too, unless it has changed this frame
+            // itself.
             if let Some(here) = now.frames.position_of(&with.id)
                 && now.frames[here] == *before
             {
@@ -407,10 +416,12 @@ impl Project {
     /// The positions at which a later state, with these bases, may differ from [`Self::view`] or
     /// have other suggestions.
     fn concerned_positions(&self, now: &Document, bases: &Bases) -> BTreeSet<usize> {
+        // Positions are comparable only if no frames were added, removed or moved.
         let Some(changed) = now.frames.changed_in_place(&self.view.frames) else {
             return (0..now.frames.len()).collect();
         };
         let mut positions: BTreeSet<usize> = changed.into_iter().collect();
+        // A changed base makes other suggestions of a frame visible.
         if *bases != Bases::in_document(&self.edited) {
             positions.extend(
                 self.suggestions
@@ -451,6 +462,8 @@ struct Shown {
 /// still holds it in full.
 fn taken_from_suggestion(frame: &Frame) -> Option<(FramePtz, Solution)> {
     let mut frame = frame.clone();
+    // A frame that was corrected keeps its proposal beside its camera, from where it is restored in
+    // a copy. A frame without clicks still has the proposal as its camera.
     let is_whole = frame.restore_proposed() || frame.clicks.is_empty();
     if is_whole && frame.is_suggestion() {
         frame.ptz.zip(frame.solution)

@@ -27,6 +27,7 @@ pub fn propose(
         let base = asked
             .base
             .ok_or_else(|| NoProposal::NoBase { camera: camera() })?;
+        // Match the features in the forest and estimate the pose from the matched rays.
         let Relocalized {
             pose,
             predict_time,

@@ -252,6 +252,7 @@ pub fn measure(
             ));
         }
     }
+    // Groups were queried one after the other; return the document's order.
     asked.sort_by_key(|(index, _)| *index);
     let asked: Vec<LeftOut> = asked.into_iter().map(|(_, asked)| asked).collect();
     (!asked.is_empty()).then_some(Quality {
@@ -319,6 +320,7 @@ fn most_used<'a>(document: &'a Document, training_frames: &[usize]) -> Option<&'
 fn groups(document: &Document, collected: &[usize]) -> (LeftOutBy, Vec<Group>) {
     let frame = |place: usize| -> &Frame { &document.frames[collected[place]] };
     let all = 0..collected.len();
+    // By shot, if there are several; frames without a shot form one.
     let clips: BTreeSet<Option<&Clip>> = all
         .clone()
         .map(|index| frame(index).clip.as_ref())
@@ -337,6 +339,7 @@ fn groups(document: &Document, collected: &[usize]) -> (LeftOutBy, Vec<Group>) {
         return (LeftOutBy::Shot, clips.into_iter().map(of_clip).collect());
     }
     let time = |index: usize| frame(index).video.as_ref().and_then(|video| video.pts_s);
+    // Otherwise by time, if all frames have one, or by order.
     let (by, near): (_, Box<dyn Fn(usize, usize) -> bool>) =
         if all.clone().all(|index| time(index).is_some()) {
             let within = move |a: usize, b: usize| {

@@ -129,6 +129,8 @@ impl FeatureStore {
     /// Stores features.
     pub fn put(&self, key: &FeatureKey, features: Features) -> Arc<Features> {
         let features = Arc::new(features);
+        // After the first failed write the disk is not tried again. It is written without the lock
+        // of the memory.
         let refused = self
             .disk
             .as_ref()
@@ -163,6 +165,7 @@ impl Shelf {
         self.bytes += bytes_of(features);
         self.order.push_back(key.clone());
         self.held.insert(key.clone(), Arc::clone(features));
+        // First in, first out; the newest may be dropped too if it alone exceeds the limit.
         while self.bytes > MEMORY_BYTES {
             let Some(oldest) = self.order.pop_front() else {
                 break;

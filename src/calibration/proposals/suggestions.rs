@@ -161,6 +161,7 @@ impl Suggestions {
 
     /// How an answer for a batch relates to the suggestions for its frame.
     pub fn novelty(&self, frame: &FrameId, batch: BatchId, suggestion: &Suggestion) -> Novelty {
+        // Answers of a forest that was refused in this frame come too late.
         if let Some(Finder::Forest { generation }) = self.finder(batch)
             && self
                 .discarded
@@ -187,6 +188,7 @@ impl Suggestions {
         } = self;
         let is_forest = |batch: BatchId| finders.get(&batch).is_some_and(Finder::is_forest);
         let is_for_same_base = |known: &KeptSuggestion| known.suggestion.base == suggestion.base;
+        // One suggestion per batch and base, and one of all forests.
         let is_replaced = |known: &KeptSuggestion| {
             is_for_same_base(known)
                 && (known.batch == batch || (is_forest(batch) && is_forest(known.batch)))
@@ -198,6 +200,7 @@ impl Suggestions {
         };
         let kept = by_frame.entry(frame.clone()).or_default();
         kept.retain(|known| !is_replaced(known));
+        // Insert below the cameras that stay above, else on top.
         let at = kept.iter().position(stays_above).unwrap_or(kept.len());
         kept.insert(at, KeptSuggestion { batch, suggestion });
         forget_oldest(kept);
@@ -247,6 +250,7 @@ impl Suggestions {
                 taken.frames.push(frame.clone());
             }
         }
+        // Forests that are already trained would give the discarded answers again.
         taken.refused = match self.finders.get(&batch) {
             Some(Finder::Forest { generation }) => Some(newest_forest.max(*generation)),
             Some(finder) if finder.is_forest() => Some(newest_forest),
@@ -275,6 +279,7 @@ impl Suggestions {
 fn forget_oldest(kept: &mut Vec<KeptSuggestion>) {
     let mut bases: Vec<Option<CameraBase>> = Vec::new();
     let mut left = Vec::with_capacity(kept.len());
+    // From the top, so that the latest bases and suggestions are kept.
     for topmost in kept.drain(..).rev() {
         let base = topmost.suggestion.base;
         if !bases.contains(&base) {

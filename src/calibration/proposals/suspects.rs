@@ -73,6 +73,7 @@ fn suspects_among(
         ))
     });
     let (frames, references): (Vec<usize>, Vec<Reference>) = pointed.unzip();
+    // Contradictions come in descending order, so the first one of a reference is its largest.
     let found = contradictions(&references, &ContradictionOptions::default());
     let suspect = |index: usize| {
         let mut against = found

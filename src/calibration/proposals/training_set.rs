@@ -22,6 +22,7 @@ impl TrainingSet {
             .iter()
             .filter_map(|&index| document.frames.get(index))
         {
+            // Digest the serialised inputs. Cameras are serialised once each.
             let camera = cameras.entry(&frame.camera).or_insert_with(|| {
                 document
                     .camera_of(frame)

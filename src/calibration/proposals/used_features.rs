@@ -52,6 +52,8 @@ impl UsedFeatures {
                 features,
             };
         };
+        // Predict and estimate the pose as for a proposal, within the plausible ranges of the
+        // forest.
         let matches = candidates_of(&found.features, &forest.forest, &options.predict);
         let ranges = options
             .pose

@@ -123,6 +123,7 @@ impl Seen<'_> {
 
     /// The camera that this annotator made or accepted.
     fn camera(&self) -> Option<PtzCamera> {
+        // Suggestions and rejected frames are not the annotator's own statement.
         let own = !matches!(
             self.frame.status,
             FrameStatus::Suggested | FrameStatus::Rejected
@@ -169,6 +170,8 @@ pub(super) fn frame_agreement(
         .map(|(id, ..)| (*id).clone())
         .collect();
     let cameras = (first.camera(), second.camera());
+    // Whether two landmarks coincide in the picture depends on the camera; either annotator's will
+    // do.
     found.names = disputed_names(&ones, &others, scale, |a, b| {
         let camera = cameras.0.as_ref().or(cameras.1.as_ref());
         camera.is_some_and(|camera| lie_together(camera, field, a, b, scale))
@@ -207,6 +210,7 @@ fn disputed_names(
         .iter()
         .filter(|(id, at, _)| !has_namesake_near(id, *at, others))
     {
+        // The nearest click of the other with another name that is disputed as well.
         let near = others
             .iter()
             .filter(|(other, there, _)| other != id && !has_namesake_near(other, *there, ones))
@@ -249,6 +253,7 @@ fn lie_together(
 fn worst_corner_px(one: &PtzCamera, other: &PtzCamera, size: ImageSize) -> f64 {
     let off = |corner: ImagePoint| {
         let position = one.base().position_m;
+        // The ground point at the corner, if it is near enough, else a point far along the ray.
         let on_ground = one
             .plane_from_image(corner, 0.0)
             .filter(|point| (point - position).norm() <= FAR_M);

@@ -119,6 +119,7 @@ pub fn agreement(first: DocumentAt<'_>, second: DocumentAt<'_>) -> Result<Agreem
         if let Some(partner) = partner {
             met[*partner] = true;
         }
+        // Both labelled: compare. One only: list it.
         let labelled = (is_labelled(one), other.is_some_and(is_labelled));
         match (labelled, partner, other) {
             ((true, true), Some(partner), Some(other)) => {
@@ -144,6 +145,7 @@ pub fn agreement(first: DocumentAt<'_>, second: DocumentAt<'_>) -> Result<Agreem
             _ => {}
         }
     }
+    // Frames of the second document without a partner.
     for (index, other) in second
         .frames
         .iter()

@@ -85,6 +85,8 @@ impl FrameGroup {
             .iter()
             .filter_map(|frame| frame.scores.as_ref().ok())
             .collect();
+        // Clicks are pooled over frames, so that frames with many clicks count for more; measures
+        // are one value per frame.
         let pooled = |of: fn(&FrameScores) -> &[f64]| {
             let values: Vec<f64> = scored
                 .iter()
@@ -146,6 +148,7 @@ impl Evaluation {
         seed: u64,
     ) {
         let mut names: Vec<String> = self.frames.iter().filter_map(name).collect();
+        // Natural order: shot 2 before shot 10.
         alphanumeric_sort::sort_str_slice(&mut names);
         names.dedup();
         if names.len() < 2 {

@@ -126,6 +126,7 @@ pub fn evaluate(
     let true_fields = fields(truth, "truth")?;
     let estimated_fields = fields(estimate, "estimate")?;
     let partners = matched(truth, estimate);
+    // Frames of which the truth knows something; without any there is nothing to evaluate.
     let known: Vec<usize> = (0..truth.frames.len())
         .filter(|&index| is_known(&truth, &truth.frames[index]))
         .collect();
@@ -155,6 +156,7 @@ pub fn evaluate(
         }
     };
     let frames: Vec<FrameResult> = known.par_iter().map(one).collect();
+    // The estimate's frames that no known frame was matched to.
     let mut has_truth = vec![false; estimate.frames.len()];
     for partner in known.iter().filter_map(|&index| partners[index]) {
         has_truth[partner] = true;

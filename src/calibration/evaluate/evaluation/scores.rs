@@ -117,6 +117,7 @@ fn add_camera(scores: &mut FrameScores, truth: FieldView, estimate: FieldView, s
     scores.set(Measure::Focal, Some(error.focal_px.abs()));
     scores.set(Measure::FocalPercent, Some(error.focal_percent.abs()));
     scores.set(Measure::Position, Some(error.position_m));
+    // A landmark that the estimate cannot project has an infinite error in the picture.
     let landmarks = landmark_errors(truth, estimate, size);
     let in_image: Vec<f64> = landmarks
         .iter()
