@@ -275,9 +275,9 @@ impl PitchMap {
     /// Let d be the distance across the line on the ground, o the horizontal offset from the
     /// camera, t the unit tangent and β the angle below the horizon. An error δ of pan moves the
     /// ground point across the view by |o| δ, one of tilt along the view by |o| δ / (sin β cos β).
-    /// The components of both across the line have the variance (t·o)² σ_pan² + (t×o)² σ_tilt² /
-    /// (sin² β cos² β). The returned value is d² divided by that, with cos β taken as 1 and
-    /// numerator and denominator multiplied by sin² β.
+    /// With the variances p² of pan and q² of tilt, the component of both across the line has the
+    /// variance (t·o)² p² + (t×o)² q² / (sin² β cos² β). The returned value is d² divided by that,
+    /// with cos β taken as 1 and numerator and denominator multiplied by sin² β.
     #[inline]
     pub fn beside_squared(&self, place: Vec3, view: View, scatter: Scatter) -> Option<f64> {
         let View {

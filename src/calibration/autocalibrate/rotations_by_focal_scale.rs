@@ -91,10 +91,10 @@ impl RotationsByFocalScale {
     /// The focal scale that fits the matches best, with its 1-σ; unknown with fewer than three
     /// levels.
     ///
-    /// With N independent matches the squared residual r² of the adjustment at scale s gives χ²(s)
-    /// = N (r(s)² / r_min² − 1). A parabola a + b s + c s² through the three levels around the best
-    /// has its minimum at −b / 2c, and χ² rises by 1 at a distance of 1/√c from it, which is the
-    /// 1-σ.
+    /// With N independent matches the squared residual r² of the adjustment at log scale s, and its
+    /// smallest value r₀², give χ²(s) = N (r(s)² / r₀² − 1). A parabola a + b s + c s² through the
+    /// three levels around the best has its minimum at −b / 2c, and χ² rises by 1 at a distance of
+    /// 1/√c from it, which is the 1-σ.
     pub fn focal_scale_from_matches(&self) -> FocalScale {
         let [least, most] = SIGMA;
         let unknown = FocalScale::unknown(0.0);

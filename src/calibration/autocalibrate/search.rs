@@ -466,7 +466,8 @@ fn nearness(ground: Vec3, view: View, map: &PitchMap, share_of_scatter: f64) -> 
 /// (exploratory moves of Hooke and Jeeves, 1961).
 ///
 /// The grid is too coarse for a low camera, and the pan axes of its poses are exactly vertical. The
-/// score has no useful derivative that far from the optimum, so no gradient is used.
+/// visible share of the lines is a step function of the pose ([`visible`]), so the search uses no
+/// gradient.
 fn climbed(
     start: PanoramaPose,
     directions: &[Vec3],
