@@ -51,6 +51,8 @@ pub(super) fn align_frames(
     picture: PictureOfFrame<'_>,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Hypothesis, Stop> {
+    // Pass 1: place every frame by matches and by the paint of the joint adjustment, and align each
+    // to its own picture from there. Pass 2: place all frames again with the alignments.
     let Some(placed) = ConstrainedFrames::solve(&hypothesis, &hypothesis.paint_priors, matched)
     else {
         return Ok(hypothesis);
@@ -176,6 +178,7 @@ impl ConstrainedFrames {
             };
             priors.extend(aligned.or_else(by_joint_paint));
         }
+        // Without a solution the frames stay as pass 1 placed them.
         let Some(placed) = Self::solve(hypothesis, &priors, matched) else {
             return;
         };
@@ -197,6 +200,8 @@ impl ConstrainedFrames {
         // Directions come from all frames, so they are collected before uncertain frames go.
         hypothesis.camera.paint = placed.paint_directions(hypothesis);
         hypothesis.camera.frames.retain(|frame| {
+            // The base is taken as exact: its error is common to all frames and is part of its own
+            // covariance.
             let is_certain = |known: &Uncertainty| {
                 self.corner_sigma_px(frame, known) <= MAX_CORNER_SIGMA_PX * scale
             };

@@ -167,9 +167,9 @@ impl Search<'_> {
         runner_up.camera.evidence.rival = best.score();
         let runner_up = align_frames(runner_up, matched, picture, self.progress)?;
 
-        // The frames' own pictures decide first. A candidate with which too few frames agree
-        // becomes the runner-up. There is no answer if other evidence contradicts one of them, or
-        // if both are misaligned.
+        // The frames' own pictures decide first. If too few of them agree with the best candidate,
+        // the two change places, unless some evidence contradicts either, or too few agree with the
+        // runner-up as well: then there is no answer.
         let is_misaligned = |hypothesis: &Hypothesis| {
             few_aligned(&hypothesis.camera, MIN_ALIGNED_BEFORE_REFINING).is_some()
         };
@@ -425,7 +425,7 @@ mod tests {
     use super::*;
     use touchline_core::geometry::Vec3;
 
-    /// A hypothesis beside the right one that passes every question of the evidence.
+    /// A hypothesis beside the right one, with evidence that passes all checks.
     fn beside(x_m: f64, score: f64) -> Hypothesis {
         let mut hypothesis = hypothesis(&soccer().assumed);
         hypothesis.camera.base.position_m += Vec3::x() * x_m;
@@ -435,7 +435,7 @@ mod tests {
         hypothesis
     }
 
-    /// The score recorded of another position, and how far the runner-up stands from the best, m.
+    /// The recorded score of the next position, and the distance of the runner-up from the best, m.
     fn chosen(candidates: Vec<Hypothesis>) -> (f64, Option<f64>) {
         let Choice { best, runner_up } = choose(candidates).unwrap();
         let apart_m = |other: Hypothesis| (other.position_m() - best.position_m()).norm();

@@ -381,8 +381,8 @@ mod tests {
         FieldPrior::from_document(document.at(Path::new("")), &"main".into()).unwrap()
     }
 
-    /// Poses beside the right one, each with the score that the search gives it, as if found at one
-    /// focal scale.
+    /// Poses beside the right one, each with its score of the search, as if found at one focal
+    /// scale.
     fn poses_beside(field: &FieldModel, beside: &[(Vec3, f64)]) -> PosesByFocalScale {
         let frames = frames_at_scale(field);
         let scaled = |&(shift_m, explained): &(Vec3, f64)| {

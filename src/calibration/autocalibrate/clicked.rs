@@ -130,7 +130,7 @@ mod tests {
             residual_px: 0.5,
         };
         let truth = PanoramaPose::upright(Vec3::new(12.0, -58.0, 9.0), Angle::from_degrees(-7.0));
-        // Landmarks lie where the rays of clicks meet the ground.
+        // Landmarks are placed where the rays of the clicks meet the ground.
         let mut field = builtin("soccer")
             .unwrap()
             .model(&BTreeMap::new(), 0.0)
@@ -162,7 +162,7 @@ mod tests {
             (pose.world_from_panorama - truth.world_from_panorama).norm() < 1e-9,
             "{pose:?}"
         );
-        // One point twice says nothing, nor does a point above the horizon.
+        // A single point, clicked twice, gives no pose, nor does a point above the horizon.
         let sky = GroundClick {
             image: ImagePoint::new(900.0, -4000.0),
             ..one.clone()

@@ -263,6 +263,7 @@ impl Counts {
                         && off.norm() <= 12.0
                 })
         };
+        // Both directions: paint on lines, and lines with paint.
         let explained = paint.iter().filter(on_line).count();
         let of_line = LineCounts::of(field, &samples, strokes);
         let lines = (0..of_line.len())

@@ -181,7 +181,7 @@ fn untried_beside(percent: u32, tried: &[u32]) -> Option<u32> {
 mod tests {
     use super::*;
 
-    /// The shares that are tried where the best of all lies at one of them.
+    /// The scales that are tried if the best is always the one nearest to `best`.
     fn tried(first: &[u32], best: u32) -> Vec<u32> {
         let mut tried = first.to_vec();
         let nearest = |tried: &[u32]| {

@@ -424,8 +424,8 @@ fn near_lines(
 mod tests {
     use super::*;
 
-    /// Frames that each say where the camera stands along x, m; of some the mean, of fewer than
-    /// `least` nothing.
+    /// `apart` of frames that each measure the position along x, m. The position from several
+    /// frames is their mean, and none from fewer than `least`.
     fn apart_of(says_m: &[Option<f64>], least: usize) -> Option<Vec3> {
         let ptz = |at: &Option<f64>| at.map(|at| Ptz::from_degrees(0.0, 0.0, at));
         let mean = |ptz: &[Option<Ptz>]| {

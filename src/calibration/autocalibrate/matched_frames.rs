@@ -189,7 +189,7 @@ mod tests {
 
     #[test]
     fn the_largest_connected_group_is_kept_and_the_others_are_named() {
-        // Frames 0 and 6 match nothing; 1 to 3 hang together, and so do 4 and 5.
+        // Frames 0 and 6 match nothing; 1 to 3 are connected, and so are 4 and 5.
         let matches: Vec<Tie> = [(1, 2), (2, 3), (4, 5)]
             .iter()
             .filter_map(|&(first, second)| exact_match(first, second))

@@ -614,8 +614,8 @@ mod tests {
 
     const SIZE: ImageSize = ImageSize::new(960, 540);
 
-    /// Frames along the near half of a pitch, as a low camera on the main stand turns, at a focal
-    /// scale: the longer the lens, the smaller the angles.
+    /// The rotations of a low camera that pans along the near half of a pitch, at a focal scale:
+    /// the longer the lens, the smaller the angles.
     fn turns(percent: u32) -> (u32, Turns) {
         let scale = f64::from(percent) / 100.0;
         let ptz = |(pan_deg, focal_px): (f64, f64)| {
@@ -640,12 +640,12 @@ mod tests {
         RotationsByFocalScale::new([94, 100, 106].map(turns))
     }
 
-    /// The paint of a field as frames show it from a pose.
+    /// The paint of a field in the frames of a camera with this pose.
     fn frames(pose: &PanoramaPose, field: &FieldModel) -> FramesAtScale {
         frames_at(100, pose, field)
     }
 
-    /// The same where the frames are turned as at another focal scale.
+    /// The same with the rotations of another focal scale.
     fn frames_at(percent: u32, pose: &PanoramaPose, field: &FieldModel) -> FramesAtScale {
         let (_, turns) = turns(percent);
         let map = PitchMap::without_grid(field);
@@ -667,7 +667,7 @@ mod tests {
         }
     }
 
-    /// A soccer pitch whose size is not known, and one of its sizes.
+    /// The prior of a soccer pitch of unknown size, and one field of another size.
     fn field_prior() -> (FieldPrior, FieldModel) {
         let document = Document::new(FieldSpec::new("soccer"));
         let prior = FieldPrior::from_document(document.at(Path::new("")), &"main".into()).unwrap();

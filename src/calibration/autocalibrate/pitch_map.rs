@@ -433,8 +433,8 @@ mod tests {
     #[test]
     fn a_low_camera_sees_another_line_nearest_than_one_from_above() {
         let map = map(0.0);
-        // The middle of a cell, 1.8 m before the middle of the far touchline, 1.6 m beside the
-        // halfway line.
+        // The centre of a cell, 1.8 m in front of the middle of the far touchline and 1.6 m beside
+        // the halfway line.
         let place = Vec3::new(1.625, 32.125, 0.0);
         let is_across = |line: OnLine| line.tangent.x.abs() < 1e-9;
         assert!(is_across(
@@ -450,7 +450,7 @@ mod tests {
             .beside_squared(place, View::of(place, eye_m), scatter)
             .unwrap()
             .sqrt();
-        // 1.815 m of the ground, 92 m away and 6 m below.
+        // 1.815 m on the ground, at a distance of 92 m and 6 m below the camera.
         let expected = 1.815 * 6.0 / 92.0_f64.powi(2) / 0.02;
         assert!((low - expected).abs() < 0.02 * expected, "{low} {expected}");
         let far = Vec3::new(0.0, 90.0, 0.0);
@@ -476,7 +476,7 @@ mod tests {
             beyond.is_none_or(|line| line.line != before.line),
             "{beyond:?}"
         );
-        // On an arc the tangent is square to its radius.
+        // On an arc the tangent is perpendicular to the radius.
         let on_circle = map
             .nearest(Vec3::new(6.6, 6.4, 0.0), Vec3::new(0.0, 0.0, 300.0))
             .unwrap();

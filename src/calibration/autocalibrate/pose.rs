@@ -229,6 +229,7 @@ pub(super) fn fit_pose(
             let off = sight.value(&pose)?[0].abs();
             (off < 3.0 * sigma).then_some(sight)
         };
+        // Refine the pose for this assignment, with the loss in units of the reach.
         let problem = OnPaint {
             sights: directions_in_panorama.iter().filter_map(sight).collect(),
             upright: Upright(UPRIGHT_SIGMA.radians()),

@@ -192,7 +192,7 @@ mod tests {
     use touchline_core::geometry::Vec3;
     use touchline_vision::media::Picture;
 
-    /// The right hypothesis, but that the camera stands half a metre beside its place.
+    /// The right hypothesis with its position shifted by half a metre.
     fn beside() -> Hypothesis {
         let mut hypothesis = hypothesis(&soccer().assumed);
         hypothesis.camera.base.position_m += Vec3::new(0.3, -0.4, 0.1);
@@ -258,7 +258,7 @@ mod tests {
             (refined.paint_priors.len(), refined.camera.frames.len()),
             (7, 7)
         );
-        // The same pictures gave both positions: half of what they differ by stays uncertain.
+        // Both positions come from the same pictures: half of their difference stays uncertain.
         let changed_m = (refined.position_m() - from.position_m()).norm();
         let sigma_m = refined.camera.base.sigma.position_m.norm();
         assert!(

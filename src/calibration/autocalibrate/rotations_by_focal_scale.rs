@@ -135,7 +135,7 @@ mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
 
-    /// Two frames turned at a focal scale: the farther the lens, the smaller their angles.
+    /// The rotations of two frames at a focal scale: the longer the lens, the smaller the angles.
     fn turns(percent: u32, residual_px: f64) -> (u32, Turns) {
         let scale = f64::from(percent) / 100.0;
         let ptz = |pan_deg: f64| Ptz::from_degrees(pan_deg / scale, -9.0, 1000.0 * scale);
@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn the_scale_lies_where_the_ties_fit_best_and_is_the_surer_the_worse_they_fit_beside_it() {
-        // The squared residuals of a scale of 2 % more.
+        // Squared residuals with their minimum at a scale of 1.02.
         let fitting = |steepness: f64| {
             let residual_px = |percent: u32| {
                 let off = (f64::from(percent) / 100.0).ln() - 1.02_f64.ln();

@@ -172,7 +172,7 @@ mod tests {
         };
         let doubt = |clicks: &[GroundClick]| contradicting_click(&camera, clicks, &document.frames);
 
-        // A picture of 960 px width allows half of the 25 px.
+        // In a picture of 960 px width the limit is half of 25 px.
         let near = click(frame.index, "centre_mark", 12.0);
         assert_eq!(doubt(std::slice::from_ref(&near)), None);
         let Some(Doubt::ClickContradicts {
@@ -189,7 +189,7 @@ mod tests {
         );
         assert!((off_px - 13.0).abs() < 1e-9, "{off_px}");
 
-        // Of another frame, or of something that the field lacks, nothing is known.
+        // Clicks in another frame, or on a landmark that the field lacks, are ignored.
         assert_eq!(
             doubt(&[
                 click(2, "centre_mark", 400.0),

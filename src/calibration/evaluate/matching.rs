@@ -112,11 +112,11 @@ mod tests {
     #[test]
     fn frames_meet_by_place_then_digest_then_path_then_name() {
         let (a, b) = (Path::new("/no/a"), Path::new("/no/b"));
-        // By place: the same file called from two folders.
+        // By location: the same file, referenced from two folders.
         let one = document(&["1.jpg", "../b/2.jpg"]);
         let other = document(&["2.jpg", "../a/1.jpg"]);
         assert_eq!(matched(one.at(a), other.at(b)), [Some(1), Some(0)]);
-        // By digest: renamed.
+        // By digest: a renamed file.
         let (mut one, mut other) = (document(&["1.jpg"]), document(&["x.jpg", "y.jpg"]));
         one.frames[0].sha256 = Some("ab".to_owned());
         other.frames[1].sha256 = Some("ab".to_owned());
@@ -134,7 +134,7 @@ mod tests {
             matched(one.at(a), document(&["more/1.jpg", "images/1.jpg"]).at(b)),
             [Some(1), Some(0)]
         );
-        // By name, where it stands for one file only.
+        // By name, if only one file has it.
         assert_eq!(matched(one.at(a), document(&["1.jpg"]).at(b)), [None, None]);
         assert_eq!(
             matched(

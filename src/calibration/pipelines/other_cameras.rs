@@ -82,7 +82,7 @@ mod tests {
                 .frames
                 .push(Frame::from_image(&format!("{index}.png"), "main".into(), size).into());
         }
-        // Every second frame is looked at: 0 to 10 are one camera's, 12 to 22 another's.
+        // Every second frame is sampled: 0 to 10 are one camera's, 12 to 22 another's.
         let looked_at: Vec<usize> = (0..12).step_by(2).collect();
         let others: Vec<usize> = (12..24).step_by(2).collect();
         assert_eq!(

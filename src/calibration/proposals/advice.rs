@@ -140,10 +140,10 @@ mod tests {
 
     const SURELY: f64 = 0.99;
 
-    /// A pan and how sure it is.
+    /// A pan and its confidence.
     type Answer = Option<(f64, f64)>;
 
-    /// Frames of shots: solved at a pan with a probability, or asked for in vain. Views are 20°
+    /// Frames of shots: solved at a pan with a confidence, or without an answer. Views are 20°
     /// wide.
     fn document(frames: &[(i64, Answer)]) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));

@@ -154,6 +154,7 @@ impl Coverage {
     /// Pan of the middle of the longest run of columns whose field no reference sees; the first of
     /// equally long ones.
     fn widest_gap_deg(&self) -> Option<f64> {
+        // A gap is a column that shows some field and no reference in any of it.
         let is_gap = |column: &usize| {
             let mut cells = self
                 .cells
@@ -204,6 +205,7 @@ impl Sight {
     }
 
     fn shows(&self, ray: PanTilt, direction: &Vec3) -> bool {
+        // The cone first, then the exact test.
         direction.dot(&self.middle) >= self.reach
             && self
                 .camera
@@ -235,6 +237,7 @@ fn outline(field: &FieldModel, base: &CameraBase) -> Vec<PanTilt> {
 
 /// Whether a ray meets the plane z = 0 within the field or its margin; below the horizon only.
 fn shows_field(field: &FieldModel, base: &CameraBase, ray: PanTilt) -> bool {
+    // Intersect the ray with z = 0; the crown is neglected.
     let direction = base.base_from_world.transpose() * ray.direction();
     let distance = -base.position_m.z / direction.z;
     let at = base.position_m + direction * distance;
@@ -253,7 +256,7 @@ mod tests {
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
-    /// Frames that look at some pans.
+    /// Frames with these pans.
     fn document(pans_deg: &[f64]) -> Document {
         let down = BaseAngles {
             pitch: Angle::from_degrees(-2.0),

@@ -296,7 +296,7 @@ mod tests {
         });
     }
 
-    /// Everything that it says, without the edition.
+    /// All results, without the edition.
     type Said = ([usize; 2], Vec<(i64, Direction)>, Option<BTreeSet<usize>>);
 
     fn said(needs: &LabelNeeds) -> Said {

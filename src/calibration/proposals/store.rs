@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn where_nothing_can_be_written_memory_serves() {
         let place = tempfile::tempdir().unwrap();
-        // A file where the folder should be refuses everybody, the superuser too.
+        // A file in place of the folder refuses every user, the superuser included.
         std::fs::write(place.path().join(WORK_FOLDER), "").unwrap();
         let store = FeatureStore::on_disk(&WorkFolder::beside(&place.path().join("project.json")));
         store.put(&key("a"), features(2));

@@ -102,6 +102,7 @@ pub(super) fn scores(
 }
 
 fn add_camera(scores: &mut FrameScores, truth: FieldView, estimate: FieldView, size: ImageSize) {
+    // The errors of the parameters, then those of the field in the picture and on the ground.
     let error = camera_error(truth.camera, estimate.camera);
     scores.set(
         Measure::IouPart,
@@ -190,6 +191,7 @@ fn add_clicks(
                 .extend(on_ground_m(shown, target, &observation));
         }
     }
+    // The measures of the frame are medians over its clicks.
     let medians = [&scores.clicks_px, &scores.held_out_px, &scores.held_out_m]
         .map(|values| median(&mut values.clone()));
     for (measure, median) in [
