@@ -1,7 +1,7 @@
 //! Aligns the frames of a hypothesis to the paint of their own pictures.
 //!
-//! A frame's camera is known from three sides: its paint in the joint adjustment, its matches with
-//! other frames, and, once a base is known, the painted lines of its own picture at full
+//! A frame's camera is constrained from three sides: its paint in the joint adjustment, its matches
+//! with other frames, and, once a base is known, the painted lines of its own picture at full
 //! resolution. The three are combined in two passes of one least-squares problem over all frames
 //! ([`adjust_matched_frames`]):
 //!
@@ -28,29 +28,31 @@ use touchline_vision::media::Picture;
 use touchline_vision::paint::{GroundPicture, SnapOptions, Snapped, overlays_apart_px, snap};
 use touchline_vision::track::{AdjustedFrame, PosePrior, PriorSource, adjust_matched_frames};
 
-/// A frame whose overlay is less certain at its worst corner is not answered: 1-σ of paint and
-/// matches, px at 1920 px width.
+/// A frame is not answered if the 1-σ of its overlay at the worst corner, from paint and matches,
+/// exceeds this, px at 1920 px width.
 const MAX_CORNER_SIGMA_PX: f64 = 3.0;
 
-/// An alignment farther than this from where the neighbours have the frame went to other lines, px
-/// at 1920 px width.
+/// An alignment that moves the overlay farther than this from where the neighbours place the frame
+/// went to other lines, px at 1920 px width.
 const MAX_CONTRADICTION_PX: f64 = 8.0;
 
 /// Scale of the robust loss of an alignment, in its own 1-σ.
 const ALIGNED_LOSS_SIGMAS: f64 = 3.0;
 
-/// An alignment is never taken as more exact than this at a corner: base and lens are not exact, px
-/// at 1920 px width.
+/// Lower bound of the 1-σ of an alignment at a corner, px at 1920 px width: errors of base and lens
+/// are not part of its covariance.
 const MIN_ALIGNED_SIGMA_PX: f64 = 1.0;
 
-/// Aligns all frames of a hypothesis to their own pictures. Where the frames do not determine each
-/// other, it stays as it is.
+/// Aligns all frames of a hypothesis to their own pictures. Returns the hypothesis unchanged if
+/// matches and paint leave a frame undetermined.
 pub(super) fn align_frames(
     mut hypothesis: Hypothesis,
     matched: &MatchedFrames,
     picture: PictureOfFrame<'_>,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Hypothesis, Stop> {
+    // Pass 1: place every frame by matches and by the paint of the joint adjustment, and align each
+    // to its own picture from there. Pass 2: place all frames again with the alignments.
     let Some(placed) = ConstrainedFrames::solve(&hypothesis, &hypothesis.paint_priors, matched)
     else {
         return Ok(hypothesis);
@@ -61,7 +63,8 @@ pub(super) fn align_frames(
     Ok(hypothesis)
 }
 
-/// Aligns each frame to the painted lines of its own picture, where these decide.
+/// Aligns each frame to the painted lines of its own picture, where these determine it. Pictures
+/// are read in chunks, to bound memory, and the frames of a chunk are aligned in parallel.
 fn align_to_pictures(
     camera: &mut AutocalibratedCamera,
     matched: &MatchedFrames,
@@ -108,7 +111,7 @@ fn align_to_pictures(
     Ok(())
 }
 
-/// All matched frames, placed by what is known of each and by the matches between them.
+/// All matched frames, placed by their pose priors and by the matches between them.
 struct ConstrainedFrames {
     base: CameraBase,
     image_size: ImageSize,
@@ -116,7 +119,7 @@ struct ConstrainedFrames {
 }
 
 impl ConstrainedFrames {
-    /// Solves for all frames with a pose prior for some of them. None if that leaves one of them
+    /// Solves for all frames, with pose priors for some of them. None if that leaves a frame
     /// undetermined.
     fn solve(
         hypothesis: &Hypothesis,
@@ -134,7 +137,8 @@ impl ConstrainedFrames {
         })
     }
 
-    /// The frames with their indices in the document, uncertain ones included.
+    /// The frames with their indices in the document, uncertain ones included, none of them
+    /// aligned.
     fn frames(&self, matched: &MatchedFrames) -> Vec<AutocalibratedFrame> {
         let frame = |(&index, held): (&usize, &AdjustedFrame)| AutocalibratedFrame {
             index,
@@ -153,6 +157,8 @@ impl ConstrainedFrames {
     /// Places all frames again, by their alignments where these succeeded. Drops alignments that
     /// the neighbours contradict, and frames that stay uncertain.
     fn combine_with_alignments(&self, hypothesis: &mut Hypothesis, matched: &MatchedFrames) {
+        // One prior per frame: its alignment, else its paint in the joint adjustment. Never both:
+        // they are measurements of the same paint and not independent.
         let mut priors: Vec<PosePrior> = Vec::new();
         for (number, frame) in hypothesis.camera.frames.iter().enumerate() {
             let aligned = frame.snapped.as_ref().and_then(|snapped| {
@@ -172,23 +178,30 @@ impl ConstrainedFrames {
             };
             priors.extend(aligned.or_else(by_joint_paint));
         }
+        // Without a solution the frames stay as pass 1 placed them.
         let Some(placed) = Self::solve(hypothesis, &priors, matched) else {
             return;
         };
 
+        // A robust loss has weakened alignments that neighbours contradict; those that remain far
+        // off are dropped for good.
         let scale = self.image_size.scale_from_1920();
         for (frame, held) in hypothesis.camera.frames.iter_mut().zip(&placed.frames) {
             frame.ptz = held.ptz;
             frame.uncertainty = placed.uncertainty(held);
             let camera = PtzCamera::new(self.base, held.ptz);
+            // Compare the alignment with the camera that all constraints together give.
             let agrees = |snapped: &Snapped| {
                 overlays_apart_px(&camera, snapped.ptz, self.image_size)
                     <= MAX_CONTRADICTION_PX * scale
             };
             frame.snapped = frame.snapped.take().filter(agrees);
         }
+        // Directions come from all frames, so they are collected before uncertain frames go.
         hypothesis.camera.paint = placed.paint_directions(hypothesis);
         hypothesis.camera.frames.retain(|frame| {
+            // The base is taken as exact: its error is common to all frames and is part of its own
+            // covariance.
             let is_certain = |known: &Uncertainty| {
                 self.corner_sigma_px(frame, known) <= MAX_CORNER_SIGMA_PX * scale
             };
@@ -196,7 +209,8 @@ impl ConstrainedFrames {
         });
     }
 
-    /// The directions of persistent paint, one in each cell of a grid.
+    /// The directions of persistent paint in the base, one in each cell of a grid over pan and
+    /// tilt.
     fn paint_directions(&self, hypothesis: &Hypothesis) -> Vec<PanTilt> {
         const CELL_DEG: f64 = 0.04;
         let mut by_cell: BTreeMap<(i64, i64), PanTilt> = BTreeMap::new();
@@ -214,6 +228,7 @@ impl ConstrainedFrames {
         by_cell.into_values().collect()
     }
 
+    /// The uncertainty of a placed frame; none if its covariance is not usable.
     fn uncertainty(&self, held: &AdjustedFrame) -> Option<Uncertainty> {
         Uncertainty::of_known(
             &PtzCamera::new(self.base, held.ptz),
@@ -223,7 +238,7 @@ impl ConstrainedFrames {
         .ok()
     }
 
-    /// 1-σ at the worst corner, the base taken as exact, px.
+    /// 1-σ of the overlay at the worst corner, px, with the base taken as exact.
     fn corner_sigma_px(&self, frame: &AutocalibratedFrame, known: &Uncertainty) -> f64 {
         let camera = PtzCamera::new(self.base, frame.ptz);
         known
@@ -232,19 +247,20 @@ impl ConstrainedFrames {
     }
 }
 
-/// The pose prior of a frame that is aligned to its own paint, which leaves `covariance` of (pan
-/// rad, tilt rad, focal length px).
+/// The pose prior of a frame from the alignment to its own paint, which has the `covariance` of
+/// (pan rad, tilt rad, focal length px).
 ///
-/// `adjust_matched_frames` works with the logarithm of the focal length: row and column of f are
-/// divided by f. The floor
-/// [`MIN_ALIGNED_SIGMA_PX`] at a corner is δ/f as an angle and, a corner being half a width away from the centre, 2δ/width as a change
-/// of log f.
+/// `adjust_matched_frames` works with log f, so row and column of f are divided by f. The floor
+/// [`MIN_ALIGNED_SIGMA_PX`] = δ at a corner is δ/f as an angle. A change of log f moves a point
+/// half a width from the centre by width/2 times that change, so its floor is 2δ/width. Adding the
+/// floor to the covariance keeps it invertible.
 pub(super) fn prior_from_alignment(
     frame: usize,
     ptz: Ptz,
     covariance: &Mat3,
     image_size: ImageSize,
 ) -> Option<PosePrior> {
+    // The floor, for each of (pan, tilt, log f).
     let least_angle = MIN_ALIGNED_SIGMA_PX * image_size.scale_from_1920() / ptz.focal_px;
     let least_log_focal =
         2.0 * MIN_ALIGNED_SIGMA_PX * image_size.scale_from_1920() / f64::from(image_size.width);

@@ -1,36 +1,37 @@
-//! What a search without clicks answers.
+//! The answer of autocalibration.
 
 use super::Abstention;
 use crate::calibrate::AutocalibratedCamera;
 use touchline_core::field::LandmarkId;
 use touchline_core::geometry::ImagePoint;
 
-/// The answer of a search that came to its end.
+/// The answer of a search that ran to its end.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AutocalibrationAnswer {
-    /// The camera.
+    /// One camera passes all checks.
     Found(Box<AutocalibratedCamera>),
-    /// Two places for the camera pass every question, and neither is much better than the other.
+    /// Two positions of the camera pass all checks, and neither explains much more than the other.
     Two {
-        /// The one that explains more.
+        /// The camera that explains more.
         best: Box<AutocalibratedCamera>,
-        /// The other.
+        /// The other camera.
         other: Box<AutocalibratedCamera>,
-        /// A landmark that tells them apart by one click.
+        /// A landmark on which one click decides between them; none if all project to nearly the
+        /// same points.
         deciding: Option<DecidingLandmark>,
     },
     /// No answer is certain enough.
     Abstained(Abstention),
 }
 
-/// A landmark that two answers see in places far apart: one click on it in one frame decides
+/// A landmark that two answers project to points far apart: one click on it in one frame decides
 /// between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DecidingLandmark {
-    /// The frame's place in the document.
+    /// Index of the frame in the document.
     pub frame: usize,
     /// The landmark to click.
     pub landmark: LandmarkId,
-    /// Where the better answer and the other have it, px of the frame.
+    /// Projections by the better answer and by the other, px of the frame.
     pub image: [ImagePoint; 2],
 }

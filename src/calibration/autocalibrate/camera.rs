@@ -1,5 +1,5 @@
-//! The search for a document's camera from end to end: sample the frames, match them, find the
-//! candidates for the base, align and refine the best two, and judge.
+//! The search for a document's camera from end to end: sample the frames, match them, find
+//! candidates for the base, align and refine the best two, and give the verdict.
 
 use super::align::align_frames;
 use super::candidates::{RUNNER_UP_RATIO, SAME_POSITION_M, find_candidates};
@@ -27,17 +27,16 @@ use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
 use touchline_documents::document::{CameraId, DocumentAt, FrameStatus};
 
-/// Landmarks of the ground without which clicks determine no pose.
+/// Fewer clicks on landmarks of the ground determine no pose.
 const MIN_CLICKS: usize = 2;
 
-/// Finds a camera of a document from its frames' pictures alone; clicks are not read. `look_at`
-/// frames at most are looked at, spread over all of them; each is asked for by `picture` up to
-/// twice.
+/// Finds a camera of a document from its frames' pictures alone; clicks are not read. Samples at
+/// most `look_at` frames, spread evenly over all of them. `picture` may be called for a frame more
+/// than once, because not all pictures are kept in memory.
 ///
 /// # Errors
-/// The search was stopped, the field cannot be had, or OpenCV is missing or refused. That no answer
-/// is certain is no error but
-/// [`AutocalibrationAnswer::Abstained`].
+/// The search was stopped, the field of the document is not usable, or OpenCV is missing or failed.
+/// An uncertain answer is no error but [`AutocalibrationAnswer::Abstained`].
 pub fn camera_without_clicks(
     document: DocumentAt<'_>,
     camera: &CameraId,
@@ -56,9 +55,9 @@ pub fn camera_without_clicks(
     .run(look_at, picture)
 }
 
-/// The same where a person has clicked two landmarks of the ground or more, in one frame or in
-/// several: they say where the camera stands, and nothing is searched. Everything is asked of the
-/// answer that is asked of one without a click, and that the clicks agree with it.
+/// Finds a camera of a document from two or more clicks on landmarks of the ground, in one frame or
+/// in several. The clicks determine the poses to begin with, in place of the search. The answer has
+/// to pass all checks of [`camera_without_clicks`], and the clicks have to agree with it.
 ///
 /// # Errors
 /// As [`camera_without_clicks`].
@@ -84,19 +83,19 @@ struct Search<'a> {
     document: DocumentAt<'a>,
     camera: &'a CameraId,
     field_prior: FieldPrior,
-    /// Clicks say where the camera stands.
+    /// Whether clicks determine the initial poses.
     by_clicks: bool,
     progress: &'a Progress<'a, AutocalibrationProgress>,
 }
 
-/// The best candidate, and another one elsewhere that explains the paint nearly as well.
+/// The best candidate, and one in another position that explains the paint nearly as well.
 struct Choice {
     best: Hypothesis,
     runner_up: Option<Hypothesis>,
 }
 
 impl Search<'_> {
-    /// The answer; an abstention is one.
+    /// Returns the answer; abstaining is an answer, not an error.
     fn run(
         &self,
         max_sampled: usize,
@@ -109,13 +108,14 @@ impl Search<'_> {
         }
     }
 
+    /// Runs the stages of the module in their order; an abstention ends them early.
     fn find(
         &self,
         max_sampled: usize,
         picture: PictureOfFrame<'_>,
     ) -> Result<AutocalibrationAnswer, Stop> {
         let indices = self.choose_frames(max_sampled);
-        // Fewer clicks determine no pose: no picture need be read.
+        // Too few clicks determine no pose; abstain before any picture is read.
         if self.by_clicks && self.clicks(&indices).len() < MIN_CLICKS {
             return Err(Abstention::NothingFits.into());
         }
@@ -130,8 +130,8 @@ impl Search<'_> {
         )?;
         let Choice { best, runner_up } = choose(candidates)?;
 
-        // Missing lines are looked for once more in the refined camera: before, a line may lie just
-        // beside its paint.
+        // Reject the best candidate early, except for missing lines: these are checked again with
+        // the refined camera, because a line may lie just beside its paint until then.
         let doubts = best.doubts();
         if doubts
             .iter()
@@ -153,8 +153,8 @@ impl Search<'_> {
         }
     }
 
-    /// The answer where two candidates explain the paint about equally well; `best` is aligned.
-    /// `is_doubted` says that some evidence speaks against it.
+    /// Decides between two candidates that explain the paint about equally well. `best` is already
+    /// aligned; `is_doubted` says that some evidence contradicts it.
     fn decide_between(
         &self,
         best: Hypothesis,
@@ -167,7 +167,9 @@ impl Search<'_> {
         runner_up.camera.evidence.rival = best.score();
         let runner_up = align_frames(runner_up, matched, picture, self.progress)?;
 
-        // The one that the frames' own pictures contradict is the runner-up.
+        // The frames' own pictures decide first. If too few of them agree with the best candidate,
+        // the two change places, unless some evidence contradicts either, or too few agree with the
+        // runner-up as well: then there is no answer.
         let is_misaligned = |hypothesis: &Hypothesis| {
             few_aligned(&hypothesis.camera, MIN_ALIGNED_BEFORE_REFINING).is_some()
         };
@@ -178,17 +180,20 @@ impl Search<'_> {
             Some(_) => [runner_up, best],
             None => [best, runner_up],
         };
+        // A runner-up that the pictures refute is out; the best must then agree with more frames
+        // than without a runner-up.
         if is_refuted(&runner_up.camera) {
             return self.refine_and_judge(&best, matched, picture, MIN_ALIGNED_WITH_RUNNER_UP);
         }
 
+        // Else refine both, from the same pictures.
         let options = BaseOptions::default();
         let refined = [
             self.refine(&best, &options, matched, picture)?,
             self.refine(&runner_up, &options, matched, picture)?,
         ];
         let [best, runner_up] = match refined {
-            // Two that become one where both are refined differed by the field's size only.
+            // Candidates that converge to one position differed only in the size of the field.
             [Some(best), Some(runner_up)]
                 if (best.position_m() - runner_up.position_m()).norm() < SAME_POSITION_M =>
             {
@@ -205,8 +210,8 @@ impl Search<'_> {
         self.leave_to_a_click(best, runner_up, is_doubted)
     }
 
-    /// Both cameras, for a person to choose from. Each has to be as good as one that refutes
-    /// another.
+    /// Returns both cameras for the user to choose from. Each has to agree with as many frames as a
+    /// candidate that refutes a runner-up.
     fn leave_to_a_click(
         &self,
         best: AutocalibratedCamera,
@@ -220,6 +225,7 @@ impl Search<'_> {
             doubts.insert(0, Doubt::Rival);
             return Err(uncertain(doubts, best));
         }
+        // Suggest the click that separates them best.
         let deciding = deciding_landmark(&self.document, &best, &other);
         Ok(AutocalibrationAnswer::Two {
             best: Box::new(best),
@@ -228,7 +234,8 @@ impl Search<'_> {
         })
     }
 
-    /// Refines the only candidate that is left, aligns its frames from there and judges it.
+    /// Refines the only remaining candidate, aligns its frames with the refined base and gives the
+    /// verdict.
     fn refine_and_judge(
         &self,
         hypothesis: &Hypothesis,
@@ -242,8 +249,9 @@ impl Search<'_> {
         };
         let mut camera = align_frames(refined, matched, picture, self.progress)?.camera;
         if few_aligned(&camera, min_aligned).is_some() {
-            // The frames that already lay on their paint may have drawn the principal point away
-            // from where the others have it.
+            // Few aligned frames can have moved the principal point away from where the others need
+            // it. Try again with the principal point in the centre and keep the result with more
+            // aligned frames.
             let centred = BaseOptions {
                 placing_frames: usize::MAX,
                 ..BaseOptions::default()
@@ -260,8 +268,7 @@ impl Search<'_> {
         self.judge(camera, matched, min_aligned)
     }
 
-    /// A refined hypothesis with its frames aligned from there; the hypothesis as it was where it
-    /// could not be refined.
+    /// A refined hypothesis with its frames aligned; the unrefined one where refining failed.
     fn align_refined(
         &self,
         refined: Option<Hypothesis>,
@@ -275,6 +282,7 @@ impl Search<'_> {
         }
     }
 
+    /// Refines the base of a hypothesis; none if the paint does not determine one.
     fn refine(
         &self,
         hypothesis: &Hypothesis,
@@ -299,14 +307,15 @@ impl Search<'_> {
         )
     }
 
-    /// The answer, if enough of the camera's frames agree with it, no line is missing and no click
-    /// contradicts it.
+    /// Returns the camera as the answer if enough frames agree with it, no line is missing and no
+    /// click contradicts it.
     fn judge(
         &self,
         mut camera: AutocalibratedCamera,
         matched: &MatchedFrames,
         min_aligned: f64,
     ) -> Result<AutocalibrationAnswer, Stop> {
+        // Three checks at full resolution; the first that fails is reported.
         camera.evidence.missing = missing_in_frames(&camera, matched);
         let lines = &camera.evidence.missing;
         let missing = || {
@@ -326,7 +335,8 @@ impl Search<'_> {
         }
     }
 
-    /// The clicks that say where the camera stands, on some frames of the document.
+    /// The clicks on ground landmarks in some frames of the document; none where clicks are not
+    /// used.
     fn clicks(&self, indices: &[usize]) -> Vec<GroundClick> {
         if self.by_clicks {
             GroundClick::of(&self.document.frames, indices, &self.field_prior.assumed)
@@ -335,7 +345,7 @@ impl Search<'_> {
         }
     }
 
-    /// The clicks on matched frames, numbered as these.
+    /// The clicks on matched frames, with frames numbered as in the group.
     fn clicks_in_group(&self, matched: &MatchedFrames) -> Vec<GroundClick> {
         let renumber = |click: GroundClick| {
             Some(GroundClick {
@@ -349,8 +359,8 @@ impl Search<'_> {
             .collect()
     }
 
-    /// The frames that are sampled: of the camera, spread evenly, and those with clicks where these
-    /// are read.
+    /// The frames to sample: an even spread over those of the camera that are not rejected, and,
+    /// where clicks are used, every frame with a click.
     fn choose_frames(&self, max_sampled: usize) -> Vec<usize> {
         let frames = self.document.frames.iter().enumerate();
         let usable = frames.filter(|(_, frame)| {
@@ -364,7 +374,7 @@ impl Search<'_> {
         chosen.into_iter().collect()
     }
 
-    /// Samples the frames whose picture can be read.
+    /// Samples the frames whose picture can be read, a chunk at a time.
     fn sample(
         &self,
         indices: &[usize],
@@ -389,17 +399,18 @@ impl Search<'_> {
     }
 }
 
-/// Chooses the best of the candidates, and the runner-up if that explains nearly as much.
-/// `candidates` come best first.
+/// Chooses the best candidate, and the next one in another position as the runner-up if it explains
+/// nearly as much. `candidates` come best first.
 fn choose(candidates: Vec<Hypothesis>) -> Result<Choice, Abstention> {
     let mut candidates = candidates.into_iter();
     let mut best = candidates.next().ok_or(Abstention::NothingFits)?;
+    // Candidates in the position of the best are the same answer.
     let is_elsewhere = |other: &Hypothesis| {
         (other.position_m() - best.position_m()).norm() > SAME_POSITION_M && other.score() > 0.0
     };
     let elsewhere = candidates.find(is_elsewhere);
     best.camera.evidence.rival = elsewhere.as_ref().map_or(0.0, Hypothesis::score);
-    // One with doubts of its own is no runner-up to a best one without.
+    // A candidate against which there is evidence cannot question one without.
     let is_runner_up = |other: &Hypothesis| {
         best.score() < RUNNER_UP_RATIO * other.score()
             && (other.doubts().is_empty() || !best.doubts().is_empty())
@@ -414,7 +425,7 @@ mod tests {
     use super::*;
     use touchline_core::geometry::Vec3;
 
-    /// A hypothesis beside the right one that passes every question of the evidence.
+    /// A hypothesis beside the right one, with evidence that passes all checks.
     fn beside(x_m: f64, score: f64) -> Hypothesis {
         let mut hypothesis = hypothesis(&soccer().assumed);
         hypothesis.camera.base.position_m += Vec3::x() * x_m;
@@ -424,7 +435,7 @@ mod tests {
         hypothesis
     }
 
-    /// The score recorded of another position, and how far the runner-up stands from the best, m.
+    /// The recorded score of the next position, and the distance of the runner-up from the best, m.
     fn chosen(candidates: Vec<Hypothesis>) -> (f64, Option<f64>) {
         let Choice { best, runner_up } = choose(candidates).unwrap();
         let apart_m = |other: Hypothesis| (other.position_m() - best.position_m()).norm();

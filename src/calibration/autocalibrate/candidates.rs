@@ -5,13 +5,13 @@
 //! It becomes a [`Hypothesis`] in three steps, each with more freedom than the one before:
 //!
 //! 1. [`fit_panorama`] frees the focal scale, the crown and the field's size; the frames stay rigid
-//!    to each other. The best [`MAX_REFINED`] that stand in different places go on.
+//!    to each other. The best [`MAX_REFINED`] in different positions go on.
 //! 2. [`Hypothesis::adjust`] frees pan, tilt and focal length of every frame and the lens, and fits
 //!    the paint in the pictures. It is repeated from its own result ([`adjust_repeatedly`]).
 //! 3. Where the field's size is unknown, the best [`MAX_RESIZED`] try neighbouring sizes
 //!    ([`try_neighbouring_sizes`]).
 //!
-//! Hypotheses are ranked by their evidence after step 2: the score of the search does not tell
+//! Hypotheses are ranked by their evidence after step 2: the score of the search does not separate
 //! right from wrong reliably.
 
 use super::clicked::GroundClick;
@@ -33,10 +33,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::field::FieldModel;
 use touchline_core::progress::Progress;
 
-/// Hypotheses that are adjusted with all frames, at most.
+/// Maximum number of hypotheses that are adjusted with all frames.
 const MAX_REFINED: usize = 5;
 
-/// Candidates for which neighbouring field sizes are tried, at most.
+/// Maximum number of candidates for which neighbouring field sizes are tried.
 const MAX_RESIZED: usize = 2;
 
 /// An adjustment replaces another one if its score is this many times higher.
@@ -45,7 +45,7 @@ const MIN_GAIN: f64 = 1.01;
 /// Positions nearer to each other than this are one answer, m.
 pub(super) const SAME_POSITION_M: f64 = 1.5;
 
-/// The best candidate has no rival if its score is this many times that of the runner-up.
+/// There is no runner-up if the score of the best candidate is this many times that of the next.
 pub(super) const RUNNER_UP_RATIO: f64 = 1.35;
 
 /// A pose after step 1.
@@ -84,6 +84,7 @@ fn refine_poses(
     let PosesByFocalScale { poses, rotations } = found;
     let panoramas = place_panoramas(poses, fields, field_prior, rotations);
 
+    // Step 2 for all panoramas in parallel. The counter is for progress only.
     let num_done = AtomicUsize::new(0);
     let adjusted: Result<Vec<Option<Hypothesis>>, AutocalibrationError> = panoramas
         .par_iter()
@@ -107,6 +108,7 @@ fn refine_poses(
     let mut hypotheses: Vec<Hypothesis> = adjusted?.into_iter().flatten().collect();
     sort_best_first(&mut hypotheses);
 
+    // Step 3, in place, and the order once more.
     if field_prior.is_size_unknown() {
         let of = hypotheses.len().min(MAX_RESIZED);
         for (done, hypothesis) in hypotheses.iter_mut().take(of).enumerate() {
@@ -122,8 +124,7 @@ fn sort_best_first(hypotheses: &mut [Hypothesis]) {
     hypotheses.sort_by(|a, b| b.score().total_cmp(&a.score()));
 }
 
-/// Step 1: fits the panorama at each pose; the best first, one for each place where the camera may
-/// stand.
+/// Step 1: fits the panorama at each pose. Returns the best first, one for each position.
 fn place_panoramas<'a>(
     poses: &'a [ScaledPose],
     fields: &[FieldModel],
@@ -146,12 +147,12 @@ fn place_panoramas<'a>(
         })
         .collect();
 
-    // The fit says how much of the paint lies on lines, the search how many of the lines show
-    // paint.
+    // Rank by both kinds of evidence: the share of paint on lines, from the fit, and the share of
+    // lines with paint, from the search.
     let score = |placed: &PlacedPanorama<'_>| placed.fit.explained * placed.pose.scored.visible;
     placed.sort_by(|a, b| score(b).total_cmp(&score(a)));
 
-    // Neighbouring poses converge to one place.
+    // Neighbouring poses converge to one position; keep the best of each.
     let mut distinct: Vec<PlacedPanorama<'_>> = Vec::new();
     for candidate in placed {
         let position_m = candidate.fit.pose.position_m;
@@ -192,6 +193,7 @@ fn adjust_with_and_without_size(
     } else {
         (Some(fit.clone()), None)
     };
+    // Both variants are adjusted in parallel.
     let (as_assumed, resized) = rayon::join(
         || {
             adjust_repeatedly(
@@ -213,7 +215,7 @@ fn adjust_with_and_without_size(
     choose_size(as_assumed, resized, field_prior.is_known)
 }
 
-/// Fits a panorama again from where it stands, starting with the field as assumed.
+/// Fits a panorama again from its own pose, starting with the field as assumed.
 fn refit_assumed_field(
     panorama: &PlacedPanorama<'_>,
     size_prior: Option<&FieldPrior>,
@@ -242,7 +244,7 @@ impl JointStart {
     }
 
     /// From the result of an adjustment. Frames that it dropped are placed by their matches with
-    /// those that it kept.
+    /// the frames that it kept.
     fn from_hypothesis(hypothesis: &Hypothesis, matched: &MatchedFrames) -> Option<Self> {
         let ptz = hypothesis.all_ptz(matched)?.into_iter().map(Some).collect();
         let camera = &hypothesis.camera;
@@ -295,13 +297,14 @@ fn choose_size(
     /// Two more parameters always explain a little more: 0.1 % on a real pitch of the stated size,
     /// 2.8 % on a drawn one that is 3 m wider than stated.
     const CLEARLY_BETTER: f64 = 1.01;
-    /// Smaller differences are no doubt about the stated size, m: pitches are laid out by tape.
+    /// Smaller differences from the stated size do not count, m: pitches are laid out by tape.
     const MIN_DIFFERENCE_M: f64 = 1.0;
 
     let (mut as_assumed, resized) = match (as_assumed, resized) {
         (Some(as_assumed), Some(resized)) => (as_assumed, resized),
         (as_assumed, resized) => return as_assumed.or(resized.filter(|_| !is_known)),
     };
+    // The size is unknown: the higher score wins, the fitted size if equal.
     if !is_known {
         return Some(if resized.score() >= as_assumed.score() {
             resized
@@ -309,6 +312,7 @@ fn choose_size(
             as_assumed
         });
     }
+    // The size is stated: keep it, but record a clearly better one.
     if resized.score() > CLEARLY_BETTER * as_assumed.score() {
         let (stated, other) = (&as_assumed.camera.field, &resized.camera.field);
         let difference_m = (other.length_m - stated.length_m)
@@ -333,6 +337,7 @@ fn try_neighbouring_sizes(
 ) {
     const MAX_STEPS: usize = 3;
     for _ in 0..MAX_STEPS {
+        // Adjust at each neighbouring size, starting from the present base and frames.
         let neighbours: Vec<Hypothesis> = field_prior
             .neighbouring_sizes(&hypothesis.camera.field)
             .into_par_iter()
@@ -376,8 +381,8 @@ mod tests {
         FieldPrior::from_document(document.at(Path::new("")), &"main".into()).unwrap()
     }
 
-    /// Poses beside the right one, each with the score that the search gives it, as if found at one
-    /// focal scale.
+    /// Poses beside the right one, each with its score of the search, as if found at one focal
+    /// scale.
     fn poses_beside(field: &FieldModel, beside: &[(Vec3, f64)]) -> PosesByFocalScale {
         let frames = frames_at_scale(field);
         let scaled = |&(shift_m, explained): &(Vec3, f64)| {

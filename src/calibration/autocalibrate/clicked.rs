@@ -1,5 +1,8 @@
-//! Where a camera stands by a few clicks: tied frames are turned to each other already, so that two
-//! landmarks, in one frame or in two, leave only its place and heading open, and determine them.
+//! Poses of the panorama from clicks on two landmarks.
+//!
+//! The relative rotations of the frames are known, so clicks in different frames are directions in
+//! one frame, `panorama`. With a vertical pan axis, four parameters are open: the position and the
+//! heading. Two landmarks of the ground, in one frame or in two, determine them in closed form.
 
 use super::pose::PanoramaPose;
 use touchline_core::field::{FieldModel, LandmarkId};
@@ -9,24 +12,25 @@ use touchline_vision::track::Turns;
 
 /// Landmarks higher than this above the ground are left out, m.
 const ON_GROUND_M: f64 = 0.01;
-/// Landmarks nearer to each other hardly say anything, m.
+/// Landmarks closer together than this do not determine a pose well, m.
 const LEAST_APART_M: f64 = 5.0;
-/// A camera stands this high above the field, m.
+/// The camera is this high above the field, m.
 const HEIGHTS_M: std::ops::RangeInclusive<f64> = 2.0..=100.0;
-/// A ray that falls by less than this is not one of ground, as a share of its length.
+/// A ray that descends by less than this share of its length is too flat to locate a ground point.
 const LEAST_FALL: f64 = 0.01;
 
-/// A click on a landmark of the ground in a frame that was looked at.
+/// A click on a landmark of the ground in a sampled frame.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct GroundClick {
-    /// The frame's place: in the document, or in a group.
+    /// Index of the frame, in the document or in the group of matched frames.
     pub frame: usize,
     pub landmark: LandmarkId,
     pub image: ImagePoint,
 }
 
 impl GroundClick {
-    /// Those of some frames, by the places of these in the document; held-out clicks are none.
+    /// The clicks of some frames of a document, given by their indices; clicks held out for checks
+    /// are left out.
     pub fn of(frames: &Frames, places: &[usize], field: &FieldModel) -> Vec<Self> {
         let of_click = |frame: usize, click: &Click| {
             let Some(Target::Landmark(id)) = click.target.as_ref().filter(|_| !click.check) else {
@@ -49,13 +53,15 @@ impl GroundClick {
     }
 }
 
-/// The places that pairs of clicks name on a field, in a group's frames turned as stated; the pair
-/// farthest apart first.
+/// The poses that pairs of clicks determine on a field, at the given rotations. The pair of
+/// landmarks that are farthest apart comes first: its pose is the most precise.
 pub(super) fn poses(
     turns: &Turns,
     clicks: &[GroundClick],
     field: &FieldModel,
 ) -> Vec<PanoramaPose> {
+    // Each click as the horizontal offset of its ray at a depth of 1 m below the camera, in
+    // `panorama`, with the horizontal position of its landmark.
     let sight = |click: &GroundClick| {
         let ray = turns
             .camera(click.frame)
@@ -67,6 +73,7 @@ pub(super) fn poses(
     };
     let sights: Vec<(Vec2, Vec2)> = clicks.iter().filter_map(sight).collect();
     let mut found: Vec<(f64, PanoramaPose)> = Vec::new();
+    // All pairs of clicks. The distance of the landmarks is the sort key.
     for (index, one) in sights.iter().enumerate() {
         for other in &sights[index + 1..] {
             found.extend(pose_of(one, other).map(|pose| ((other.1 - one.1).norm(), pose)));
@@ -76,8 +83,12 @@ pub(super) fn poses(
     found.into_iter().map(|(_, pose)| pose).collect()
 }
 
-/// The place from which two rays of an upright rig meet the ground at two points; rays as where
-/// they come to 1 m below.
+/// The pose in which two rays of a panorama with a vertical pan axis meet the ground at two points.
+/// Rays are given by their horizontal offsets at 1 m below the camera; ground is z = 0.
+///
+/// On a plane at depth h the rays are h times as far apart as at 1 m, so h = |P₂ − P₁| / |r₂ − r₁|.
+/// The heading is the rotation between the two difference vectors, and the position follows from
+/// one of the points.
 fn pose_of((ray, at): &(Vec2, Vec2), (other_ray, other_at): &(Vec2, Vec2)) -> Option<PanoramaPose> {
     let (between_rays, between) = (other_ray - ray, other_at - at);
     if between.norm() < LEAST_APART_M {
@@ -89,6 +100,8 @@ fn pose_of((ray, at): &(Vec2, Vec2), (other_ray, other_at): &(Vec2, Vec2)) -> Op
     }
     let angle = |of: Vec2| of.y.atan2(of.x);
     let heading = Angle::from_radians(angle(between_rays) - angle(between));
+    // The ray to the first landmark in `world`, scaled to 1 m of descent. The camera is `height_m`
+    // times this vector away from the landmark.
     let turned = PanoramaPose::upright(Vec3::zeros(), heading).world_from_panorama
         * Vec3::new(ray.x, ray.y, -1.0);
     Some(PanoramaPose::upright(
@@ -117,7 +130,7 @@ mod tests {
             residual_px: 0.5,
         };
         let truth = PanoramaPose::upright(Vec3::new(12.0, -58.0, 9.0), Angle::from_degrees(-7.0));
-        // Landmarks lie where the rays of clicks meet the ground.
+        // Landmarks are placed where the rays of the clicks meet the ground.
         let mut field = builtin("soccer")
             .unwrap()
             .model(&BTreeMap::new(), 0.0)
@@ -149,7 +162,7 @@ mod tests {
             (pose.world_from_panorama - truth.world_from_panorama).norm() < 1e-9,
             "{pose:?}"
         );
-        // One point twice says nothing, nor does a point above the horizon.
+        // A single point, clicked twice, gives no pose, nor does a point above the horizon.
         let sky = GroundClick {
             image: ImagePoint::new(900.0, -4000.0),
             ..one.clone()

@@ -5,10 +5,11 @@ use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use touchline_core::camera::PtzCamera;
 use touchline_documents::document::Document;
 
-/// Nearer to each other than this a click does not tell two places apart, px at 1920 px width.
+/// A click cannot separate projections closer together than this, px at 1920 px width.
 const MIN_APART_PX: f64 = 40.0;
 
-/// The landmark of the ground that two answers see farthest apart within one picture.
+/// The landmark of the ground whose projections by two answers are farthest apart, among those that
+/// both show within one picture. None if no pair is at least [`MIN_APART_PX`] apart.
 pub(super) fn deciding_landmark(
     document: &Document,
     best: &AutocalibratedCamera,
@@ -31,6 +32,7 @@ pub(super) fn deciding_landmark(
             .iter()
             .filter(|landmark| landmark.nominal_m.z == 0.0)
         {
+            // Each answer has its own field size, so the landmark differs in position as well.
             let seen = |which: usize| {
                 let field = &[best, other][which].field;
                 let landmark = field.landmark(landmark.id.as_str())?;

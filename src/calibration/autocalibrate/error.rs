@@ -1,4 +1,4 @@
-//! Why there is no base without clicks.
+//! Errors of autocalibration, and reasons to give no answer.
 
 use super::Doubt;
 use crate::calibrate::AutocalibratedCamera;
@@ -7,58 +7,58 @@ use touchline_core::field::FieldError;
 use touchline_vision::features::FeatureError;
 use touchline_vision::track::TrackError;
 
-/// Why a camera was not looked for to the end.
+/// Why the search could not run to its end.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum AutocalibrationError {
-    /// The camera's field cannot be had.
+    /// The document's field is not usable.
     #[error(transparent)]
     Field(#[from] FieldError),
-    /// The program was built without OpenCV, or OpenCV refused.
+    /// The program was built without OpenCV, or OpenCV failed.
     #[error(transparent)]
     Features(#[from] FeatureError),
-    /// Frames could not be compared.
+    /// Frames could not be matched.
     #[error(transparent)]
     Track(TrackError),
-    /// It was given up.
+    /// The search was cancelled.
     #[error("the search was stopped")]
     Stopped,
 }
 
-/// Why no camera is given although the search came to its end.
+/// Why the search ended without an answer.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Abstention {
-    /// The frames do not show the same.
+    /// Too few frames match each other.
     #[error(
         "at most {tied} of {frames} frames match each other: use three or more overlapping frames of one camera that does not move"
     )]
     NotTied {
-        /// Frames looked at.
+        /// Number of sampled frames.
         frames: usize,
-        /// Frames of the largest group.
+        /// Size of the largest connected group.
         tied: usize,
     },
-    /// The frames are not of a camera that turns and zooms.
+    /// The matches do not fit a camera that only rotates and zooms.
     #[error(transparent)]
     NotTurning(TrackError),
-    /// Hardly any paint.
+    /// There is hardly any persistent paint.
     #[error(
         "only {places} places of paint agree between the frames: use frames that show more of the lines"
     )]
     LittlePaint {
-        /// Directions in which paint stays.
+        /// Number of directions with persistent paint.
         places: usize,
     },
-    /// No place for the camera explains anything.
+    /// No position of the camera explains the paint.
     #[error("no position of the camera explains the painted lines: check the sport")]
     NothingFits,
     /// The best answer is not certain.
     #[error("the best answer is not certain, so none is given: {}. Click 4 landmarks on 2 frames instead", listed(.doubts))]
     Uncertain {
-        /// What speaks against it.
+        /// The reasons to reject the best answer.
         doubts: Vec<Doubt>,
-        /// It, as far as it was looked at.
+        /// The best answer, as far as it was refined.
         best: Option<Box<AutocalibratedCamera>>,
     },
 }
@@ -71,7 +71,7 @@ fn listed(doubts: &[Doubt]) -> String {
         .join("; ")
 }
 
-/// Why the search ended before its answer.
+/// Why a stage ended the search.
 pub(super) enum Stop {
     Failed(AutocalibrationError),
     Abstained(Abstention),

@@ -1,4 +1,8 @@
-//! What speaks for and against a base that was found from frames alone.
+//! Evidence for and against a base that was found from frames alone.
+//!
+//! Two shares are counted in the pictures: paint that lies on a predicted line, and predicted line
+//! on open ground that shows paint. A field of another sport or size, or a wrong pose, may score
+//! well on one of them, hardly on both.
 
 use super::Doubt;
 use super::joint::JointAdjustment;
@@ -12,17 +16,17 @@ use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_core::markings::{LineSample, SampleOptions, sample_lines};
 use touchline_vision::paint::{Shown, Strokes};
 
-/// Paint and line belong together within this distance, px at 1920 px width.
+/// Paint lies on a line within this distance from its edge, px at 1920 px width.
 const WITHIN_PX: f64 = 4.0;
 
-/// A line is missing if this many of its samples or more should be seen, 8 px apart in all frames
-/// together, and a smaller share of them is: a field of another size, or put beside itself,
-/// explains most lines and leaves one out. Right answers on three real and four drawn matches saw
-/// .42 and more of each line, a wrong one none of some.
+/// A line is missing if at least [`ENOUGH`] of its samples, 8 px apart and summed over all frames,
+/// should be visible and less than the share [`MIN_OF_LINE`] is. A field of another size, or one
+/// that is shifted, explains most lines and leaves one out. Right answers on three real and four
+/// drawn matches saw 0.42 and more of each line; a wrong one saw none of some.
 const ENOUGH: f64 = 40.0;
 const MIN_OF_LINE: f64 = 0.3;
 
-/// What speaks against a base: the questions that a right answer passes.
+/// The reasons to reject a base; none for a right answer.
 pub(super) fn doubts_of(evidence: &AutocalibrationEvidence, base: &CameraBase) -> Vec<Doubt> {
     const MIN_EXPLAINED: f64 = 0.6;
     const MIN_VISIBLE: f64 = 0.6;
@@ -67,6 +71,7 @@ pub(super) fn doubts_of(evidence: &AutocalibrationEvidence, base: &CameraBase) -
             residual_px: evidence.residual_px,
         },
     );
+    // An infinite distance means that some part of the frames gave no position at all.
     let parts_m = evidence.parts_m;
     if parts_m.is_finite() {
         ask(parts_m > MAX_PARTS_M, Doubt::PartsDisagree { parts_m });
@@ -85,7 +90,7 @@ pub(super) fn doubts_of(evidence: &AutocalibrationEvidence, base: &CameraBase) -
     doubts
 }
 
-/// What speaks for a base adjusted to the paint of frames.
+/// Measures the evidence for a base that was adjusted to the paint of frames.
 pub(super) fn measure_evidence(
     joint: &JointAdjustment,
     paint: &[FramePaint],
@@ -95,6 +100,7 @@ pub(super) fn measure_evidence(
     let frames: Vec<usize> = (0..strokes.len())
         .filter(|frame| joint.ptz[*frame].is_some())
         .collect();
+    // Count in each frame that has a camera.
     let counts: Vec<Counts> = frames
         .par_iter()
         .filter_map(|&frame| {
@@ -102,6 +108,7 @@ pub(super) fn measure_evidence(
             Some(Counts::of(field, &camera, &paint[frame], &strokes[frame]))
         })
         .collect();
+    // Sum over frames before dividing: a frame counts by how much paint and line it shows.
     let sum = |of: &dyn Fn(&Counts) -> usize| counts.iter().map(of).sum::<usize>() as f64;
     let share = |some: f64, all: f64| if all > 0.0 { some / all } else { 0.0 };
     let name = |line: usize| field.lines[line].id.as_str().to_owned();
@@ -109,6 +116,7 @@ pub(super) fn measure_evidence(
         .iter()
         .flat_map(|counts| counts.lines.iter().copied())
         .collect();
+    // Whether a line is missing is decided over all frames together.
     let of_lines: Vec<&[LineCounts]> = counts
         .iter()
         .map(|counts| counts.of_line.as_slice())
@@ -129,7 +137,7 @@ pub(super) fn measure_evidence(
     }
 }
 
-/// The lines that cameras should show on open ground and do not, by name.
+/// The labels of the lines that the cameras should show on open ground and do not.
 pub(super) fn missing_lines(field: &FieldModel, looking: &[(PtzCamera, &Strokes)]) -> Vec<String> {
     let of_frame = |(camera, strokes): &(PtzCamera, &Strokes)| {
         LineCounts::of(field, &samples_of(field, camera, strokes.size()), strokes)
@@ -138,7 +146,7 @@ pub(super) fn missing_lines(field: &FieldModel, looking: &[(PtzCamera, &Strokes)
     missing(field, &counts.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
-/// The labels of the lines that hardly any frame shows of those that should.
+/// The labels of the missing lines ([`ENOUGH`]). Touchlines are excepted.
 fn missing(field: &FieldModel, of_frames: &[&[LineCounts]]) -> Vec<String> {
     let is_missing = |line: &usize| {
         let sum = |of: fn(&LineCounts) -> usize| {
@@ -156,7 +164,7 @@ fn missing(field: &FieldModel, of_frames: &[&[LineCounts]]) -> Vec<String> {
         .collect()
 }
 
-/// Where a camera shows the field's lines.
+/// Samples of the field's lines in a camera's picture, 8 px apart.
 fn samples_of(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<LineSample> {
     sample_lines(
         field,
@@ -169,7 +177,7 @@ fn samples_of(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Li
     )
 }
 
-/// Whether a line runs along one of the long sides of a field.
+/// Whether a line runs along one of the long sides of the field.
 fn is_touchline(field: &FieldModel, line: usize) -> bool {
     const WITHIN_M: f64 = 0.2;
     let curve = field.lines[line].paint_centre;
@@ -178,17 +186,17 @@ fn is_touchline(field: &FieldModel, line: usize) -> bool {
         .all(|end| (curve.point_at(end).y.abs() - 0.5 * field.width_m).abs() < WITHIN_M)
 }
 
-/// Paint and lines of one frame, counted.
+/// Counts of paint and line samples in one frame.
 struct Counts {
     paint: usize,
     explained: usize,
-    /// Samples of each line.
+    /// By index of the line in the field.
     of_line: Vec<LineCounts>,
-    /// Lines of which enough was seen.
+    /// The lines that count as visible in this frame.
     lines: Vec<usize>,
 }
 
-/// Samples of a line that lie on open ground, and those of them that lie on paint.
+/// Number of samples of a line that lie on open ground, and of those among them that lie on paint.
 #[derive(Clone, Copy, Default)]
 struct LineCounts {
     predicted: usize,
@@ -196,7 +204,8 @@ struct LineCounts {
 }
 
 impl LineCounts {
-    /// Of each line of a field in one frame.
+    /// Counts the samples of each line of a field in one frame. Samples on anything but ground or
+    /// paint (players, boards) are no evidence either way.
     fn of(field: &FieldModel, samples: &[LineSample], strokes: &Strokes) -> Vec<Self> {
         let mut of_line = vec![Self::default(); field.lines.len()];
         for sample in samples {
@@ -214,7 +223,7 @@ impl LineCounts {
 }
 
 impl Counts {
-    /// The samples of all lines.
+    /// Sums over all lines.
     fn total(&self) -> LineCounts {
         let sum = |of: fn(&LineCounts) -> usize| self.of_line.iter().map(of).sum();
         LineCounts {
@@ -223,13 +232,15 @@ impl Counts {
         }
     }
 
+    /// Counts the paint and the line samples of one frame.
     fn of(field: &FieldModel, camera: &PtzCamera, paint: &FramePaint, strokes: &Strokes) -> Self {
-        /// A line is seen if this many of its samples are.
+        /// A line counts as visible if at least this many of its samples are.
         const OF_LINE: usize = 6;
         let size = strokes.size();
         let samples = samples_of(field, camera, size);
         let within_px = WITHIN_PX * size.scale_from_1920();
-        // Samples by where they are, in cells as wide as paint may be off.
+        // Hash the samples into cells of 8 px. Paint within 8 px of a sample is in the same cell or
+        // one of its eight neighbours.
         let cell = |x: f64, y: f64| ((x / 8.0).floor() as i64, (y / 8.0).floor() as i64);
         let mut near: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
         for (index, sample) in samples.iter().enumerate() {
@@ -237,6 +248,8 @@ impl Counts {
                 .or_default()
                 .push(index);
         }
+        // Paint is explained if it lies close to a sample across the line; along the line up to 12
+        // px are allowed, as samples are 8 px apart.
         let on_line = |at: &&ImagePoint| {
             let (column, row) = cell(at.x, at.y);
             let cells = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (column + dx, row + dy)));
@@ -250,6 +263,7 @@ impl Counts {
                         && off.norm() <= 12.0
                 })
         };
+        // Both directions: paint on lines, and lines with paint.
         let explained = paint.iter().filter(on_line).count();
         let of_line = LineCounts::of(field, &samples, strokes);
         let lines = (0..of_line.len())

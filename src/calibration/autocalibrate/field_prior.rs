@@ -1,4 +1,4 @@
-//! What is known beforehand of the field: its size, or the sizes that the rules allow.
+//! The prior on the field: its size, or the sizes that the rules allow.
 
 use crate::calibrate::OpenSize;
 use touchline_core::camera::{CameraBase, Ptz};
@@ -9,29 +9,29 @@ use touchline_core::solve::base::{
 };
 use touchline_documents::document::{CROWN, CameraId, DocumentAt, FieldSize};
 
-/// Other sizes that are tried at the start lie this share of what the rules allow beside the one
-/// assumed: a fit reaches half as far.
+/// The search starts from the assumed size and from sizes that differ from it by this share of the
+/// range that the rules allow. A fit of the size converges from half that far.
 const LEVEL_SHARE: f64 = 0.125;
 
-/// Neighbouring sizes differ by this much, m.
+/// Step between neighbouring sizes, m.
 const STEP_M: f64 = 2.5;
 
 /// A length of a field that the rules leave open, m.
 #[allow(clippy::struct_field_names, reason = "each name ends with its unit")]
 pub(super) struct OpenLength {
     pub value_m: f64,
-    /// What is assumed beforehand, and its 1-σ, m.
+    /// Mean and 1-σ of the prior, m.
     pub assumed_m: f64,
     pub sigma_m: f64,
 }
 
 /// The field that a camera is searched on, and how its size may differ.
 pub(super) struct FieldPrior {
-    /// As the document has it, crowned where it does not say.
+    /// The field of the document, with the usual crown if the document states none.
     pub assumed: FieldModel,
-    /// None where the rules leave no choice of its size.
+    /// None if the rules fix the size.
     open: Option<OpenSize>,
-    /// The document knows the size: another one is fitted only to test it.
+    /// Whether the document states the size; another one is then fitted only to test it.
     pub is_known: bool,
 }
 
@@ -40,8 +40,8 @@ impl FieldPrior {
     pub fn from_document(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, FieldError> {
         let spec = document.field_of_camera(camera);
         let mut assumed = document.model_of(spec)?;
-        // Low cameras see how far away a line is by their height above the ground: where it is
-        // crowned, usually as much as this.
+        // The height above the ground determines how far away a low camera sees a line. Grass
+        // pitches are crowned, so start with the usual crown.
         if assumed.may_be_crowned() && !spec.params.contains_key(CROWN) {
             assumed.crown_m = BasePriors::default().crown_m.0;
         }
@@ -54,10 +54,11 @@ impl FieldPrior {
         })
     }
 
-    /// The size as assumed, then others around it.
+    /// The assumed size first, then, if the size is unknown, the corners of a box around it.
     pub fn search_fields(&self) -> Vec<FieldModel> {
         let mut levels = vec![self.assumed.clone()];
         if let Some(open) = self.open.as_ref().filter(|_| !self.is_known) {
+            // Bit i of `corner` chooses between a smaller and a larger value of length i.
             let corners = (0..1_usize << open.params.len()).filter_map(|corner| {
                 let value = |(index, param): (usize, &SizeParam)| {
                     let sign = if corner >> index & 1 == 0 { -1.0 } else { 1.0 };
@@ -77,7 +78,8 @@ impl FieldPrior {
         levels
     }
 
-    /// Fields a little longer, shorter, wider and narrower than one, within the rules.
+    /// Fields that are one step longer, shorter, wider or narrower than a field, within the rules.
+    /// They keep its crown.
     pub fn neighbouring_sizes(&self, field: &FieldModel) -> Vec<FieldModel> {
         let Some(open) = &self.open else {
             return Vec::new();
@@ -103,7 +105,7 @@ impl FieldPrior {
             .collect()
     }
 
-    /// The lengths that are open, those of `field` being their values.
+    /// The open lengths, with the values that `field` has.
     pub fn open_lengths(&self, field: &FieldModel) -> Vec<OpenLength> {
         let Some(open) = &self.open else {
             return Vec::new();
@@ -120,23 +122,25 @@ impl FieldPrior {
             .collect()
     }
 
-    /// The field of these lengths, in their order, as far as the rules allow.
+    /// The field with these lengths, in their order, clamped to what the rules allow; none if the
+    /// template has no field of that size.
     pub fn with_lengths(&self, values_m: &[f64]) -> Option<FieldModel> {
         self.open.as_ref()?.sized(values_m)
     }
 
-    /// Whether another size is possible.
+    /// Whether the rules allow other sizes.
     pub const fn allows_other_sizes(&self) -> bool {
         self.open.is_some()
     }
 
-    /// Whether another size is possible and the document does not know its own.
+    /// Whether the rules allow other sizes and the document does not state one.
     pub const fn is_size_unknown(&self) -> bool {
         self.allows_other_sizes() && !self.is_known
     }
 
-    /// The size that paint asks for, from a base and frames adjusted to it at another; and the
-    /// field of that size.
+    /// Fits the size of the field to paint, starting from a base and frames that were adjusted at
+    /// another size. Returns the field of the fitted size, with its crown unchanged, and the fitted
+    /// lengths.
     pub fn fit_size(
         &self,
         field: &FieldModel,
@@ -163,6 +167,8 @@ impl FieldPrior {
             })
         };
         let mut sizes = fit_field_size(&crowned, &open.params_of(field), &start)?;
+        // The fit starts from the size of `field`; report the deviation from what the document
+        // assumes.
         for (size, param) in sizes.iter_mut().zip(&open.params) {
             size.assumed_m = param.assumed_m;
         }

@@ -1,9 +1,9 @@
-//! The search over focal scales: poses that the whole search or clicks give, at one focal scale
-//! after the other.
+//! The search over focal scales: the poses from the exhaustive search or from clicks, at one focal
+//! scale after the other.
 //!
 //! Matches leave the common scale of the focal lengths uncertain, and the pose depends on it. So
-//! the poses are scored at a few scales, then beside the best of them until both neighbours of the
-//! best were tried.
+//! poses are scored at a few scales first, then at the untried neighbours of the best scale until
+//! the best has been compared with both.
 
 use super::clicked::{GroundClick, poses};
 use super::error::Stop;
@@ -20,27 +20,27 @@ use touchline_core::field::FieldModel;
 use touchline_core::progress::Progress;
 use touchline_vision::track::Turns;
 
-/// How much longer or shorter than the matches say the focal lengths may be, in per cent: rotations
-/// leave their common scale uncertain, and boards that scroll under a picture put all matches off
-/// together. Neighbouring values are as near as a search needs.
+/// The focal scales of the search, in per cent of the scale that fits the matches best. Rotations
+/// alone determine the scale badly, and scrolling boards bias all matches alike. Neighbouring
+/// values differ by about 6 %, as finely as the search needs.
 const FOCAL_PERCENT: [u32; 15] = [
     67, 71, 75, 79, 83, 88, 94, 100, 106, 113, 120, 127, 135, 143, 150,
 ];
 
-/// Of these the first to be tried.
+/// The scales that are tried first.
 const FIRST_FOCAL_PERCENT: [u32; 3] = [100, 88, 113];
 
-/// Those tried first where clicks determine the poses, nearer to each other: the scale decides how
-/// far away their landmarks are.
+/// The scales that are tried first where clicks determine the poses. They lie closer together,
+/// because the scale decides how far away the clicked landmarks are.
 const FINE_FOCAL_PERCENT: [u32; 11] = [100, 97, 103, 94, 106, 91, 109, 88, 112, 115, 118];
 
-/// Rounds that a search takes on most footage.
+/// The usual number of scales that a search tries; for the progress display only.
 const USUAL_ROUNDS: usize = 5;
 
-/// Pairs of clicks that give a pose, at most.
+/// Maximum number of poses from pairs of clicks, per field.
 const MAX_PAIRS: usize = 6;
 
-/// Poses of one focal scale that go on, at most.
+/// Maximum number of poses of one focal scale that are refined further.
 const MAX_PER_SCALE: usize = 3;
 
 /// A scored pose, with the frames at the focal scale where it was found.
@@ -49,14 +49,14 @@ pub(super) struct ScaledPose {
     pub frames: Arc<FramesAtScale>,
 }
 
-/// The poses that were found at several focal scales, and how the frames turn at each of these.
+/// The poses that were found at several focal scales, and the rotations of the frames at each.
 pub(super) struct PosesByFocalScale {
     /// The most likely first.
     pub poses: Vec<ScaledPose>,
     pub rotations: RotationsByFocalScale,
 }
 
-/// Searches the poses of the panorama on several fields without any click.
+/// Searches the poses of the panorama on several fields, without clicks.
 pub(super) fn search_poses(
     matched: &MatchedFrames,
     maps: &[PitchMap],
@@ -101,7 +101,11 @@ pub(super) fn poses_from_clicks(
 }
 
 /// The best poses at each of some focal scales, and at the neighbours of the scale that has the
-/// best pose of all. `poses_at` finds the poses at one scale, the best first.
+/// best pose of all. `poses_at` returns the poses at one scale, the best first.
+///
+/// # Errors
+/// The search was stopped, no scale could be evaluated, or the frames are not those of a rotating
+/// camera, which shows at the first scale.
 fn try_focal_scales(
     matched: &MatchedFrames,
     focal_percent: &[u32],
@@ -123,6 +127,7 @@ fn try_focal_scales(
         done += 1;
         match matched.at_scale(percent) {
             Ok((frames, panorama)) => {
+                // Find the poses at this scale, and remember the scale with the best pose.
                 let poses = poses_at(&frames.rotations, &panorama);
                 let score = poses.first().map_or(0.0, ScoredPose::score);
                 if best.is_none_or(|(other, _)| score > other) {
@@ -140,13 +145,16 @@ fn try_focal_scales(
             // One focal scale may gather little paint where another gathers enough.
             Err(why) => refused = refused.or(Some(why)),
         }
+        // All planned scales are done: add a neighbour of the best, until there is none.
         if done == percents.len() {
             percents.extend(best.and_then(|(_, percent)| untried_beside(percent, &percents)));
         }
     }
+    // Fail only if no scale worked, with the first reason.
     if let Some(why) = refused.filter(|_| rotations.is_empty()) {
         return Err(why.into());
     }
+    // Poses of all scales compete; the sort is stable.
     found.sort_by(|a, b| b.scored.score().total_cmp(&a.scored.score()));
     Ok(PosesByFocalScale {
         poses: found,
@@ -154,11 +162,14 @@ fn try_focal_scales(
     })
 }
 
-/// A neighbour of a share between which and itself none was tried: one beyond all that were tried
-/// before one between two of them.
+/// The next scale to try beside the best one, from [`FOCAL_PERCENT`]: a neighbour such that no
+/// tried scale lies between it and the best, or equals it. Scales beyond all tried ones come before
+/// those between two of them.
 fn untried_beside(percent: u32, tried: &[u32]) -> Option<u32> {
     let above = FOCAL_PERCENT.into_iter().find(|share| *share > percent);
     let below = FOCAL_PERCENT.into_iter().rfind(|share| *share < percent);
+    // A neighbour counts as tried if any scale between it and the best was tried: scales from the
+    // finer list may lie between two of the table.
     let is_tried = |range: RangeInclusive<u32>| tried.iter().any(|share| range.contains(share));
     let above = above.filter(|above| !is_tried(percent + 1..=*above));
     let below = below.filter(|below| !is_tried(*below..=percent - 1));
@@ -170,7 +181,7 @@ fn untried_beside(percent: u32, tried: &[u32]) -> Option<u32> {
 mod tests {
     use super::*;
 
-    /// The shares that are tried where the best of all lies at one of them.
+    /// The scales that are tried if the best is always the one nearest to `best`.
     fn tried(first: &[u32], best: u32) -> Vec<u32> {
         let mut tried = first.to_vec();
         let nearest = |tried: &[u32]| {

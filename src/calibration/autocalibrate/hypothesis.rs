@@ -21,11 +21,11 @@ use touchline_vision::track::{PosePrior, filled};
 /// A base for the camera, and the frames around it. Frames are numbered as in [`MatchedFrames`].
 #[derive(Clone)]
 pub(super) struct Hypothesis {
-    /// The answer, as far as it is refined.
+    /// The camera as it would be answered, as far as it is refined.
     pub camera: AutocalibratedCamera,
-    /// Of each frame, by the paint of all frames; none for frames that show too little.
+    /// The camera of each frame from the joint adjustment; none for frames with too little paint.
     pub ptz: Vec<Option<Ptz>>,
-    /// What each frame's own paint says of its camera.
+    /// The pose prior of each frame from its own paint.
     pub paint_priors: Vec<PosePrior>,
     /// The frames at the focal scale where the search found the pose.
     pub frames: Arc<FramesAtScale>,
@@ -49,6 +49,7 @@ impl Hypothesis {
         let joint = adjust_jointly(start, size_prior, &observed)?;
         let evidence = measure_evidence(&joint, paint, &matched.strokes);
         let paint_priors = joint.paint_priors();
+        // Frames with too little paint have no camera yet; they get one in the alignment.
         let placed = matched
             .indices
             .iter()
@@ -78,17 +79,17 @@ impl Hypothesis {
         })
     }
 
-    /// How much of paint and lines belongs together, 0 to 1.
+    /// The product of explained paint and visible lines, 0 to 1.
     pub fn score(&self) -> f64 {
         self.camera.evidence.score()
     }
 
-    /// Where the camera stands, m.
+    /// The position of the camera in `world`, m.
     pub const fn position_m(&self) -> Vec3 {
         self.camera.base.position_m
     }
 
-    /// What speaks against it, by its evidence.
+    /// The reasons to reject it, from its evidence.
     pub fn doubts(&self) -> Vec<Doubt> {
         doubts_of(&self.camera.evidence, &self.camera.base)
     }

@@ -1,4 +1,10 @@
-//! The base and every frame's camera adjusted to the paint of all frames together.
+//! Joint adjustment of the base and of every frame's camera to the paint of all frames.
+//!
+//! Iterative closest point in the pictures, residuals in px. Each round assigns paint to the lines
+//! that the cameras of the moment see nearest to it, within a reach that shrinks from round to
+//! round, and adjusts base, lens and all frames at once ([`adjust_base`]). The crown is fitted from
+//! a later round on, and the field's size and the matches between frames take part after some
+//! rounds.
 
 use super::field_prior::FieldPrior;
 use super::matched_frames::{FramePaint, renumber_matches};
@@ -15,49 +21,53 @@ use touchline_core::solve::base::{
 use touchline_core::solve::{BlockEquations, Loss, Observation};
 use touchline_vision::track::{PosePrior, PriorSource, Tie, adjust_matched_frames};
 
-/// How far paint may lie from the line that it is taken for, round by round, px at 1920 px width.
+/// The reach of each round: paint farther than this from every line is left out, px at 1920 px
+/// width.
 const REACH_PX: [f64; 6] = [40.0, 25.0, 14.0, 8.0, 5.0, 4.0];
 
-/// From this round on the pitch may be higher in the middle: before, the lines are not sure enough.
+/// From this round on the crown is fitted. Before, too much paint is assigned to wrong lines.
 const CROWN_FROM: usize = 3;
 
-/// After these rounds the field's size is fitted, where it is open: once coarsely, once among lines
-/// that are sure.
+/// The field's size is fitted after these rounds, where it is open: first coarsely, then again with
+/// reliable assignments.
 const SIZE_AFTER: [usize; 2] = [1, 3];
 
-/// After these rounds frames that have strayed from where their neighbours have them are brought
-/// back.
+/// After these rounds the frames are adjusted to their matches as well, which brings back frames
+/// that went to wrong lines.
 const TIED_AFTER: [usize; 2] = [2, 3];
 
-/// 1-σ of the middle of a stroke, px at 1920 px width, with what its neighbours have in common with
-/// it.
+/// 1-σ of a point on the centre of a stroke, px at 1920 px width. It includes the error that
+/// neighbouring points have in common.
 const SIGMA_PX: f64 = 1.5;
 
-/// Places of one line in one frame, at most.
+/// Maximum number of paint points per line and frame: long lines would otherwise outweigh short
+/// ones.
 const OF_LINE: usize = 20;
 
-/// A frame takes part with at least this many places.
+/// A frame with fewer paint points on lines takes no part.
 const MIN_PLACES: usize = 25;
 
 /// Fewer frames do not determine a base.
 const MIN_FRAMES: usize = 2;
 
-/// Paint hardly counts beyond 2 σ where it says where a frame looks: the loss of the last round.
+/// The robust loss of the paint in a pose prior: paint hardly counts beyond 2 σ.
 const PAINT_LOSS: Loss = Loss::Cauchy { c: 2.0 };
 
 /// A base and its frames, adjusted jointly to paint.
 pub(super) struct JointAdjustment {
     pub base: CameraBase,
-    /// With the crown, and the size where that was fitted.
+    /// The field with its fitted crown and, if a size prior was given, its fitted size.
     pub field: FieldModel,
-    /// The lengths that were fitted.
+    /// The fitted lengths; empty without a size prior.
     pub sizes: Vec<FittedSize>,
-    /// Of each frame that shows enough paint.
+    /// The camera of each frame; none for frames that show too little paint.
     pub ptz: Vec<Option<Ptz>>,
-    /// How far the bases of parts of the frames lie apart, m; infinite where one has none.
+    /// The distance between the positions that parts of the frames give, m ([`apart`]); infinite if
+    /// a part gives none.
     pub parts_m: f64,
-    /// Which paint was taken for which line.
+    /// The paint of each frame, assigned to lines.
     taken: Vec<FrameClicks>,
+    /// Pixels of these frames per pixel at 1920 px width.
     scale: f64,
 }
 
@@ -79,7 +89,8 @@ impl JointAdjustment {
     }
 }
 
-/// The frames as their paint and the ties between them have them.
+/// The frames, adjusted to their paint and to the pairwise matches, with the base held fixed.
+/// Unchanged if the two leave a frame undetermined.
 fn adjusted_by_ties(
     base: &CameraBase,
     ptz: &[Option<Ptz>],
@@ -87,13 +98,15 @@ fn adjusted_by_ties(
     ties: &[Tie],
     size: ImageSize,
 ) -> Vec<Option<Ptz>> {
-    // Frames that take part, numbered among themselves.
+    // Only frames with a camera take part, and the adjustment numbers them consecutively.
     let part: Vec<usize> = (0..ptz.len())
         .filter(|frame| ptz[*frame].is_some())
         .collect();
     let place = |frame: usize| part.binary_search(&frame).ok();
     let ties = renumber_matches(ties, &part);
     let start: Vec<Ptz> = ptz.iter().copied().flatten().collect();
+    // The paint enters as one Gaussian prior per frame instead of point by point: linearised at the
+    // present cameras, three parameters each.
     let priors = paint_priors(base, ptz, taken).into_iter();
     let priors: Vec<PosePrior> = priors
         .filter_map(|prior| {
@@ -113,7 +126,8 @@ fn adjusted_by_ties(
     brought
 }
 
-/// What the paint of each frame says of its camera.
+/// The pose prior of each frame from its own paint: the normal equations of (pan, tilt, log f) at
+/// its camera.
 fn paint_priors(base: &CameraBase, ptz: &[Option<Ptz>], taken: &[FrameClicks]) -> Vec<PosePrior> {
     let of_frame = |(frame, (ptz, taken)): (usize, (&Option<Ptz>, &FrameClicks))| {
         let ptz = (*ptz)?;
@@ -137,7 +151,7 @@ fn paint_priors(base: &CameraBase, ptz: &[Option<Ptz>], taken: &[FrameClicks]) -
 }
 
 impl JointAdjustment {
-    /// What the paint of each frame says of its camera.
+    /// The pose prior of each frame from its own paint.
     pub fn paint_priors(&self) -> Vec<PosePrior> {
         paint_priors(&self.base, &self.ptz, &self.taken)
     }
@@ -147,15 +161,15 @@ impl JointAdjustment {
 pub(super) struct JointStart {
     pub field: FieldModel,
     pub base: CameraBase,
-    /// Of each frame; frames without one take no part.
+    /// The camera of each frame; frames without one take no part.
     pub ptz: Vec<Option<Ptz>>,
 }
 
 /// What the frames of a joint adjustment show.
 pub(super) struct FrameObservations<'a> {
-    /// Of each frame.
+    /// Persistent paint of each frame.
     pub paint: &'a [FramePaint],
-    /// Pairwise matches, by frame.
+    /// Pairwise matches, numbered like the frames.
     pub matches: &'a [Tie],
     pub image_size: ImageSize,
 }
@@ -178,14 +192,15 @@ pub(super) fn adjust_jointly(
     let mut base = start.base;
     let mut ptz = start.ptz.clone();
     let (mut taken, mut sizes) = (Vec::new(), Vec::new());
-    // From low cameras the lines lie too near to each other for the first rounds, and the start is
-    // the nearer.
+    // Seen from a low camera the lines lie close together in the picture, and the widest rounds
+    // would assign paint to neighbouring lines; skip them. The start is good enough for that.
     let widest_px = angular_scale(start.base.position_m.z) * REACH_PX[0];
     for (round, reach_px) in REACH_PX
         .into_iter()
         .enumerate()
         .skip_while(|(_, reach_px)| *reach_px > widest_px)
     {
+        // Assign paint to lines. Frames with too little of it leave and do not come back.
         let near = |(paint, ptz): (&FramePaint, &Option<Ptz>)| {
             let camera = ptz.map(|ptz| PtzCamera::new(base, ptz));
             let observations = camera.map_or_else(Vec::new, |camera| {
@@ -200,6 +215,8 @@ pub(super) fn adjust_jointly(
         for (ptz, taken) in ptz.iter_mut().zip(&taken) {
             *ptz = ptz.filter(|_| taken.observations.len() >= MIN_PLACES);
         }
+        // Adjust base, lens and frames. The scale of the Cauchy loss is a quarter of the reach, but
+        // at least 1.5 σ, so that paint at the edge of the reach counts little in every round.
         let crown = if round < CROWN_FROM {
             CrownModel::Fixed(field.crown_m)
         } else {
@@ -223,11 +240,14 @@ pub(super) fn adjust_jointly(
             crown_m: adjusted.crown_m,
             ..field
         };
+        // The observations contain the position of their line in the world, which depends on the
+        // crown.
         taken = on_field(taken, &crowned);
         field = crowned;
         if TIED_AFTER.contains(&round) {
             ptz = adjusted_by_ties(&base, &ptz, &taken, matches, size);
         }
+        // Fit the field's size. The map of lines has to follow.
         let Some(prior) = size_prior.filter(|_| SIZE_AFTER.contains(&round)) else {
             continue;
         };
@@ -239,6 +259,8 @@ pub(super) fn adjust_jointly(
         (field, sizes) = fitted;
         map = PitchMap::with_grid(&field);
     }
+    // Cross-validation: each part of the frames is adjusted alone, with assignments, field and
+    // crown held fixed, and the positions are compared.
     let parts = apart(base.position_m, &ptz, |ptz| {
         let (model, options) = (
             model(CrownModel::Fixed(field.crown_m)),
@@ -253,6 +275,9 @@ pub(super) fn adjust_jointly(
         )?;
         Some(part.base.position_m)
     });
+    // The formal covariance takes the residuals of paint as independent, which they are not.
+    // Inflate it so that it covers half the difference of the parts, and at least the accuracy with
+    // which real grounds are painted.
     if let Some(apart_m) = parts {
         let half = base.sigma.following_position(0.5 * apart_m);
         base.sigma = base
@@ -273,9 +298,12 @@ pub(super) fn adjust_jointly(
     })
 }
 
-/// How far the positions lie apart that halves of the frames give, m; of frames too few for that
-/// twice the 1-σ that leaving one out at a time gives (jackknife: Efron, 1982). What is known from
-/// all frames scatters half as much. None where a part gives no position.
+/// The difference between the positions from the two halves of the frames (even and odd), m.
+///
+/// If a half gives no position, twice the 1-σ of the jackknife over single frames (B. Efron, 1982):
+/// σ² = (n − 1)/n Σ (x₋ᵢ − x)², with the position x₋ᵢ without frame i and x from all n frames.
+/// Twice, because two independent halves have σ√2 each and therefore differ by 2 σ (1-σ), where σ
+/// is the error of all frames. None if a part gives no position.
 fn apart(
     whole_m: Vec3,
     ptz: &[Option<Ptz>],
@@ -285,10 +313,12 @@ fn apart(
         let of_rest = |(frame, ptz): (usize, &Option<Ptz>)| ptz.filter(|_| !is_left_out(frame));
         position_m(&ptz.iter().enumerate().map(of_rest).collect::<Vec<_>>())
     };
+    // Even frames against odd ones.
     let [one, other] = [1, 0].map(|half| without(&|frame| frame % 2 == half));
     if let Some((one, other)) = one.zip(other) {
         return Some(one - other);
     }
+    // Jackknife over the frames that take part.
     let part: Vec<usize> = (0..ptz.len())
         .filter(|frame| ptz[*frame].is_some())
         .collect();
@@ -300,7 +330,7 @@ fn apart(
     Some(2.0 * (squares? * share).map(f64::sqrt))
 }
 
-/// The same paint on the lines of a field of another crown or size.
+/// Moves the assigned paint to the same lines of a field with another crown or size.
 fn on_field(mut taken: Vec<FrameClicks>, field: &FieldModel) -> Vec<FrameClicks> {
     for frame in &mut taken {
         let moved = |seen: &Observation| seen.renamed(field, seen.element?);
@@ -309,6 +339,8 @@ fn on_field(mut taken: Vec<FrameClicks>, field: &FieldModel) -> Vec<FrameClicks>
     taken
 }
 
+/// Runs the adjustment. None with too few frames, or if it diverged or put the camera below the
+/// ground.
 fn adjusted(
     taken: &CameraClicks<'_>,
     base: &CameraBase,
@@ -321,6 +353,8 @@ fn adjusted(
     (adjusted.base.is_finite() && adjusted.base.position_m.z > 0.0).then_some(adjusted)
 }
 
+/// The lens has a k₁ that is linear in the focal length; the principal point stays in the image
+/// centre.
 const fn model(crown: CrownModel) -> BaseModel {
     BaseModel {
         lens: LensModel::K1Focal,
@@ -337,7 +371,8 @@ fn options(loss: Loss) -> AdjustOptions {
     }
 }
 
-/// How far a place of a picture lies beside a line, px; none where the line cannot be seen.
+/// The distance of an image point from the projected line, px; none if the line is behind the
+/// camera. The direction of the line in the picture is a finite difference over 0.1 m.
 fn beside_px(camera: &PtzCamera, line: &OnLine, image: ImagePoint) -> Option<f64> {
     const STEP_M: f64 = 0.1;
     let at = camera.image_from_world(line.at).ok()?;
@@ -348,8 +383,8 @@ fn beside_px(camera: &PtzCamera, line: &OnLine, image: ImagePoint) -> Option<f64
     Some(image.offset_from(at).perp(&along).abs())
 }
 
-/// Paint taken for the line that is seen nearest to it, within reach in the picture; spread over
-/// the lines.
+/// Assigns each point of paint to the line that the camera sees nearest to it, if within
+/// `reach_px`; at most [`OF_LINE`] per line, evenly subsampled.
 fn near_lines(
     field: &FieldModel,
     map: &PitchMap,
@@ -365,6 +400,8 @@ fn near_lines(
         let Some(near) = ground.and_then(|ground| map.nearest(ground, eye_m)) else {
             continue;
         };
+        // The nearest line is found by angle from the camera; the gate is in pixels, the unit of
+        // the adjustment.
         let off_px = beside_px(camera, &near, *image).unwrap_or(f64::INFINITY);
         if off_px > reach_px {
             continue;
@@ -387,8 +424,8 @@ fn near_lines(
 mod tests {
     use super::*;
 
-    /// Frames that each say where the camera stands along x, m; of some the mean, of fewer than
-    /// `least` nothing.
+    /// `apart` of frames that each measure the position along x, m. The position from several
+    /// frames is their mean, and none from fewer than `least`.
     fn apart_of(says_m: &[Option<f64>], least: usize) -> Option<Vec3> {
         let ptz = |at: &Option<f64>| at.map(|at| Ptz::from_degrees(0.0, 0.0, at));
         let mean = |ptz: &[Option<Ptz>]| {
@@ -404,8 +441,8 @@ mod tests {
     fn parts_of_the_frames_say_how_sure_all_of_them_are() {
         let halves = apart_of(&[Some(10.0), Some(10.4), Some(10.2), Some(10.6)], 2).unwrap();
         assert!((halves.x + 0.4).abs() < 1e-9 && halves.y == 0.0, "{halves}");
-        // Of three frames one at a time is left out: the mean of .1, .2 and .6 is sure to .1528,
-        // their standard error.
+        // Of three frames one at a time is left out: the standard error of the mean of 0.1, 0.2 and
+        // 0.6 is 0.1528.
         let three = apart_of(&[Some(10.1), Some(10.2), None, Some(10.6)], 2).unwrap();
         assert!(
             (three.x - 2.0 * (0.07_f64 / 3.0).sqrt()).abs() < 1e-9,

@@ -1,8 +1,9 @@
 //! Frames of one camera, matched pairwise: the view graph of the search.
 //!
-//! [`MatchedFrames`] is the largest connected group of the sampled frames. All later stages number frames within that group; only
-//! [`MatchedFrames::indices`] leads back to the document. [`FramesAtScale`] is what the matches say of the frames at one focal scale:
-//! how they turn, and which paint they show in one direction.
+//! [`MatchedFrames`] is the largest connected group of the sampled frames. All later stages number
+//! frames within that group; only [`MatchedFrames::indices`] leads back to the document.
+//! [`FramesAtScale`] is what the matches determine at one focal scale: the relative rotations of
+//! the frames, and the paint that several of them show in one direction.
 
 use super::error::Stop;
 use super::progress::report;
@@ -15,35 +16,35 @@ use touchline_vision::features::Features;
 use touchline_vision::paint::{PersistentPoint, SeenGround, Strokes, persistent_paint};
 use touchline_vision::track::{Tie, TurnOptions, Turns, adjust_turns, groups, tie_frames};
 
-/// Directions of paint without which nothing can be found.
+/// With fewer directions of persistent paint no camera is found.
 const MIN_DIRECTIONS: usize = 150;
 
-/// Fewer frames hardly show what is drawn on the ground and what is not.
+/// Fewer frames do not separate persistent paint from what moves.
 const MIN_FRAMES: usize = 3;
 
-/// Paint of a frame, px.
+/// Positions of paint in the picture of a frame, px.
 pub(super) type FramePaint = Vec<ImagePoint>;
 
 /// The largest group of frames that pairwise matches connect, numbered within the group.
 pub(super) struct MatchedFrames {
-    /// Their indices in the document, ascending.
+    /// Indices of the frames in the document, ascending.
     pub indices: Vec<usize>,
-    /// The sampled frames outside the group, by their indices in the document: another camera's.
+    /// Indices in the document of the sampled frames outside the group: taken to be another
+    /// camera's.
     pub others: Vec<usize>,
-    /// Of their pictures.
+    /// Size of all their pictures.
     pub image_size: ImageSize,
     /// The edges of the view graph.
     pub matches: Vec<Tie>,
-    /// Of each frame.
+    /// Strokes of each frame.
     pub strokes: Vec<Strokes>,
-    /// Of each frame: boxes whose pixels do not count.
+    /// Masks of each frame: boxes whose pixels do not count.
     pub masks: Vec<Vec<PixelBox>>,
 }
 
-/// The frames as pairwise matches place them at one focal scale.
+/// The frames at one focal scale, with the rotations that fit the pairwise matches.
 pub(super) struct FramesAtScale {
-    /// The logarithm of the focal scale: of the factor on the focal lengths that fit the matches
-    /// best.
+    /// The log focal scale: of the factor on the focal lengths that fit the matches best.
     pub log_scale: f64,
     pub rotations: Turns,
     /// Persistent paint of each frame.
@@ -54,7 +55,7 @@ impl MatchedFrames {
     /// Matches the sampled frames and keeps the largest connected group.
     ///
     /// # Errors
-    /// Too few are connected, the search was stopped, or OpenCV is missing or refused.
+    /// Too few frames are connected, the search was stopped, or OpenCV is missing or failed.
     pub fn from_sampled(
         frames: &[SampledFrame],
         progress: &Progress<'_, AutocalibrationProgress>,
@@ -76,6 +77,8 @@ impl MatchedFrames {
 
     /// Keeps the largest group of frames of one size that `matches` connect.
     pub fn from_matches(frames: &[SampledFrame], matches: &[Tie]) -> Result<Self, Abstention> {
+        // Frames of different sizes are different cameras, even if they match. The groups come
+        // largest first.
         let is_of_one_size =
             |pair: &&Tie| frames[pair.first].image_size() == frames[pair.second].image_size();
         let of_one_size: Vec<Tie> = matches.iter().filter(is_of_one_size).cloned().collect();
@@ -106,19 +109,20 @@ impl MatchedFrames {
         })
     }
 
-    /// A frame of the document, by its number in the group.
+    /// The number within the group of a frame, from its index in the document.
     pub fn number_of(&self, index: usize) -> Option<usize> {
         self.indices.iter().position(|other| *other == index)
     }
 
-    /// The frames with focal lengths of `focal_percent` per cent of what the matches say, and the
-    /// panorama of their paint.
+    /// The rotations and the panorama of paint with all focal lengths at `focal_percent` per cent
+    /// of those that fit the matches best.
     pub fn at_scale(&self, focal_percent: u32) -> Result<(FramesAtScale, Panorama), Abstention> {
         let focal_scale = f64::from(focal_percent) / 100.0;
         let options = TurnOptions {
             focal_scale,
             ..TurnOptions::default()
         };
+        // Rotations, zoom and lens from the matches, at this scale.
         let rotations = adjust_turns(self.indices.len(), &self.matches, self.image_size, &options)
             .map_err(Abstention::NotTurning)?;
         let frames: Vec<_> = self
@@ -127,6 +131,7 @@ impl MatchedFrames {
             .enumerate()
             .map(|(frame, strokes)| (rotations.camera(frame), strokes.clone()))
             .collect();
+        // Paint that several frames show in one direction.
         let points = persistent_paint(&frames);
         let directions: Vec<Vec3> = points.iter().map(|point| point.direction).collect();
         let panorama = Panorama::new(&directions, SeenGround::of(&frames));
@@ -147,8 +152,8 @@ impl MatchedFrames {
     }
 }
 
-/// The matches between frames of a group (ascending), renumbered within it; those that lead out of
-/// it are left out.
+/// The matches between the frames of a group (ascending), renumbered within it. Matches with other
+/// frames are left out.
 pub(super) fn renumber_matches(matches: &[Tie], group: &[usize]) -> Vec<Tie> {
     let number = |frame: usize| group.binary_search(&frame).ok();
     let renumber = |pair: &Tie| {
@@ -161,6 +166,7 @@ pub(super) fn renumber_matches(matches: &[Tie], group: &[usize]) -> Vec<Tie> {
     matches.iter().filter_map(renumber).collect()
 }
 
+/// Sorts persistent points by frame.
 fn paint_of_frames(points: &[PersistentPoint], num_frames: usize) -> Vec<FramePaint> {
     let mut paint = vec![FramePaint::new(); num_frames];
     for point in points {
@@ -183,7 +189,7 @@ mod tests {
 
     #[test]
     fn the_largest_connected_group_is_kept_and_the_others_are_named() {
-        // Frames 0 and 6 match nothing; 1 to 3 hang together, and so do 4 and 5.
+        // Frames 0 and 6 match nothing; 1 to 3 are connected, and so are 4 and 5.
         let matches: Vec<Tie> = [(1, 2), (2, 3), (4, 5)]
             .iter()
             .filter_map(|&(first, second)| exact_match(first, second))

@@ -41,24 +41,27 @@
 //!
 //! # Why not …
 //!
-//! * *one homography per frame*, from detected lines or a learned segmentation? A narrow view shows one family of parallel lines,
-//!   sometimes a single line, and these do not determine a homography. All frames together
-//!   over-determine one panorama.
-//! * *structure from motion*? A rotating camera has no baseline, so nothing can be triangulated. Position and scale come from the
-//!   field.
-//! * *focal lengths from self-calibration alone*? Stage 2 finds them, but their common scale is what matches determine worst, and
-//!   outliers that agree with each other (scrolling boards) bias it. Paint decides it, in stages 4
-//!   and 5.
-//! * *descent from one start*? Parallel lines make many local minima; hence the exhaustive search. For the same reason a good score is
-//!   no answer unless it is much better than the runner-up's.
+//! * *one homography per frame*, from detected lines or a learned segmentation? A narrow view shows
+//!   one family of parallel lines, sometimes a single line, and these do not determine a
+//!   homography. All frames together over-determine one panorama.
+//! * *structure from motion*? A rotating camera has no baseline, so nothing can be triangulated.
+//!   Position and scale come from the field.
+//! * *focal lengths from self-calibration alone*? Stage 2 finds them, but their common scale is
+//!   what matches determine worst, and outliers that agree with each other (scrolling boards) bias
+//!   it. Paint decides it, in stages 4 and 5.
+//! * *descent from one start*? Parallel lines make many local minima; hence the exhaustive search.
+//!   For the same reason a good score is no answer unless it is much better than the runner-up's.
 //!
 //! # References
 //!
-//! * R. Hartley: "Self-calibration of stationary cameras", IJCV 22, 1997. L. Agapito, E. Hayman, I. Reid: "Self-calibration of rotating
-//!   and zooming cameras", IJCV 45, 2001 (stage 2).
-//! * M. Brown, D. Lowe: "Automatic panoramic image stitching using invariant features", IJCV 74, 2007 (stage 2).
-//! * Y. Chen, G. Medioni: "Object modelling by registration of multiple range images", Image and Vision Computing 10, 1992 (stages 4–6).
-//! * B. Efron: "The Jackknife, the Bootstrap and Other Resampling Plans", 1982 (stage 7, for few frames).
+//! * R. Hartley: "Self-calibration of stationary cameras", IJCV 22, 1997. L. Agapito, E. Hayman, I.
+//!   Reid: "Self-calibration of rotating and zooming cameras", IJCV 45, 2001 (stage 2).
+//! * M. Brown, D. Lowe: "Automatic panoramic image stitching using invariant features", IJCV 74,
+//!   2007 (stage 2).
+//! * Y. Chen, G. Medioni: "Object modelling by registration of multiple range images", Image and
+//!   Vision Computing 10, 1992 (stages 4–6).
+//! * B. Efron: "The Jackknife, the Bootstrap and Other Resampling Plans", 1982 (stage 7, for few
+//!   frames).
 
 mod align;
 mod answer;

@@ -4,17 +4,17 @@
 //! # Problem
 //!
 //! Pairwise matches give all frames' rotations relative to each other, so the paint of all frames
-//! is one rigid set of directions: the panorama. Its place in the world is open, and so are a few
-//! numbers that matches say little or nothing about. From a low camera these trade off against each
-//! other: a pitch 2 m wider, seen from 3 m farther away, looks nearly the same. They are therefore
-//! fitted together, ten parameters in all ([`Parameters`]).
+//! is one rigid set of directions: the panorama. Its pose in the world is open, and so are a few
+//! numbers that matches determine badly or not at all. From a low camera these trade off against
+//! each other: a pitch 2 m wider, seen from 3 m farther away, looks nearly the same. They are
+//! therefore fitted together, ten parameters in all ([`Parameters`]).
 //!
 //! # Method
 //!
 //! Iterative closest point on the viewing sphere. Each round assigns every direction of paint to
 //! the line that it passes nearest to, drops pairs beyond a gate, and minimises the angles between
 //! the directions and the planes through camera and line (the point-to-line metric of Chen and
-//! Medioni, 1992). The gate narrows from round to round, so that parallel lines are told apart only
+//! Medioni, 1992). The gate narrows from round to round, so that parallel lines are separated only
 //! once the pose is good enough for it. A Cauchy loss bounds the influence of wrong pairs; priors
 //! hold what paint leaves open.
 //!
@@ -53,7 +53,8 @@ const MIN_CORRESPONDENCES: usize = 100;
 /// The crown stays within what building rules allow, m.
 const CROWN_RANGE_M: [f64; 2] = [-0.1, 0.5];
 
-/// 1-σ that holds a parameter at its value.
+/// 1-σ of a parameter that is not fitted: all ten stay in the equations, and a tight prior holds
+/// this one.
 const HELD_SIGMA: f64 = 1e-6;
 
 /// Number of parameters, and their indices: position (m) and rotation vector (rad) in `world`, log
@@ -72,9 +73,9 @@ const LENGTHS: usize = 8;
 pub(super) struct PanoramaFit {
     pub pose: PanoramaPose,
     pub log_scale: f64,
-    /// Of the frames, at that focal scale.
+    /// The rotations of the frames at that focal scale.
     pub rotations: Turns,
-    /// With its crown and, where a size prior was given, its size.
+    /// The field with its fitted crown and, if a size prior was given, its fitted size.
     pub field: FieldModel,
     /// The share of the paint that lies on a line.
     pub explained: f64,
@@ -87,6 +88,8 @@ impl PanoramaFit {
             position_m,
             world_from_panorama,
         } = self.pose;
+        // In `panorama` the cameras of the frames have a level base (`Turns::camera`), so
+        // `base_from_panorama` is that of the default angles.
         let base_from_panorama = BaseAngles::default().base_from_world();
         let base_from_world = base_from_panorama * world_from_panorama.transpose();
         let centre = self.rotations.image_size.centre();
@@ -97,12 +100,12 @@ impl PanoramaFit {
     }
 }
 
-/// Where a fit begins.
+/// The initial values of a fit.
 #[derive(Clone, Copy)]
 pub(super) struct PanoramaStart<'a> {
     pub pose: PanoramaPose,
     pub log_scale: f64,
-    /// With the crown and the size to begin with.
+    /// The field, with the initial crown and size.
     pub field: &'a FieldModel,
 }
 
@@ -119,6 +122,8 @@ pub(super) fn fit_panorama(
     size_prior: Option<&FieldPrior>,
     rotations: &RotationsByFocalScale,
 ) -> Option<PanoramaFit> {
+    /// The fit without the matches' focal scale is chosen only if it explains this many times as
+    /// much paint.
     const OVERRULES_MATCHES: f64 = 1.1;
     let paint = PaintSamples::spread_over_sphere(frames, rotations);
     let with_matches = fit_with_scale_prior(
@@ -133,6 +138,7 @@ pub(super) fn fit_panorama(
         start,
         size_prior,
     );
+    // Prefer the fit with the matches' prior, unless the other is clearly better.
     match (with_matches, without) {
         (Some(with), Some(without)) if without.explained <= OVERRULES_MATCHES * with.explained => {
             Some(with)
@@ -153,6 +159,7 @@ fn fit_with_scale_prior(
         short_step: 1e-6,
         small_gain: 1e-6,
     };
+    // Start from the pose of the search; open lengths start at those of the field.
     let family = FieldFamily::new(start.field, size_prior);
     let mut found = Parameters {
         pose: start.pose,
@@ -191,6 +198,8 @@ fn explained_share(
     family: &FieldFamily<'_>,
 ) -> Option<f64> {
     let within = angular_scale(at.pose.position_m.z) * EXPLAINED_DEG.to_radians();
+    // Without a gate and without the subsample per line, so that fits with different gates are
+    // comparable.
     let all = match_paint_to_lines(at, paint, family, f64::INFINITY)?;
     let is_explained =
         |pair: &&Correspondence| pair.value(at).is_some_and(|off| off[0].abs() < within);
@@ -202,7 +211,7 @@ fn explained_share(
 struct FieldFamily<'a> {
     field: &'a FieldModel,
     size_prior: Option<&'a FieldPrior>,
-    /// At most two; none without a size prior.
+    /// The lengths to fit: at most two, none without a size prior.
     open_lengths: Vec<OpenLength>,
 }
 
@@ -242,6 +251,7 @@ impl<'a> FieldFamily<'a> {
 /// `scale_prior`, the crown is that of an ordinary pitch, and open lengths are near what the
 /// document assumes.
 fn priors(scale_prior: FocalScale, family: &FieldFamily<'_>) -> Vec<Prior> {
+    // Fields that are never crowned keep a crown of zero.
     let (crown_m, crown_sigma_m) = if family.field.may_be_crowned() {
         BasePriors::default().crown_m
     } else {
@@ -269,6 +279,7 @@ fn priors(scale_prior: FocalScale, family: &FieldFamily<'_>) -> Vec<Prior> {
             sigma: crown_sigma_m,
         },
     ];
+    // Lengths that are not open are held at zero: without a prior the equations would be singular.
     for index in 0..2 {
         let open = family.open_lengths.get(index);
         let (value, sigma) = open.map_or((0.0, HELD_SIGMA), |length| {
@@ -283,7 +294,7 @@ fn priors(scale_prior: FocalScale, family: &FieldFamily<'_>) -> Vec<Prior> {
     priors
 }
 
-/// Places of paint in the pictures, evenly spread over the viewing sphere.
+/// Points of paint in the pictures, evenly spread over the viewing sphere.
 struct PaintSamples<'a> {
     rotations: &'a RotationsByFocalScale,
     samples: Vec<PaintSample>,
@@ -296,7 +307,7 @@ struct PaintSample {
 
 impl<'a> PaintSamples<'a> {
     /// The paint of frames, at most one sample per frame in each cell of a grid over the sphere.
-    /// Several frames that show one place keep a sample each: they are independent measurements of
+    /// Several frames that show one point keep a sample each: they are independent measurements of
     /// it.
     fn spread_over_sphere(frames: &FramesAtScale, rotations: &'a RotationsByFocalScale) -> Self {
         const CELL_DEG: f64 = 0.1;
@@ -310,6 +321,7 @@ impl<'a> PaintSamples<'a> {
                 let Ok(direction) = camera.world_direction_from_image(image) else {
                     continue;
                 };
+                // The grid is over pan and tilt in `panorama`.
                 let cell = [
                     direction.x.atan2(direction.y),
                     direction.z.atan2(direction.xy().norm()),
@@ -365,6 +377,8 @@ fn match_paint_to_lines(
     let stepped_directions = paint.directions_at(at.log_scale + LOG_SCALE_STEP)?;
 
     let mut pairs = Vec::new();
+    // A pair that is already farther from its line than three gates is probably paint of another
+    // line, or no line at all.
     for (direction, stepped_direction) in directions.into_iter().zip(stepped_directions) {
         let (Some(direction), Some(stepped_direction)) = (direction, stepped_direction) else {
             continue;
@@ -399,7 +413,7 @@ fn match_paint_to_lines(
 }
 
 /// Keeps equally many pairs of each line. The near touchline, which every frame shows, would
-/// otherwise outweigh all others, and alone it says nothing about the position along itself.
+/// otherwise outweigh all others, and alone it does not constrain the position along itself.
 fn subsample_per_line(pairs: Vec<Correspondence>) -> Vec<Correspondence> {
     const MAX_PER_LINE: usize = 60;
     let mut pairs_by_line: BTreeMap<usize, Vec<Correspondence>> = BTreeMap::new();
@@ -415,19 +429,19 @@ fn subsample_per_line(pairs: Vec<Correspondence>) -> Vec<Correspondence> {
         .collect()
 }
 
-/// What is fitted.
+/// The fitted parameters.
 #[derive(Clone, Copy)]
 struct Parameters {
     pose: PanoramaPose,
     log_scale: f64,
     crown_m: f64,
-    /// Length and width of the field, as far as they are open.
+    /// Length and width of the field, m; only the first [`FieldFamily::open_lengths`] count.
     lengths_m: [f64; 2],
 }
 
 /// A direction of paint and its line, and how both move with the parameters other than the pose.
 struct Correspondence {
-    /// At `linearised_at`.
+    /// The pair at `linearised_at`.
     paint: PaintCorrespondence,
     direction_by_log_scale: Vec3,
     /// The point of the line, by crown, length and width of the field.
@@ -470,6 +484,8 @@ impl Residual<1, 0, NUM_PARAMETERS> for Correspondence {
     }
 
     fn linearised(&self, at: &Parameters) -> Option<Linearised<1, 0, NUM_PARAMETERS>> {
+        // The derivatives by the pose are those of the pair; the others follow from them by the
+        // chain rule.
         let moved = self.moved_to(at);
         let by_pose = moved.linearised(&at.pose)?;
         let (normal, _) = moved.plane(&at.pose)?;
@@ -495,7 +511,7 @@ impl Residual<1, 0, NUM_PARAMETERS> for Correspondence {
     }
 }
 
-/// What is known of one parameter beforehand.
+/// A Gaussian prior on one parameter.
 struct Prior {
     parameter: usize,
     value: f64,
@@ -559,6 +575,8 @@ impl Problem for PaintProblem {
     type Equations = BlockEquations<0, NUM_PARAMETERS>;
 
     fn equations(&self, at: &Parameters) -> Self::Equations {
+        // σ of a pair is the gate, so the loss has the scale of the gate. Priors use a squared
+        // loss.
         let loss = Loss::Cauchy { c: 1.0 };
         let mut equations = BlockEquations::zero();
         for correspondence in &self.correspondences {
@@ -571,6 +589,8 @@ impl Problem for PaintProblem {
     }
 
     fn stepped(&self, from: &Parameters, step: &SVector<f64, NUM_PARAMETERS>) -> Parameters {
+        // Position and rotation are updated in `world`, the rotation by a rotation vector, so it
+        // needs no parametrisation of its own.
         let shift_m = step.fixed_rows::<3>(POSITION).into_owned();
         let turn = step.fixed_rows::<3>(ROTATION).into_owned();
         Parameters {
@@ -594,8 +614,8 @@ mod tests {
 
     const SIZE: ImageSize = ImageSize::new(960, 540);
 
-    /// Frames along the near half of a pitch, as a low camera on the main stand turns, at a focal
-    /// scale: the longer the lens, the smaller the angles.
+    /// The rotations of a low camera that pans along the near half of a pitch, at a focal scale:
+    /// the longer the lens, the smaller the angles.
     fn turns(percent: u32) -> (u32, Turns) {
         let scale = f64::from(percent) / 100.0;
         let ptz = |(pan_deg, focal_px): (f64, f64)| {
@@ -620,12 +640,12 @@ mod tests {
         RotationsByFocalScale::new([94, 100, 106].map(turns))
     }
 
-    /// The paint of a field as frames show it from a pose.
+    /// The paint of a field in the frames of a camera with this pose.
     fn frames(pose: &PanoramaPose, field: &FieldModel) -> FramesAtScale {
         frames_at(100, pose, field)
     }
 
-    /// The same where the frames are turned as at another focal scale.
+    /// The same with the rotations of another focal scale.
     fn frames_at(percent: u32, pose: &PanoramaPose, field: &FieldModel) -> FramesAtScale {
         let (_, turns) = turns(percent);
         let map = PitchMap::without_grid(field);
@@ -647,7 +667,7 @@ mod tests {
         }
     }
 
-    /// A soccer pitch whose size is not known, and one of its sizes.
+    /// The prior of a soccer pitch of unknown size, and one field of another size.
     fn field_prior() -> (FieldPrior, FieldModel) {
         let document = Document::new(FieldSpec::new("soccer"));
         let prior = FieldPrior::from_document(document.at(Path::new("")), &"main".into()).unwrap();

@@ -1,38 +1,41 @@
-//! Painted lines of a field: which of them a place of the ground belongs to, as a camera sees it.
+//! The painted lines of a field, and which of them a camera sees nearest to a ground point.
 
 use touchline_core::field::{Crown, Curve, FieldModel};
 use touchline_core::geometry::{Vec2, Vec3};
 
-/// The side of a cell, m: so wide that the cells of a field stay in a core's cache, which a search
-/// asks all over.
+/// Side of a cell, m. The search reads cells in random order; at this size those of a whole field
+/// fit into the cache of a core.
 const CELL_M: f64 = 0.5;
 
 /// How far beyond the field the map reaches, m.
 const BEYOND_M: f64 = 12.0;
 
-/// How far beyond its ends a line still counts, m.
+/// A point this far beyond the end of a line still counts as beside it, m.
 const OVERSHOOT_M: f64 = 2.0;
 
-/// Lines that run along, lines that run across, and arcs. A low camera sees the ground so flat that
-/// the line that lies nearest to a place on the ground is hardly ever the nearest one in the
-/// picture: it is one of the nearest of each kind.
+/// Number of kinds of curves: lines along the field, lines across it, and arcs.
+///
+/// A low camera sees the ground so foreshortened that the line nearest on the ground is rarely the
+/// nearest in the picture. The latter is, however, one of the nearest of each kind, so the grid
+/// stores one curve of each.
 const KINDS: usize = 3;
 
-/// The painted lines of a field; distances are those on flat ground.
+/// The painted lines of a field. They are indexed on the flat field; the crown is added to the
+/// points that are returned.
 pub(super) struct PitchMap {
     crown: Crown,
-    /// The painted curves, each with the number of its line in the field.
+    /// The painted curves, each with the index of its line in the field.
     curves: Vec<(usize, Curve)>,
-    /// The straight line or circle of each of them.
+    /// The infinite line or full circle of each curve.
     endless: Vec<Endless>,
-    /// None where the curves are asked each time.
+    /// None if each look-up goes through all curves.
     grid: Option<Grid>,
 }
 
-/// The nearest curve of each kind, by its number.
+/// The nearest curve of each kind, as an index into [`PitchMap::curves`].
 type NearOfKinds = [Option<u16>; KINDS];
 
-/// The nearest curves to the cells of a field and of the ground around it.
+/// The nearest curves to the cell centres of a grid over the field and its surroundings.
 struct Grid {
     half_length_m: f64,
     half_width_m: f64,
@@ -42,7 +45,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// The nearest curves to the cell of a place; none far from the field.
+    /// The nearest curves to the cell that contains a ground point; none outside the grid.
     #[inline]
     fn near(&self, place: Vec3) -> Option<NearOfKinds> {
         let (column, row) = (
@@ -55,10 +58,11 @@ impl Grid {
     }
 }
 
-/// The nearest of each kind of curve to a place.
+/// The nearest curve of each kind to a point of the flat field.
 fn nearest_of(curves: &[(usize, Curve)], place: Vec3) -> NearOfKinds {
     let mut nearest: [Option<(f64, u16)>; KINDS] = [None; KINDS];
     for (number, (_, curve)) in (0_u16..).zip(curves) {
+        // Of equally near curves the first stays.
         let near = &mut nearest[kind_of(curve)];
         if let Some(distance_m) = across_m(curve, place)
             && near.is_none_or(|(nearest_m, _)| distance_m < nearest_m)
@@ -75,7 +79,7 @@ enum Endless {
     Line {
         /// Unit.
         along: Vec2,
-        /// Of the origin, across the line, m.
+        /// Signed distance of the line from the origin, m.
         offset_m: f64,
     },
     Circle {
@@ -103,7 +107,7 @@ impl Endless {
         }
     }
 
-    /// How far a place lies across it, m, and its direction there, unit.
+    /// The signed distance of a point from the curve, m, and the unit tangent at its foot.
     #[inline]
     fn across(&self, place: Vec2) -> (f64, Vec2) {
         match *self {
@@ -120,20 +124,21 @@ impl Endless {
     }
 }
 
-/// The point of a line that is nearest to a place.
+/// The point of a line that is nearest to a direction or a ground point, on the crowned ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct OnLine {
     pub at: Vec3,
-    /// Along the line, any length.
+    /// Direction of the line in `world`, not normalised.
     pub tangent: Vec3,
-    /// Which of the field's lines.
+    /// Index of the line in the field.
     pub line: usize,
-    /// Where on the line, from 0 to 1.
+    /// Position along the line, from 0 to 1.
     pub parameter: f64,
 }
 
 impl OnLine {
-    /// How far its place lies from here on another field of this kind, m.
+    /// The offset from this point to the point with the same parameter on another field of the same
+    /// template, m.
     pub fn offset_on(&self, field: &FieldModel) -> Vec3 {
         let curve = field.lines[self.line].paint_centre;
         field
@@ -142,8 +147,9 @@ impl OnLine {
             - self.at
     }
 
-    /// How far a direction from a camera passes the line, as the sine of the angle; a line that
-    /// points at the camera is passed by nothing.
+    /// The angular distance of a unit direction from the line, as its sine: the distance from the
+    /// plane through camera and line. Infinite for a line that points at the camera, which spans no
+    /// plane.
     pub fn passed_by(&self, eye_m: Vec3, direction: Vec3) -> f64 {
         let across = (self.at - eye_m).cross(&self.tangent);
         let length = across.norm();
@@ -155,17 +161,17 @@ impl OnLine {
     }
 }
 
-/// How far a direction may be off in sideways and in upright angles, rad, squared.
+/// Variance of a direction in pan (`sideways`) and in tilt (`upright`), rad².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scatter {
     pub sideways_squared: f64,
     pub upright_squared: f64,
 }
 
-/// From a camera to a place of the ground.
+/// The view of a ground point from a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct View {
-    /// Along the ground, m.
+    /// Horizontal offset from the camera, m.
     pub over_ground: Vec2,
     /// The sine of the angle below the horizon, squared.
     pub fall_squared: f64,
@@ -196,6 +202,7 @@ impl PitchMap {
             Vec3::new(x, y, 0.0)
         };
         let mut map = Self::without_grid(field);
+        // Brute force over all curves for each cell centre.
         let near = (0..columns * rows)
             .map(|cell| nearest_of(&map.curves, place(cell)))
             .collect();
@@ -209,8 +216,7 @@ impl PitchMap {
         map
     }
 
-    /// Without a grid, for fewer look-ups than the grid would have cells: each goes through all
-    /// curves.
+    /// Without a grid, for fewer look-ups than a grid has cells. Each goes through all curves.
     pub fn without_grid(field: &FieldModel) -> Self {
         let painted = field
             .lines
@@ -229,7 +235,7 @@ impl PitchMap {
         }
     }
 
-    /// The nearest of each kind of curve to a place; none far from the field.
+    /// The nearest curve of each kind to a ground point; none outside the grid, if there is one.
     #[inline]
     fn near(&self, place: Vec3) -> Option<NearOfKinds> {
         match &self.grid {
@@ -238,10 +244,10 @@ impl PitchMap {
         }
     }
 
-    /// Where a ray meets the ground; `at` says where it comes to a height (m).
+    /// The point where a ray meets the ground. `at` returns the point of the ray at a height, m.
     pub fn ground(&self, at: impl Fn(f64) -> Option<Vec3>) -> Option<Vec3> {
-        /// A crown rises by a hundredth at most, flat rays fall by a twentieth: an error shrinks to
-        /// a fifth each time.
+        /// Fixed-point iterations. The slope of a crown is at most about 0.01 and flat rays descend
+        /// by about 0.05 per metre, so each iteration reduces the error to a fifth.
         const TIMES: usize = 2;
         let roughly = self.ground_roughly(&at)?;
         if self.crown.height_m == 0.0 {
@@ -250,9 +256,11 @@ impl PitchMap {
         (0..TIMES).try_fold(roughly, |ground, _| at(self.crown.ground_z(ground.y)))
     }
 
-    /// The same to some decimetres.
+    /// [`Self::ground`] with one iteration: exact on flat ground, else within some decimetres.
     #[inline]
     pub fn ground_roughly(&self, at: impl Fn(f64) -> Option<Vec3>) -> Option<Vec3> {
+        // The ground's height depends on y only, so that at the point with z = 0 is a good
+        // estimate.
         let flat = at(0.0)?;
         if self.crown.height_m == 0.0 {
             Some(flat)
@@ -261,16 +269,21 @@ impl PitchMap {
         }
     }
 
-    /// How far a place lies beside the nearest line as a camera sees it, in units of a scatter of
-    /// angles, squared; none far from the field.
+    /// The squared distance of a ground point from the nearest line as the camera sees it, in units
+    /// of `scatter`; none outside the grid.
+    ///
+    /// Let d be the distance across the line on the ground, o the horizontal offset from the
+    /// camera, t the unit tangent and β the angle below the horizon. An error δ of pan moves the
+    /// ground point across the view by |o| δ, one of tilt along the view by |o| δ / (sin β cos β).
+    /// With the variances p² of pan and q² of tilt, the component of both across the line has the
+    /// variance (t·o)² p² + (t×o)² q² / (sin² β cos² β). The returned value is d² divided by that,
+    /// with cos β taken as 1 and numerator and denominator multiplied by sin² β.
     #[inline]
     pub fn beside_squared(&self, place: Vec3, view: View, scatter: Scatter) -> Option<f64> {
         let View {
             over_ground,
             fall_squared,
         } = view;
-        // What lies across the line on the ground, seen as an angle: flat views shorten what lies
-        // along them.
         let beside = |curve: u16| {
             let (across_m, tangent) = self.endless[usize::from(curve)].across(place.xy());
             let along_squared = tangent.dot(&over_ground).powi(2);
@@ -279,13 +292,15 @@ impl PitchMap {
                 + along_squared * fall_squared * scatter.sideways_squared;
             across_m * across_m * fall_squared / seen
         };
+        // The nearest on the ground of each kind; the nearest in the picture among these.
         let [along, across, arc] = self
             .near(place)?
             .map(|curve| curve.map_or(f64::INFINITY, beside));
         Some(along.min(across).min(arc))
     }
 
-    /// The point of the line that a camera sees nearest to a place; none far from the field.
+    /// The line that a camera sees nearest to a ground point, and the foot of the perpendicular on
+    /// it; none outside the grid.
     pub fn nearest(&self, place: Vec3, eye_m: Vec3) -> Option<OnLine> {
         let direction = (place - eye_m).normalize();
         let on_line = |curve: u16| {
@@ -297,17 +312,20 @@ impl PitchMap {
             );
             (on_line.passed_by(eye_m, direction), on_line)
         };
+        // Of the candidates on the ground, the nearest as an angle.
         let near = self.near(place)?.into_iter().flatten().map(on_line);
         near.min_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, on_line)| on_line)
     }
 
-    /// A point of a line, on the crowned ground.
+    /// The point of a curve at a parameter, lifted onto the crowned ground.
     fn on_line(&self, line: usize, curve: &Curve, parameter: f64) -> OnLine {
         let (at, mut tangent) = (
             self.crown.world_from_nominal(curve.point_at(parameter)),
             curve.tangent_at(parameter),
         );
+        // The ground is z = −c s(y) with the crown c, so the tangent rises by −c s′(y) per unit of
+        // its y component.
         let [drop_by_y, _] = self.crown.drop_share_by_y_and_width(at.y);
         tangent.z -= self.crown.height_m * drop_by_y * tangent.y;
         OnLine {
@@ -318,16 +336,17 @@ impl PitchMap {
         }
     }
 
-    /// Points along all lines, about as far apart as stated, m.
+    /// Points along all lines, at most `spacing_m` apart.
     pub fn samples(&self, spacing_m: f64) -> impl Iterator<Item = OnLine> + '_ {
         self.curves.iter().flat_map(move |(line, curve)| {
+            // Both ends are sampled; even a very short curve has two samples.
             let count = (curve.length_m() / spacing_m).ceil().max(1.0);
             (0..=count as usize).map(move |step| self.on_line(*line, curve, step as f64 / count))
         })
     }
 }
 
-/// Which of the [`KINDS`] a curve is.
+/// The index of a curve's kind ([`KINDS`]).
 fn kind_of(curve: &Curve) -> usize {
     match *curve {
         Curve::Segment { from, to } if (to.x - from.x).abs() >= (to.y - from.y).abs() => 0,
@@ -336,7 +355,8 @@ fn kind_of(curve: &Curve) -> usize {
     }
 }
 
-/// Along a curve where it is nearest to a place, unit.
+/// The unit tangent of a curve at its point nearest to `place`, on the flat field. Axis-parallel
+/// lines, which are most, get it without rounding.
 fn direction(curve: &Curve, place: Vec3) -> Vec2 {
     let along = match *curve {
         Curve::Segment { from, to } if from.y == to.y => return Vec2::x(),
@@ -347,15 +367,18 @@ fn direction(curve: &Curve, place: Vec3) -> Vec2 {
     along.try_normalize(0.0).unwrap_or_default()
 }
 
-/// How far a place lies across a curve, m; none beyond its ends.
+/// The unsigned distance of a point across a curve, m; none more than [`OVERSHOOT_M`] beyond its
+/// ends.
 fn across_m(curve: &Curve, place: Vec3) -> Option<f64> {
+    // The offset from the nearest point is perpendicular to the curve unless that point is an end;
+    // its part along the curve is then the distance beyond the end.
     let nearest = curve.point_at(nearest_parameter(curve, place));
     let off = (place - nearest).xy();
     let along = direction(curve, nearest);
     (off.dot(&along).abs() <= OVERSHOOT_M).then(|| off.perp(&along).abs())
 }
 
-/// The parameter of a curve's point nearest to a place of its plane, from 0 to 1.
+/// The parameter, from 0 to 1, of the point of a curve nearest to a point of its plane.
 fn nearest_parameter(curve: &Curve, place: Vec3) -> f64 {
     match *curve {
         Curve::Segment { from, to } => {
@@ -373,6 +396,7 @@ fn nearest_parameter(curve: &Curve, place: Vec3) -> f64 {
             sweep,
             ..
         } => {
+            // The angle from the start of the arc in its own direction, in [0, 2π).
             let out = place - centre;
             let turn = std::f64::consts::TAU;
             let sign = if sweep.radians() < 0.0 { -1.0 } else { 1.0 };
@@ -381,7 +405,7 @@ fn nearest_parameter(curve: &Curve, place: Vec3) -> f64 {
             if from_start <= extent {
                 return from_start / extent;
             }
-            // The nearer end.
+            // Outside the arc: the end that is nearer by angle.
             if from_start - extent < turn - from_start {
                 1.0
             } else {
@@ -409,8 +433,8 @@ mod tests {
     #[test]
     fn a_low_camera_sees_another_line_nearest_than_one_from_above() {
         let map = map(0.0);
-        // The middle of a cell, 1.8 m before the middle of the far touchline, 1.6 m beside the
-        // halfway line.
+        // The centre of a cell, 1.8 m in front of the middle of the far touchline and 1.6 m beside
+        // the halfway line.
         let place = Vec3::new(1.625, 32.125, 0.0);
         let is_across = |line: OnLine| line.tangent.x.abs() < 1e-9;
         assert!(is_across(
@@ -426,7 +450,7 @@ mod tests {
             .beside_squared(place, View::of(place, eye_m), scatter)
             .unwrap()
             .sqrt();
-        // 1.815 m of the ground, 92 m away and 6 m below.
+        // 1.815 m on the ground, at a distance of 92 m and 6 m below the camera.
         let expected = 1.815 * 6.0 / 92.0_f64.powi(2) / 0.02;
         assert!((low - expected).abs() < 0.02 * expected, "{low} {expected}");
         let far = Vec3::new(0.0, 90.0, 0.0);
@@ -452,7 +476,7 @@ mod tests {
             beyond.is_none_or(|line| line.line != before.line),
             "{beyond:?}"
         );
-        // On an arc the tangent is square to its radius.
+        // On an arc the tangent is perpendicular to the radius.
         let on_circle = map
             .nearest(Vec3::new(6.6, 6.4, 0.0), Vec3::new(0.0, 0.0, 300.0))
             .unwrap();

@@ -1,4 +1,4 @@
-//! Where a panorama stands on a field: position and rotation, fitted to paint.
+//! The pose of a panorama on a field, and its fit to paint with focal scale and field held fixed.
 
 use super::pitch_map::{OnLine, PitchMap};
 use nalgebra::{SVector, Vector1};
@@ -27,7 +27,8 @@ impl PanoramaPose {
         }
     }
 
-    /// Shifted (m) and turned about its place by a rotation vector (rad), both in `world`.
+    /// The pose after a shift (m) and a rotation about the camera by a rotation vector (rad), both
+    /// in `world`.
     pub fn moved(&self, shift_m: Vec3, turn: Vec3) -> Self {
         let world_from_panorama =
             nearest_rotation(&(from_rotation_vector(turn) * self.world_from_panorama));
@@ -37,7 +38,7 @@ impl PanoramaPose {
         }
     }
 
-    /// Where the ray of a direction (`panorama`) comes down to a height, m.
+    /// The point at height `z_m` on the ray of a direction; none if the ray does not reach it.
     pub fn at_height(&self, direction_in_panorama: Vec3, z_m: f64) -> Option<Vec3> {
         let direction = self.world_from_panorama * direction_in_panorama;
         let range = (z_m - self.position_m.z) / direction.z;
@@ -61,13 +62,14 @@ impl PanoramaPose {
 pub(super) struct PaintCorrespondence {
     pub direction_in_panorama: Vec3,
     pub line: OnLine,
-    /// What it counts for against the prior: directions scatter by this, rad.
+    /// 1-σ of the direction, rad. It weights paint against the prior and is the unit of the loss.
     pub sigma: f64,
 }
 
 impl PaintCorrespondence {
-    /// The plane through the camera and the line, as its unit normal, and how far that was from
-    /// unit.
+    /// The plane through the camera and the line: its unit normal, and the length of the cross
+    /// product before normalisation, which the derivative needs. None if the line points at the
+    /// camera.
     pub fn plane(&self, at: &PanoramaPose) -> Option<(Vec3, f64)> {
         let across = (self.line.at - at.position_m).cross(&self.line.tangent);
         let length = across.norm();
@@ -97,7 +99,9 @@ impl Residual<1, 0, 6> for PaintCorrespondence {
         let (normal, length) = self.plane(at)?;
         let direction = at.world_from_panorama * self.direction_in_panorama;
         let value = direction.dot(&normal);
-        // The plane's normal turns as the camera moves: by the part of the change across itself.
+        // The residual is n·d with n = m/|m|, m = (a − C) × t, for the point a and the tangent t of
+        // the line. From ∂m = −∂C × t and ∂n = (I − n nᵀ) ∂m / |m| follows ∂(n·d)/∂C = −(t × (d − n
+        // (n·d))) / |m|. A rotation by ω moves d by ω × d, hence ∂(n·d)/∂ω = d × n.
         let by_position = -self.line.tangent.cross(&(direction - normal * value)) / length;
         let by_turn = direction.cross(&normal);
         let mut by_own = nalgebra::SMatrix::<f64, 1, 6>::zeros();
@@ -115,7 +119,7 @@ impl Residual<1, 0, 6> for PaintCorrespondence {
     }
 }
 
-/// A pan axis is vertical, within a 1-σ (rad).
+/// Prior: the pan axis is vertical, with this 1-σ (rad).
 struct Upright(f64);
 
 impl Residual<2, 0, 6> for Upright {
@@ -137,6 +141,7 @@ impl Residual<2, 0, 6> for Upright {
     fn linearised(&self, at: &PanoramaPose) -> Option<Linearised<2, 0, 6>> {
         let up = at.world_from_panorama.column(2).into_owned();
         let mut by_own = nalgebra::SMatrix::<f64, 2, 6>::zeros();
+        // A rotation by ω moves the pan axis by ω × up.
         for axis in 0..3 {
             let mut turn = Vec3::zeros();
             turn[axis] = 1.0;
@@ -156,6 +161,7 @@ impl Residual<2, 0, 6> for Upright {
     }
 }
 
+/// Least squares over paint and the prior on the pan axis.
 struct OnPaint {
     sights: Vec<PaintCorrespondence>,
     upright: Upright,
@@ -183,21 +189,23 @@ impl Problem for OnPaint {
     }
 }
 
-/// How far off paint still pulls in each round, degrees, from [`USUAL_HEIGHT_M`]. What is no line
-/// pulls too: wider, it would pull low cameras away from where they stand.
+/// The scale of the loss in each round, degrees, for a camera at [`USUAL_HEIGHT_M`]; paint beyond
+/// three times that is left out. Wider rounds would let paint of no line move low cameras away from
+/// a good start.
 const ROUNDS_DEG: [f64; 5] = [0.6, 0.6, 0.4, 0.3, 0.3];
 
-/// From lower cameras than this lines far away lie nearer to each other in the picture, as far as
-/// angles go, by its height.
+/// Below this height angles between distant lines shrink in proportion to the height of the camera,
+/// m.
 const USUAL_HEIGHT_M: f64 = 15.0;
+/// They are not taken as smaller than this share, however low the camera is.
 const LEAST_SHARE: f64 = 0.4;
 
-/// Angles between lines from a height (m), as a share of those from the usual height and above.
+/// The factor on angular tolerances for a camera at a height (m): 1 from [`USUAL_HEIGHT_M`] on.
 pub(super) fn angular_scale(height_m: f64) -> f64 {
     (height_m / USUAL_HEIGHT_M).clamp(LEAST_SHARE, 1.0)
 }
 
-/// The pan axis is vertical within this 1-σ.
+/// 1-σ of the pan axis about the vertical.
 pub(super) const UPRIGHT_SIGMA: Angle = Angle::from_degrees(2.0);
 
 /// Moves a panorama so that directions of paint lie on the lines of a field, each on the one
@@ -210,6 +218,7 @@ pub(super) fn fit_pose(
     let mut pose = start;
     for reach_deg in ROUNDS_DEG {
         let sigma = angular_scale(pose.position_m.z) * reach_deg.to_radians();
+        // Assign each direction to its nearest line.
         let sight = |direction: &Vec3| {
             let line = pose.line_at(*direction, map)?;
             let sight = PaintCorrespondence {
@@ -220,11 +229,13 @@ pub(super) fn fit_pose(
             let off = sight.value(&pose)?[0].abs();
             (off < 3.0 * sigma).then_some(sight)
         };
+        // Refine the pose for this assignment, with the loss in units of the reach.
         let problem = OnPaint {
             sights: directions_in_panorama.iter().filter_map(sight).collect(),
             upright: Upright(UPRIGHT_SIGMA.radians()),
             loss: Loss::Cauchy { c: 1.0 },
         };
+        // Twice as many as there are parameters, or the pose stays as it was.
         if problem.sights.len() < 12 {
             return pose;
         }

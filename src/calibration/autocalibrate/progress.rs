@@ -1,64 +1,64 @@
-//! How far a search without clicks has come, in steps that a person understands.
+//! Progress of autocalibration, in steps that a user understands.
 
 use super::AutocalibrationError;
 use std::fmt;
 use touchline_core::geometry::thousands;
 use touchline_core::progress::Progress;
 
-/// How far the search has come. It displays itself: "tying 212 of 480 pairs".
+/// Progress of the search. `Display` shows it as text: "matching pairs of frames, 212 of 480".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AutocalibrationProgress {
-    /// Frames are looked at.
+    /// Frames are sampled.
     Looking {
         /// Frames done.
         done: usize,
-        /// Of how many.
+        /// Total number.
         of: usize,
     },
-    /// Frames are tied to each other.
+    /// Frames are matched pairwise.
     Tying {
         /// Pairs done.
         done: usize,
-        /// Of how many.
+        /// Total number.
         of: usize,
     },
-    /// Paint that stays is gathered.
+    /// Persistent paint is collected.
     Gathering,
-    /// Places for the camera are tried.
+    /// Positions of the camera are searched.
     Trying {
-        /// Places of one round.
+        /// Poses that one round scores.
         places: usize,
-        /// Rounds done, one for each scale of the focal lengths.
+        /// Rounds done, one per focal scale.
         done: usize,
-        /// Of how many.
+        /// Total number.
         of: usize,
     },
-    /// The best places are adjusted with all frames.
+    /// The best positions are adjusted with all frames.
     Adjusting {
-        /// Places done.
+        /// Positions done.
         done: usize,
-        /// Of how many at most.
+        /// Total number, at most.
         of: usize,
     },
     /// Neighbouring sizes of the field are tried.
     Sizing {
-        /// Places done.
+        /// Positions done.
         done: usize,
-        /// Of how many.
+        /// Total number.
         of: usize,
     },
-    /// Frames are pulled onto the paint of their own pictures.
+    /// Frames are aligned to the paint of their own pictures.
     Snapping {
         /// Frames done.
         done: usize,
-        /// Of how many.
+        /// Total number.
         of: usize,
     },
-    /// The base is adjusted once more, to what the frames' own pictures show.
+    /// The base is refined with what the frames' own pictures show.
     Refining,
 }
 
-/// Reports how far a search has come.
+/// Reports progress.
 ///
 /// # Errors
 /// [`AutocalibrationError::Stopped`] if the receiver ends the search.
@@ -74,7 +74,7 @@ pub(super) fn report(
 }
 
 impl AutocalibrationProgress {
-    /// How much of the present step is done, 0 to 1.
+    /// The share of the present step that is done, 0 to 1.
     #[must_use]
     pub fn share_of_step(&self) -> f64 {
         match *self {

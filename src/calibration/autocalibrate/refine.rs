@@ -1,8 +1,8 @@
 //! Refines the base of a hypothesis with the paint of its frames' own pictures.
 //!
-//! The strokes from which the search found the base are coarse: they were found without knowing
-//! where to look. With a base, the painted lines are measured where it predicts them, as for a base
-//! that a person refines ([`KnownFrames::estimate_base`]).
+//! The strokes from which the search found the base are coarse, because they were detected without
+//! a prediction. With a base, each painted line is measured where the base predicts it, as for a
+//! base that the user refines ([`KnownFrames::estimate_base`]).
 
 use super::align::prior_from_alignment;
 use super::error::Stop;
@@ -22,7 +22,7 @@ use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
 use touchline_documents::document::{CameraId, Document, DocumentAt, FieldSpec};
 
-/// What is measured twice in the same pictures is known no better than this share of the
+/// The 1-σ of a quantity that was measured twice in the same pictures is at least this share of the
 /// difference.
 const SIGMA_OF_CHANGE: f64 = 0.5;
 
@@ -60,13 +60,15 @@ pub(super) fn refine_base(
     let Some(of_document) = document.camera(camera) else {
         return Ok(None);
     };
+    // The field of the document, with the size and the crown of the hypothesis.
     let found = &hypothesis.camera;
     let spec = found_field(&document, camera, found);
     let field = document
         .model_of(&spec)
         .map_err(AutocalibrationError::from)?;
 
-    // The search reads neither clicks nor cameras that were known before.
+    // Collect the frames of the hypothesis that may take part. Neither clicks nor cameras that the
+    // document already has are used.
     let takes_part = |frame: &&AutocalibratedFrame| {
         let frame = &document.frames[frame.index];
         frame.is_used_for_base() && frame.image_size == of_document.image_size
@@ -91,6 +93,8 @@ pub(super) fn refine_base(
         }),
         problem: BaseProblem::without_clicks(of_document, field, &found.base, indices.clone()),
     };
+    // An error after the receiver ended the search is the cancellation. Any other means that the
+    // paint does not determine a base: no answer, but no failure either.
     let estimating = progress.part(|_| AutocalibrationProgress::Refining);
     let estimated = match known.estimate_base(options, &estimating) {
         Ok(estimated) => estimated,
@@ -106,7 +110,7 @@ pub(super) fn refine_base(
     Ok(Some(with_base(hypothesis, estimated, matched)))
 }
 
-/// The field of a document's camera with the size and the crown that were found.
+/// The field of the document's camera, with the size and the crown of the hypothesis.
 fn found_field(document: &Document, camera: &CameraId, found: &AutocalibratedCamera) -> FieldSpec {
     let mut spec = document.field_of_camera(camera).clone();
     set_size(&mut spec, &found.sizes);
@@ -114,8 +118,7 @@ fn found_field(document: &Document, camera: &CameraId, found: &AutocalibratedCam
     spec
 }
 
-/// A hypothesis with another base, the frames that were estimated with it, and the field on which
-/// they were.
+/// The hypothesis with the estimated base, frames, and field in place of its own.
 fn with_base(
     hypothesis: &Hypothesis,
     estimated: PaintEstimate,
@@ -129,8 +132,9 @@ fn with_base(
     } = estimated;
     let before = &hypothesis.camera;
 
-    // Both bases are measured in the same pictures: their difference is an error that neither σ
-    // has.
+    // Both bases come from the same pictures, so their difference is an error that is in neither
+    // covariance. Half of it is taken as the 1-σ, with rotation and lens following the position by
+    // their correlations. The same holds for the lengths of the field.
     let mut base = estimate.base;
     let change_m = base.position_m - before.base.position_m;
     let error_m = base.sigma.following_position(SIGMA_OF_CHANGE * change_m);
@@ -146,8 +150,8 @@ fn with_base(
         crown_m: estimate.crown_m,
         ..problem.field
     };
-    // The strokes of a frame counted for little where they lay beside its lines; now it lies on its
-    // paint.
+    // The pose prior of a frame from the strokes is weak if these lay beside its lines. The frame
+    // now lies on its paint, so it gets the covariance of an alignment.
     let fitted = problem.frames.iter().zip(&estimate.frames);
     let ptz_by_index: BTreeMap<usize, Ptz> = fitted
         .filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz)))
@@ -188,7 +192,7 @@ mod tests {
     use touchline_core::geometry::Vec3;
     use touchline_vision::media::Picture;
 
-    /// The right hypothesis, but that the camera stands half a metre beside its place.
+    /// The right hypothesis with its position shifted by half a metre.
     fn beside() -> Hypothesis {
         let mut hypothesis = hypothesis(&soccer().assumed);
         hypothesis.camera.base.position_m += Vec3::new(0.3, -0.4, 0.1);
@@ -254,7 +258,7 @@ mod tests {
             (refined.paint_priors.len(), refined.camera.frames.len()),
             (7, 7)
         );
-        // The same pictures gave both positions: half of what they differ by stays uncertain.
+        // Both positions come from the same pictures: half of their difference stays uncertain.
         let changed_m = (refined.position_m() - from.position_m()).norm();
         let sigma_m = refined.camera.base.sigma.position_m.norm();
         assert!(

@@ -1,5 +1,5 @@
 //! A known rotating camera for the tests of single stages: its frames with exact paint and exact
-//! matches, and drawn pictures where these are asked for.
+//! matches, and drawn pictures where these are needed.
 
 use super::field_prior::FieldPrior;
 use super::hypothesis::Hypothesis;
@@ -22,7 +22,7 @@ use touchline_vision::track::{PosePrior, PriorSource, Tie, Turns};
 
 pub const IMAGE_SIZE: ImageSize = ImageSize::new(960, 540);
 
-/// The camera stands on the main stand and looks at the middle of the field.
+/// The base of a camera on the main stand, facing the middle of the field.
 pub fn base() -> CameraBase {
     let angles = BaseAngles {
         heading: Angle::from_degrees(3.0),
@@ -138,7 +138,7 @@ pub fn matched() -> MatchedFrames {
     }
 }
 
-/// The views as exact matches turn them, with the paint of a field.
+/// The views with the rotations of exact matches, and the paint of a field.
 pub fn frames_at_scale(field: &FieldModel) -> Arc<FramesAtScale> {
     let ptz = ptz();
     let paint = ptz.iter().map(|ptz| paint(field, *ptz)).collect();
@@ -177,7 +177,7 @@ pub fn drawn_picture(field: &FieldModel, ptz: Ptz) -> Picture {
             if !IMAGE_SIZE.contains(at) || column as usize >= width || row as usize >= height {
                 continue;
             }
-            // Pixels have their middle half a pixel beside their corner.
+            // The centre of a pixel is half a pixel from its corner.
             let middle = ImagePoint::new(column + 0.5, row + 0.5);
             let across_px = middle.offset_from(sample.image).dot(&sample.normal).abs();
             let share = (half_px + 0.5 - across_px)
@@ -235,7 +235,7 @@ pub fn document() -> Document {
     document
 }
 
-/// What paint that is exact to 1 px or so says of a frame.
+/// The pose prior of a frame from paint that is exact to about 1 px.
 pub fn paint_prior(frame: usize, ptz: Ptz) -> PosePrior {
     let information = Mat3::from_diagonal(&Vec3::new(1e6, 1e6, 1e5));
     PosePrior::new(frame, ptz, information, PriorSource::Paint)

@@ -1,23 +1,28 @@
-//! How frames turn at any focal scale: between the scales at which their ties were adjusted.
+//! Relative rotations of the frames at any focal scale.
+//!
+//! Matches determine the rotations well once the focal scale is given, but the scale itself badly.
+//! So rotations are adjusted at several scales and interpolated between them. The residuals at
+//! these scales also say how well the matches determine the scale.
 
 use touchline_core::camera::{FocalCurve, Ptz};
 use touchline_core::geometry::{Mat3, Vec3};
 use touchline_vision::track::Turns;
 
-/// The matches of all ties together say about the focal scale what so many independent ones would:
-/// many of them share a player, or a lens that is not as the model has it.
+/// The matches determine the focal scale as this many independent ones would. There are many more,
+/// but they share errors: many lie on one player, or err together because the lens deviates from
+/// its model.
 const INDEPENDENT_MATCHES: f64 = 200.0;
 
-/// The ties are never taken to say more, nor less, about the logarithm of the focal scale, 1-σ.
+/// Bounds of the 1-σ of the log focal scale from matches.
 const SIGMA: [f64; 2] = [0.003, 0.1];
 
-/// Frames turned at several focal scales.
+/// The rotations of the frames at several focal scales.
 pub(super) struct RotationsByFocalScale {
-    /// Ascending, each with the logarithm of its scale.
+    /// Pairs of log focal scale and rotations, by ascending scale.
     levels: Vec<(f64, Turns)>,
 }
 
-/// What is known of the logarithm of the focal scale.
+/// An estimate of the log focal scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FocalScale {
     pub log_scale: f64,
@@ -26,7 +31,7 @@ pub(super) struct FocalScale {
 }
 
 impl FocalScale {
-    /// Hardly anything is known of one.
+    /// An estimate that says hardly anything.
     pub fn unknown(log_scale: f64) -> Self {
         Self {
             log_scale,
@@ -36,7 +41,7 @@ impl FocalScale {
 }
 
 impl RotationsByFocalScale {
-    /// Of turns, each with its scale in per cent of what the ties say.
+    /// From rotations and their focal scales, in per cent of the scale that fits the matches best.
     pub fn new(levels: impl IntoIterator<Item = (u32, Turns)>) -> Self {
         let of_level = |(percent, turns): (u32, Turns)| ((f64::from(percent) / 100.0).ln(), turns);
         let mut levels: Vec<_> = levels.into_iter().map(of_level).collect();
@@ -44,12 +49,14 @@ impl RotationsByFocalScale {
         Self { levels }
     }
 
-    /// The turns at a logarithm of the focal scale, at most as far as was adjusted; none where
+    /// The rotations at a log focal scale, which is clamped to the range that was adjusted. None if
     /// nothing was.
     pub fn at(&self, log_scale: f64) -> Option<Turns> {
         let (first, last) = (self.levels.first()?, self.levels.last()?);
         let log_scale = log_scale.clamp(first.0, last.0);
         let above = self.levels.iter().position(|level| level.0 >= log_scale)?;
+        // Between two levels everything is linear in the log scale; focal lengths are interpolated
+        // as logarithms, pans the short way round.
         let (to, to_turns) = &self.levels[above];
         let Some((from, from_turns)) = above.checked_sub(1).map(|below| &self.levels[below]) else {
             return Some(to_turns.clone());
@@ -81,8 +88,13 @@ impl RotationsByFocalScale {
         })
     }
 
-    /// What the ties say of the scale: where the frames fit each other best, and how much worse
-    /// they do beside it.
+    /// The focal scale that fits the matches best, with its 1-σ; unknown with fewer than three
+    /// levels.
+    ///
+    /// With N independent matches the squared residual r² of the adjustment at log scale s, and its
+    /// smallest value r₀², give χ²(s) = N (r(s)² / r₀² − 1). A parabola a + b s + c s² through the
+    /// three levels around the best has its minimum at −b / 2c, and χ² rises by 1 at a distance of
+    /// 1/√c from it, which is the 1-σ.
     pub fn focal_scale_from_matches(&self) -> FocalScale {
         let [least, most] = SIGMA;
         let unknown = FocalScale::unknown(0.0);
@@ -95,7 +107,8 @@ impl RotationsByFocalScale {
         };
         let begin = best.saturating_sub(1).min(self.levels.len() - 3);
         let best_px = self.levels[best].1.residual_px;
-        // Through three levels: a + b x + c x².
+        // The parabola by its Vandermonde matrix; s is the log scale. Without a positive curvature
+        // the matches say nothing.
         let three = &self.levels[begin..begin + 3];
         let powers = Mat3::from_fn(|row, column| three[row].0.powi(column as i32));
         let chi = Vec3::from_fn(|row, _| {
@@ -108,6 +121,7 @@ impl RotationsByFocalScale {
         else {
             return unknown;
         };
+        // Never beyond the three levels: a minimum outside of them is extrapolated.
         let lowest = (-0.5 * parabola[1] / parabola[2]).clamp(three[0].0, three[2].0);
         FocalScale {
             log_scale: lowest,
@@ -121,7 +135,7 @@ mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
 
-    /// Two frames turned at a focal scale: the farther the lens, the smaller their angles.
+    /// The rotations of two frames at a focal scale: the longer the lens, the smaller the angles.
     fn turns(percent: u32, residual_px: f64) -> (u32, Turns) {
         let scale = f64::from(percent) / 100.0;
         let ptz = |pan_deg: f64| Ptz::from_degrees(pan_deg / scale, -9.0, 1000.0 * scale);
@@ -166,7 +180,7 @@ mod tests {
 
     #[test]
     fn the_scale_lies_where_the_ties_fit_best_and_is_the_surer_the_worse_they_fit_beside_it() {
-        // The squared residuals of a scale of 2 % more.
+        // Squared residuals with their minimum at a scale of 1.02.
         let fitting = |steepness: f64| {
             let residual_px = |percent: u32| {
                 let off = (f64::from(percent) / 100.0).ln() - 1.02_f64.ln();

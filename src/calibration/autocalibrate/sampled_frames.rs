@@ -1,4 +1,4 @@
-//! The sampled frames, and what is kept of each picture: its features and its painted strokes.
+//! The sampled frames, and what is kept of each picture: its features and its strokes of paint.
 
 use rayon::prelude::*;
 use touchline_core::geometry::{ImageSize, PixelBox};
@@ -6,10 +6,10 @@ use touchline_vision::features::{FeatureError, FeatureOptions, Features, extract
 use touchline_vision::media::Picture;
 use touchline_vision::paint::{GroundPicture, Strokes};
 
-/// The pictures of a document's frames, by their places in it; none where one cannot be read.
+/// Reads the picture of a document's frame, by its index; none if it cannot be read.
 pub type PictureOfFrame<'a> = &'a mut dyn FnMut(usize) -> Option<Picture>;
 
-/// Pictures that are held in memory together.
+/// Number of pictures in memory at a time.
 pub(super) const MAX_PICTURES_IN_MEMORY: usize = 8;
 
 /// A sampled frame, with what is kept of its picture.
@@ -79,7 +79,7 @@ pub(super) fn read_pictures(
         .collect()
 }
 
-/// Which `count` of some frames are sampled: spread evenly over all of them, in their order.
+/// `count` of some frames, evenly spread, in their order; all of them if they are fewer.
 pub(super) fn spread_evenly(indices: &[usize], count: usize) -> impl Iterator<Item = usize> {
     let count = count.min(indices.len());
     (0..count).map(move |place| indices[place * indices.len() / count])

@@ -1,4 +1,9 @@
-//! Where a camera may stand: many places tried, the best fitted.
+//! Exhaustive search for the pose of the panorama on a field.
+//!
+//! Poses on a grid over position and heading are scored by the share of the paint that lies near a
+//! line. The best are improved by a pattern search, fitted to the lines by iterative closest point,
+//! and scored by paint on lines and by lines on paint. The result is a ranked list of distinct
+//! poses.
 
 use super::pitch_map::{PitchMap, Scatter, View};
 use super::pose::{PanoramaPose, angular_scale, fit_pose};
@@ -9,25 +14,28 @@ use touchline_core::geometry::rotation::{from_rotation_vector, nearest_rotation}
 use touchline_core::geometry::{Angle, Vec2, Vec3, stride_of_subsample, subsample};
 use touchline_vision::paint::SeenGround;
 
-/// What is known of the paint: directions in `panorama`, and where ground was seen.
+/// What the search knows: the directions of paint in `panorama`, and where ground was seen.
 pub(super) struct Panorama {
-    /// Spread over the sphere.
+    /// At most one direction in each cell of a grid over the viewing sphere.
     pub directions: Vec<Vec3>,
     pub seen: SeenGround,
     painted: PaintedSphere,
 }
 
-/// How far directions are from paint: a grid over pan and tilt.
+/// The distance from each direction below the horizon to the nearest paint: a distance transform on
+/// a grid over pan and tilt.
 struct PaintedSphere {
     columns: usize,
     rows: usize,
-    /// To the nearest paint, in cells; [`FARTHEST`] and beyond.
+    /// Distance to the nearest paint, in cells and rounded down; [`FARTHEST`] where there is none
+    /// nearer.
     off: Vec<u8>,
 }
 
+/// Side of a cell in pan and in tilt, degrees.
 const CELL_DEG: f64 = 0.05;
 
-/// No distance from paint is asked beyond so many cells.
+/// Distances are computed up to this number of cells.
 const FARTHEST: u8 = 24;
 
 impl PaintedSphere {
@@ -43,6 +51,8 @@ impl PaintedSphere {
             .filter_map(|direction| sphere.cell(*direction))
             .collect();
         let reach = isize::from(i8::try_from(FARTHEST).unwrap_or(i8::MAX));
+        // A brute-force distance transform: each painted cell lowers the distances of the cells
+        // around it. It runs once per focal scale and reaches FARTHEST cells.
         for (column, row) in painted {
             for dy in -reach..=reach {
                 let y = row as isize + dy;
@@ -50,6 +60,7 @@ impl PaintedSphere {
                     continue;
                 }
                 for dx in -reach..=reach {
+                    // Pan is periodic; tilt ends at the horizon and at the nadir.
                     let x = (column as isize + dx).rem_euclid(columns as isize);
                     let off = f64::from((dx * dx + dy * dy) as i32)
                         .sqrt()
@@ -62,6 +73,8 @@ impl PaintedSphere {
         sphere
     }
 
+    /// The column (pan from −180°) and row (angle below the horizon) of a direction; none at or
+    /// above the horizon.
     fn cell(&self, direction: Vec3) -> Option<(usize, usize)> {
         let down = (-direction.z)
             .atan2(direction.x.hypot(direction.y))
@@ -75,7 +88,8 @@ impl PaintedSphere {
         })
     }
 
-    /// Whether paint lies within an angle of a direction, [`FARTHEST`] cells at most.
+    /// Whether paint lies within an angle of a direction. Angles of [`FARTHEST`] cells and more
+    /// count as too far.
     fn is_within(&self, direction: Vec3, within_deg: f64) -> bool {
         let off = self
             .cell(direction)
@@ -85,10 +99,13 @@ impl PaintedSphere {
 }
 
 impl Panorama {
-    /// `all` the directions of paint; as many are kept as a search needs.
+    /// From all directions of paint. The distances to paint are computed from all of them; only as
+    /// many as the search needs are kept as samples.
     pub fn new(all: &[Vec3], seen: SeenGround) -> Self {
         const KEPT: usize = 1500;
         const APART_DEG: f64 = 0.2;
+        // Keep the first direction in each cell: lines that many frames show would otherwise
+        // outweigh the rest of the paint.
         let mut taken = BTreeSet::new();
         let spread: Vec<Vec3> = all
             .iter()
@@ -118,11 +135,11 @@ impl Panorama {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ScoredPose {
     pub pose: PanoramaPose,
-    /// Which of the fields.
+    /// Index of the field among those that were searched.
     pub field: usize,
     /// The share of the paint that the field's lines explain.
     pub explained: f64,
-    /// The share of the lines that should be seen and are.
+    /// The share of the visible length of the lines that lies near paint.
     pub visible: f64,
 }
 
@@ -132,7 +149,8 @@ impl ScoredPose {
     }
 }
 
-/// The ranges in which a camera is looked for, m and degrees.
+/// The grid of the search, in `world`: position, m, and heading relative to the direction of the
+/// field centre, degrees.
 const X_M: Steps = Steps {
     from: -64.0,
     step: 4.0,
@@ -148,11 +166,12 @@ const TURN_DEG: Steps = Steps {
     step: 2.0,
     count: 41,
 };
+/// Heights are a geometric series: errors of the height matter relative to the height.
 const LOWEST_M: f64 = 5.0;
 const HEIGHT_RATIO: f64 = 1.14;
 const HEIGHTS: usize = 15;
 
-/// Values tried one after the other.
+/// Equidistant values of one coordinate of the grid.
 struct Steps {
     from: f64,
     step: f64,
@@ -165,11 +184,13 @@ impl Steps {
     }
 }
 
-/// How many places are tried.
+/// Number of poses on the grid, for one field.
 pub(super) const PLACES: usize = HEIGHTS * Y_M.count * X_M.count * TURN_DEG.count;
 
-/// One of the places, with the heading: near the direction of the field's middle.
+/// Position and heading of a pose on the grid. Headings are centred on the direction of the field
+/// centre, in which a sports camera looks.
 fn place(index: usize) -> (Vec3, Angle) {
+    // The index is a mixed-radix number; heading varies fastest, then x, y and height.
     let (x, y) = (
         X_M.at(index / TURN_DEG.count),
         Y_M.at(index / (TURN_DEG.count * X_M.count)),
@@ -183,29 +204,33 @@ fn place(index: usize) -> (Vec3, Angle) {
     )
 }
 
-/// How far paint may be seen beside a line at the first look, sideways, rad.
+/// Tolerance of the grid search for the pan of a direction, rad (1-σ). It bridges the spacing of
+/// the grid.
 const SCATTER: f64 = 0.025;
 
-/// The same upright: by this share of how steeply the camera looks down, and by how far the pan
-/// axis may lean, rad.
+/// The same for tilt: a share of the sine of the angle below the horizon, because errors of height
+/// and distance scale with it, and a constant for a pan axis that is not vertical, rad.
 const SCATTER_OF_FALL: f64 = 0.025;
 const LEAN: f64 = 0.005;
 
-/// How many of the places first tried on a field are looked at closer, and how many are fitted.
+/// The number of grid poses that are scored with all directions, and the number of those that are
+/// fitted.
 const LOOKED_AT: usize = 400;
 const FITTED: usize = 60;
 
-/// A line is seen where paint lies this near at a first look, degrees.
+/// A line counts as visible if paint lies this near, while poses are those of the grid, degrees.
 const WIDE_DEG: f64 = 1.2;
 
-/// Directions of paint that are asked at the first look.
+/// The number of directions that score a pose of the grid.
 const ASKED_FIRST: usize = 500;
 
-/// They are asked in parts, so many ninths of them at a time, the later parts only of the best: of
-/// one in so many of the places that the part before was asked of.
+/// The directions are evaluated in stages, so that bad poses cost little: the range of ninths of
+/// the directions to evaluate, and the share (1 in n) of the poses that goes on. Compare the
+/// breadth-first preemption of Nistér, "Preemptive RANSAC", ICCV 2003.
 const PARTS: [(Range<usize>, usize); 3] = [(0..1, 3), (1..3, 4), (3..9, 1)];
 
-/// The best places on one of several fields, the most likely first.
+/// The best poses on any of several fields, the highest score first. Positions are at least 3 m
+/// apart.
 pub(super) fn search(panorama: &Panorama, maps: &[PitchMap]) -> Vec<ScoredPose> {
     let mut found: Vec<ScoredPose> = maps
         .iter()
@@ -213,6 +238,8 @@ pub(super) fn search(panorama: &Panorama, maps: &[PitchMap]) -> Vec<ScoredPose> 
         .flat_map(|(field, map)| on_one_field(panorama, (field, map), maps.len()))
         .collect();
     sort(&mut found);
+    // Non-maximum suppression over all fields: one position on a field of another size is the same
+    // hypothesis, because the size is fitted later.
     let mut distinct: Vec<ScoredPose> = Vec::new();
     for scored_pose in found {
         let near =
@@ -224,7 +251,8 @@ pub(super) fn search(panorama: &Panorama, maps: &[PitchMap]) -> Vec<ScoredPose> 
     distinct
 }
 
-/// Places on one of `of` fields: together the fields are asked as little longer as that allows.
+/// The best poses on one of `of` fields, fitted. The number of directions per field falls with the
+/// number of fields: several fields together take at most about twice as long as one.
 fn on_one_field(
     panorama: &Panorama,
     (field, map): (usize, &PitchMap),
@@ -232,6 +260,7 @@ fn on_one_field(
 ) -> Vec<ScoredPose> {
     let every = stride_of_subsample(panorama.directions.len() * of.div_ceil(2), ASKED_FIRST);
     let few: Vec<Vec3> = panorama.directions.iter().step_by(every).copied().collect();
+    // Every ninth direction, not a contiguous ninth, so that each stage covers the whole sphere.
     let below = |ninths: &Range<usize>| -> Vec<BelowHorizon> {
         let asked = few
             .iter()
@@ -246,6 +275,8 @@ fn on_one_field(
         explained_upright(&PanoramaPose::upright(position_m, heading), asked, map)
     };
     let best_first = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
+    // 1. Score all poses of the grid. Scores add up over the stages; ties are broken by index, so
+    //    that the result does not depend on the threads.
     let mut scored: Vec<(f64, usize)> = (0..PLACES).map(|index| (0.0, index)).collect();
     for (ninths, one_in) in PARTS {
         let asked = below(&ninths);
@@ -259,6 +290,7 @@ fn on_one_field(
         }
     }
     scored.sort_by(best_first);
+    // 2. Keep the local maxima: of poses closer than 6.5 m and 5°, only the best.
     let mut chosen: Vec<(Vec3, Angle)> = Vec::new();
     for (_, index) in &scored {
         let (position_m, heading) = place(*index);
@@ -273,6 +305,8 @@ fn on_one_field(
             break;
         }
     }
+    // 3. Score these with all directions, and by the lines that should be visible: paint alone also
+    //    matches poses that see lines where the picture has bare grass.
     let mut looked: Vec<ScoredPose> = chosen
         .par_iter()
         .map(|(position_m, heading)| {
@@ -288,6 +322,8 @@ fn on_one_field(
         .collect();
     sort(&mut looked);
     looked.truncate(FITTED);
+    // 4. Improve the best of them: the grid is too coarse for iterative closest point to converge
+    //    from it.
     let fit = |scored_pose: &ScoredPose| {
         let pose = climbed(scored_pose.pose, &few, panorama, map);
         score_pose(
@@ -303,10 +339,11 @@ pub(super) fn sort(poses: &mut [ScoredPose]) {
     poses.sort_by(|a, b| b.score().total_cmp(&a.score()));
 }
 
-/// A line is seen where paint lies this near, degrees, from the usual height.
+/// A line of a fitted pose counts as visible if paint lies this near, degrees, for a camera at the
+/// usual height ([`angular_scale`]).
 const PAINTED_DEG: f64 = 0.3;
 
-/// What speaks for a fitted place.
+/// Scores a fitted pose by the share of explained paint and of visible lines.
 pub(super) fn score_pose(
     pose: PanoramaPose,
     panorama: &Panorama,
@@ -336,8 +373,8 @@ pub(super) fn score_pose(
     }
 }
 
-/// The share of the paint that lies near a line, more the nearer; at the first look (1) paint may
-/// lie farther off than later.
+/// The share of the paint that lies near a line, weighted by [`nearness`]. `share_of_scatter` is 1
+/// at the spacing of the grid and falls as the pose gets better.
 fn explained_roughly(
     pose: &PanoramaPose,
     directions: &[Vec3],
@@ -358,10 +395,12 @@ fn explained_roughly(
     directions.iter().map(near).sum::<f64>() / directions.len().max(1) as f64
 }
 
-/// A direction (`panorama`) below the horizon of a camera whose pan axis is upright.
+/// A direction below the horizon, in `panorama`, prepared for poses with a vertical pan axis.
 struct BelowHorizon {
-    /// Over the ground, per metre of the camera's height.
+    /// Horizontal offset of the ground point per metre of the height of the camera above it.
     over_ground: Vec2,
+    /// The sine of the angle below the horizon, squared; a rotation about the vertical does not
+    /// change it.
     fall_squared: f64,
 }
 
@@ -375,8 +414,9 @@ impl BelowHorizon {
     }
 }
 
-/// [`explained_roughly`] at the first look, not divided by the number of directions, for a pose whose pan axis is upright: most of
-/// the time of a search passes here.
+/// The sum that [`explained_roughly`] divides by the number of directions, for a pose of the grid.
+/// With a vertical pan axis a pose is a rotation in the plane and a scaling by the height. The
+/// search spends most of its time here.
 fn explained_upright(pose: &PanoramaPose, directions: &[BelowHorizon], map: &PitchMap) -> f64 {
     let turn = pose
         .world_from_panorama
@@ -384,6 +424,7 @@ fn explained_upright(pose: &PanoramaPose, directions: &[BelowHorizon], map: &Pit
         .into_owned();
     let eye_m = pose.position_m;
     let near = |direction: &BelowHorizon| -> f64 {
+        // Intersect the ray with the horizontal plane at height z: no 3×3 rotation, no division.
         let per_m = turn * direction.over_ground;
         let at = |z_m: f64| {
             let over = per_m * (eye_m.z - z_m);
@@ -401,7 +442,8 @@ fn explained_upright(pose: &PanoramaPose, directions: &[BelowHorizon], map: &Pit
     directions.iter().map(near).sum()
 }
 
-/// From 1 on a line to 0 where none is near.
+/// The weight of paint at a ground point: 1 on a line, 0 from 2 σ on. (1 − (d/2σ)²)² is the weight
+/// function of Tukey's biweight.
 #[inline]
 fn nearness(ground: Vec3, view: View, map: &PitchMap, share_of_scatter: f64) -> f64 {
     let upright_squared = SCATTER_OF_FALL.powi(2) * view.fall_squared + LEAN.powi(2);
@@ -420,18 +462,24 @@ fn nearness(ground: Vec3, view: View, map: &PitchMap, share_of_scatter: f64) -> 
     }
 }
 
-/// A pose moved to where paint and lines belong together the most: places and headings that are
-/// tried lie too far apart for a low camera, and its pan axis leans.
+/// Improves a pose by a pattern search over position, heading and the lean of the pan axis
+/// (exploratory moves of Hooke and Jeeves, 1961).
+///
+/// The grid is too coarse for a low camera, and the pan axes of its poses are exactly vertical. The
+/// visible share of the lines is a step function of the pose ([`visible`]), so the search uses no
+/// gradient.
 fn climbed(
     start: PanoramaPose,
     directions: &[Vec3],
     panorama: &Panorama,
     map: &PitchMap,
 ) -> PanoramaPose {
-    /// Of the distance between the places that are tried, and of the scatter, round by round.
+    /// The step, as a share of the spacing of the grid, and the share of the scatter, round by
+    /// round.
     const ROUNDS: [(f64, f64); 5] = [(0.5, 1.0), (0.35, 0.7), (0.2, 0.4), (0.1, 0.2), (0.05, 0.1)];
-    /// Of the lean that is tried, degrees.
+    /// The full step of the lean, degrees.
     const LEAN_DEG: f64 = 1.0;
+    /// Spacing of the samples of the lines, m: coarser than in the final score, for speed.
     const SPACING_M: f64 = 3.0;
     let moved = |from: &PanoramaPose, way: usize, step: f64| {
         let turned = |axis: Vec3, angle_deg: f64| {
@@ -463,6 +511,8 @@ fn climbed(
             explained_roughly(pose, directions, map, scatter)
                 * visible(pose, panorama, map, SPACING_M, within_deg)
         };
+        // Try both directions of each of the six parameters once and keep what raises the score.
+        // The score itself changes from round to round, so it is computed anew.
         let mut best = score(&pose);
         for way in 0..6 {
             for sign in [-1.0, 1.0] {
@@ -477,8 +527,8 @@ fn climbed(
     pose
 }
 
-/// The share of the lines that lie where ground was seen and near paint; weighted by how long they
-/// seem.
+/// The share of the lines in front of seen ground that lies near paint. Each sample is weighted by
+/// its apparent length, so that far lines do not count for more than they take up in the pictures.
 fn visible(
     pose: &PanoramaPose,
     panorama: &Panorama,
@@ -491,9 +541,12 @@ fn visible(
         let Some(direction) = pose.direction_in_panorama(sample.at) else {
             continue;
         };
+        // Where no frame saw open ground, missing paint is no evidence against the pose.
         if !panorama.seen.holds(direction) {
             continue;
         }
+        // Apparent length of a metre of the line, rad: the component of the tangent across the
+        // view, divided by the distance.
         let offset = sample.at - pose.position_m;
         let along = sample.tangent.normalize();
         let weight = (along - direction_of(offset) * along.dot(&direction_of(offset))).norm()

@@ -1,9 +1,8 @@
-//! The last questions that a camera has to pass before it is the answer.
+//! The final checks that a camera has to pass before it becomes the answer.
 //!
 //! The evidence of the joint adjustment ([`super::evidence`]) comes from the coarse paint by which
-//! the camera was found. Here each frame's own picture is asked, at full resolution: how many
-//! frames agree with it, whether a line is missing where the camera predicts it, and whether a
-//! click contradicts it.
+//! the camera was found. These checks use each frame's own picture at full resolution: how many
+//! frames agree with it, whether a predicted line is missing, and whether a click contradicts it.
 
 use super::clicked::GroundClick;
 use super::error::Stop;
@@ -15,24 +14,25 @@ use touchline_core::camera::PtzCamera;
 use touchline_documents::document::Frames;
 use touchline_vision::paint::Strokes;
 
-/// At least this share of the frames has to agree with the painted lines of its own picture. Right
-/// answers had .9 and more on real and drawn matches, wrong ones .5 and less.
+/// Minimum share of the frames that agree with the painted lines of their own pictures. Right
+/// answers had 0.9 and more on real and drawn matches, wrong ones 0.5 and less.
 pub(super) const MIN_ALIGNED: f64 = 0.75;
 
-/// This share has to agree before the base is refined, which brings a position that is nearly right
-/// to its lines.
+/// The same before the base is refined: a position that is nearly right is still brought onto its
+/// lines.
 pub(super) const MIN_ALIGNED_BEFORE_REFINING: f64 = 0.5;
 
-/// With a runner-up that explains nearly as much, this share has to agree with the answer …
+/// With a runner-up that explains nearly as much, at least this share agrees with the answer …
 pub(super) const MIN_ALIGNED_WITH_RUNNER_UP: f64 = 0.85;
 
-/// … and at most this one with the runner-up.
+/// … and at most this share with the runner-up.
 const MAX_ALIGNED_OF_RUNNER_UP: f64 = 0.65;
 
-/// A click farther from where the camera has its landmark contradicts it, px at 1920 px width.
+/// A click farther than this from the projection of its landmark contradicts the camera, px at 1920
+/// px width.
 const CONTRADICTING_PX: f64 = 25.0;
 
-/// No answer, for what speaks against the best one.
+/// Abstains, with the reasons to reject the best candidate.
 pub(super) fn uncertain(doubts: Vec<Doubt>, best: AutocalibratedCamera) -> Stop {
     Abstention::Uncertain {
         doubts,
@@ -41,12 +41,12 @@ pub(super) fn uncertain(doubts: Vec<Doubt>, best: AutocalibratedCamera) -> Stop 
     .into()
 }
 
-/// The share of the frames that agree with their own paint, of those that show enough of it.
+/// The share of aligned frames among those that show enough paint.
 fn aligned_share(camera: &AutocalibratedCamera) -> f64 {
     camera.snapped_count() as f64 / camera.evidence.frames.max(1) as f64
 }
 
-/// The doubt about a camera with which fewer than a share of its frames agree.
+/// The reason to reject a camera with which too small a share of its frames agrees.
 pub(super) fn few_aligned(camera: &AutocalibratedCamera, min_share: f64) -> Option<Doubt> {
     let (snapped, frames) = (camera.snapped_count(), camera.evidence.frames);
     (aligned_share(camera) < min_share).then_some(Doubt::FewSnapped { snapped, frames })
@@ -57,8 +57,8 @@ pub(super) fn is_refuted(runner_up: &AutocalibratedCamera) -> bool {
     aligned_share(runner_up) <= MAX_ALIGNED_OF_RUNNER_UP
 }
 
-/// The doubt about a camera whose frames do not show how large the field is: lines that they do not
-/// show, or the position itself, may be metres off.
+/// The reason to reject a camera whose frames do not determine the size of the field: the lines
+/// that they do not show, or the position itself, may be off by metres.
 pub(super) fn open_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
     let open = camera.sizes.iter().find(|size| size.is_open)?;
     Some(Doubt::SizeOpen {
@@ -68,7 +68,7 @@ pub(super) fn open_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
     })
 }
 
-/// The lines of the field that a camera should show in its frames and does not, by name.
+/// The labels of the lines that a camera should show in its frames and does not.
 pub(super) fn missing_in_frames(
     camera: &AutocalibratedCamera,
     matched: &MatchedFrames,
@@ -81,8 +81,9 @@ pub(super) fn missing_in_frames(
     missing_lines(&camera.field, &frames)
 }
 
-/// The doubt about a camera that one of some clicks contradicts. `clicks` number frames as the
-/// document does.
+/// The reason to reject a camera that a click contradicts, for the first such click. `clicks` use
+/// the indices of the document. Clicks in frames that the camera does not answer, or on landmarks
+/// that its field lacks, say nothing.
 pub(super) fn contradicting_click(
     camera: &AutocalibratedCamera,
     clicks: &[GroundClick],
@@ -96,6 +97,7 @@ pub(super) fn contradicting_click(
         let landmark = camera.field.landmark(click.landmark.as_str())?;
         let at_m = camera.field.landmark_in_world(landmark);
         let seen = PtzCamera::new(camera.base, found.ptz).image_from_world(at_m);
+        // A landmark behind the camera cannot be seen where it was clicked.
         let off_px = seen.map_or(f64::INFINITY, |seen| seen.distance_px(click.image));
         let frame = &frames[click.frame];
         let max_px = CONTRADICTING_PX * frame.image_size.scale_from_1920();
@@ -170,7 +172,7 @@ mod tests {
         };
         let doubt = |clicks: &[GroundClick]| contradicting_click(&camera, clicks, &document.frames);
 
-        // A picture of 960 px width allows half of the 25 px.
+        // In a picture of 960 px width the limit is half of 25 px.
         let near = click(frame.index, "centre_mark", 12.0);
         assert_eq!(doubt(std::slice::from_ref(&near)), None);
         let Some(Doubt::ClickContradicts {
@@ -187,7 +189,7 @@ mod tests {
         );
         assert!((off_px - 13.0).abs() < 1e-9, "{off_px}");
 
-        // Of another frame, or of something that the field lacks, nothing is known.
+        // Clicks in another frame, or on a landmark that the field lacks, are ignored.
         assert_eq!(
             doubt(&[
                 click(2, "centre_mark", 400.0),

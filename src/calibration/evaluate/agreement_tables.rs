@@ -1,4 +1,4 @@
-//! How two annotators agree, for people and for scripts.
+//! The agreement of two annotators, for people and for scripts.
 
 use super::{Agreement, FrameAgreement};
 use serde_json::{Value, json};
@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use touchline_core::score::ClickScatter;
 use touchline_documents::report::Table;
 
-/// A landmark a row: those that lie farthest apart first.
+/// A table of landmarks, one row each; those with the largest median distance first.
 #[must_use]
 pub fn agreement_by_landmark(agreement: &Agreement) -> Table {
     let mut table = Table::new(&[
@@ -32,7 +32,7 @@ pub fn agreement_by_landmark(agreement: &Agreement) -> Table {
     table
 }
 
-/// A frame a row.
+/// A table of frames, one row each.
 #[must_use]
 pub fn agreement_by_frame(agreement: &Agreement) -> Table {
     let mut table = Table::new(&[
@@ -67,7 +67,7 @@ pub fn agreement_by_frame(agreement: &Agreement) -> Table {
     table
 }
 
-/// The agreement in words and tables that `write` writes.
+/// The agreement as text and tables in the format of `write`.
 #[must_use]
 pub fn agreement_tables(agreement: &Agreement, write: fn(&Table) -> String) -> String {
     let mut text = String::new();
@@ -96,7 +96,7 @@ pub fn agreement_tables(agreement: &Agreement, write: fn(&Table) -> String) -> S
     text
 }
 
-/// What the two call differently in a frame: the first few, and how many more.
+/// The differing names in a frame: the first few, and the number of further ones.
 fn describe_names(frame: &FrameAgreement) -> String {
     const SHOWN: usize = 3;
     let shown: Vec<String> = frame
@@ -117,7 +117,7 @@ fn describe_names(frame: &FrameAgreement) -> String {
     shown.join(", ") + &more
 }
 
-/// Everything, for scripts.
+/// All results as JSON.
 #[must_use]
 pub fn agreement_json(agreement: &Agreement) -> Value {
     let disputes = |frame: &FrameAgreement| -> Vec<Value> {

@@ -1,4 +1,4 @@
-//! An evaluation for people: tables, and figures of the errors.
+//! The report of an evaluation for people: tables, and figures of the errors.
 
 use super::{Evaluation, FrameGroup, FrameScores, GroupKind, Measure};
 use std::fmt::Write as _;
@@ -7,7 +7,7 @@ use touchline_core::score::Summary;
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Column, Report, Table};
 
-/// The measures whose distributions are drawn.
+/// The measures whose distributions are plotted.
 const DRAWN: [Measure; 6] = [
     Measure::Rotation,
     Measure::Focal,
@@ -33,7 +33,7 @@ pub fn evaluation_report(evaluation: &Evaluation, groups: &[FrameGroup]) -> Repo
         let values: Vec<f64> = scored()
             .filter_map(|scores: &FrameScores| scores.get(measure))
             .collect();
-        // A log axis has no place for what is exactly right.
+        // A logarithmic axis cannot show an error of exactly zero.
         if values.iter().any(|value| value.is_finite() && *value > 0.0) {
             let share = Axis::linear("share of frames").within(0.0, 1.0);
             let figure = Figure::new("", Axis::log(measure.label()), share)
@@ -76,7 +76,7 @@ pub fn evaluation_report(evaluation: &Evaluation, groups: &[FrameGroup]) -> Repo
     report
 }
 
-/// Every measure of every frame, a row each; why there is none where there is none.
+/// A table of every measure of every frame, one row each; frames without scores state the reason.
 #[must_use]
 pub fn frame_scores(evaluation: &Evaluation) -> Table {
     let mut table = Table::new(&[
@@ -111,7 +111,8 @@ pub fn frame_scores(evaluation: &Evaluation) -> Table {
     table
 }
 
-/// All frames together by measure, then group by group, in words and tables that `write` writes.
+/// All frames together by measure, then group by group, as text and tables in the format of
+/// `write`.
 #[must_use]
 pub fn evaluation_tables(groups: &[FrameGroup], write: fn(&Table) -> String) -> String {
     let mut text = String::new();
@@ -192,7 +193,7 @@ fn summary_table(group: &FrameGroup) -> Table {
     table
 }
 
-/// Medians by group.
+/// A table of medians by group.
 fn group_table(groups: &[FrameGroup]) -> Table {
     const SHOWN: [Measure; 6] = [
         Measure::IouPart,

@@ -1,19 +1,20 @@
-//! Matching the frames of two documents.
+//! Matches the frames of two documents.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 use touchline_documents::document::{DocumentAt, Frame, resolved};
 
-/// For each frame of `wanted` the frame of `offered` that shows the same picture, if there is one.
+/// For each frame of `wanted`, the frame of `offered` that shows the same picture, if there is one.
 ///
-/// A frame is known by where its image or video lies, else by the image's SHA-256, else by its path
-/// as the document writes it (a project that was moved), else by its file's name alone. The first
-/// that finds a single partner decides; a partner is given once. Frames that state different
-/// SHA-256 never meet: names repeat from match to match.
+/// Frames are identified by the location of their image or video, else by the image's SHA-256, else
+/// by the path as the document writes it (for a project that was moved), else by the file's name
+/// alone. The first identity that is unique in both documents decides; a frame is matched only
+/// once. Frames with different SHA-256 never match, because names recur from match to match.
 pub(super) fn matched(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Option<usize>> {
     let mut partners = vec![None; wanted.frames.len()];
     let mut given = vec![false; offered.frames.len()];
     for identity in [by_place, by_digest, by_path, by_name] {
+        // Index the frames that are still unmatched in both documents by this identity.
         let mut open: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         for (index, frame) in offered
             .frames
@@ -36,6 +37,8 @@ pub(super) fn matched(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Op
                 asked.entry(key).or_default().push(index);
             }
         }
+        // Match keys with exactly one frame on either side. Ambiguous ones are left to the next
+        // identity.
         for (key, asking) in asked {
             if let ([asking], Some([partner])) = (&asking[..], open.get(&key).map(Vec::as_slice))
                 && may_be_same_picture(&wanted.frames[*asking], &offered.frames[*partner])
@@ -48,7 +51,7 @@ pub(super) fn matched(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Op
     partners
 }
 
-/// Whether the stated SHA-256 of two frames, if any, allow that they show the same picture.
+/// Whether the SHA-256 of two frames, if both are stated, are equal.
 fn may_be_same_picture(a: &Frame, b: &Frame) -> bool {
     a.sha256
         .as_ref()
@@ -109,11 +112,11 @@ mod tests {
     #[test]
     fn frames_meet_by_place_then_digest_then_path_then_name() {
         let (a, b) = (Path::new("/no/a"), Path::new("/no/b"));
-        // By place: the same file called from two folders.
+        // By location: the same file, referenced from two folders.
         let one = document(&["1.jpg", "../b/2.jpg"]);
         let other = document(&["2.jpg", "../a/1.jpg"]);
         assert_eq!(matched(one.at(a), other.at(b)), [Some(1), Some(0)]);
-        // By digest: renamed.
+        // By digest: a renamed file.
         let (mut one, mut other) = (document(&["1.jpg"]), document(&["x.jpg", "y.jpg"]));
         one.frames[0].sha256 = Some("ab".to_owned());
         other.frames[1].sha256 = Some("ab".to_owned());
@@ -131,7 +134,7 @@ mod tests {
             matched(one.at(a), document(&["more/1.jpg", "images/1.jpg"]).at(b)),
             [Some(1), Some(0)]
         );
-        // By name, where it stands for one file only.
+        // By name, if only one file has it.
         assert_eq!(matched(one.at(a), document(&["1.jpg"]).at(b)), [None, None]);
         assert_eq!(
             matched(

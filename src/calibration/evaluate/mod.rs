@@ -1,5 +1,5 @@
-//! Two documents of the same frames against each other: an estimate against the truth, and two
-//! annotators.
+//! Comparison of two documents of the same frames: an estimate with the truth, or two annotators
+//! with each other.
 
 mod agreement;
 mod agreement_tables;

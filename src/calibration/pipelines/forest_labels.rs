@@ -1,11 +1,11 @@
-//! Frames labelled by a forest: it learns from references, it proposes cameras for other frames,
-//! the painted lines judge them, and the document records them.
+//! Labelling frames with a forest: it is trained on references, it proposes cameras for other
+//! frames, these are checked against the painted lines, and the document records them.
 //!
 //! | step | function |
 //! |---|---|
-//! | learn | [`learn_forest`] |
-//! | propose, judge | [`propose_on_lines`] |
-//! | propose, judge, record | [`label_frames`] |
+//! | train | [`learn_forest`] |
+//! | propose, check | [`propose_on_lines`] |
+//! | propose, check, record | [`label_frames`] |
 //!
 //! The trainer of the window calls the first two: it keeps forests and answers over many edits, and
 //! shows suggestions beside the document. The command line calls the last one, on a document that
@@ -26,24 +26,24 @@ use touchline_documents::document::Document;
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{ForestModel, RelocalizeOptions, Stopped, TrainProgress};
 
-/// An end that is asked for takes effect after at most this many frames. Their answers are kept.
+/// A cancellation takes effect after at most this many frames, whose answers are kept.
 const BATCH_FRAMES: usize = 16;
 
-/// How far learning has come.
+/// Progress of learning.
 #[derive(Clone, Copy, Debug)]
 pub enum LearningProgress {
     /// Features of references are extracted.
     Features {
-        /// References done.
+        /// Number of references done.
         done: usize,
-        /// References in all.
+        /// Total number of references.
         of: usize,
     },
     /// The forest is trained.
     Training(TrainProgress),
 }
 
-/// A forest and what it learnt from.
+/// A forest and its training samples.
 #[derive(Debug)]
 pub struct LearntForest {
     /// The forest.
@@ -52,7 +52,7 @@ pub struct LearntForest {
     pub studied: Studied,
 }
 
-/// Why there is no forest.
+/// Why no forest could be trained.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LearnForestError {
@@ -61,10 +61,10 @@ pub enum LearnForestError {
     NoneUsable {
         /// The name of the first of them.
         frame: String,
-        /// Why that one does not.
+        /// The reason for that one.
         first: TrainingSampleError,
     },
-    /// It cannot be trained.
+    /// Training failed.
     #[error(transparent)]
     Learn(#[from] LearnError),
 }
@@ -72,7 +72,7 @@ pub enum LearnForestError {
 /// Trains a forest on the training frames of a document. None if `progress` cancelled it.
 ///
 /// # Errors
-/// There is nothing to learn from, or the document's cameras cannot be written down.
+/// No reference gives a training sample, or the document's cameras cannot be serialised.
 pub fn learn_forest(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
@@ -104,8 +104,8 @@ pub fn learn_forest(
     }
 }
 
-/// Why nothing could be learnt: the first reference that gave no sample says more than that there
-/// is none.
+/// The error to report: the reason of the first reference without a sample says more than that
+/// there are no samples.
 fn explain_failure(error: LearnError, document: &Document, studied: Studied) -> LearnForestError {
     let is_without_samples = matches!(error, LearnError::Stopped(Stopped::NoSamples { .. }));
     match studied.failed.into_iter().next() {
@@ -117,20 +117,20 @@ fn explain_failure(error: LearnError, document: &Document, studied: Studied) -> 
     }
 }
 
-/// The forest that is asked, and how.
+/// The forest to query, and its options.
 #[derive(Clone, Debug)]
 pub struct ForestRequest<'a> {
     /// The forest.
     pub model: &'a ForestModel,
-    /// Its generation, for proposals that outlive it. 0 where there is only one.
+    /// Its generation, which proposals carry; 0 if there is only one forest.
     pub generation: u64,
-    /// How a frame's camera is sought, and the confidence that it needs.
+    /// How a frame's camera is estimated, and the confidence that it needs.
     pub options: RelocalizeOptions,
 }
 
-/// What the forest proposes for some frames, all judged together by the painted lines if there is
-/// evidence of them. Proposals are in the order of `frames`, and fewer if `progress` cancelled it.
-/// A panic becomes the answer of its frame.
+/// The proposals of a forest for some frames, checked together against the painted lines if
+/// `evidence` is given. Proposals are in the order of `frames`, and fewer if `progress` cancelled
+/// it. A panic becomes the answer of its frame.
 pub fn propose_on_lines(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
@@ -160,7 +160,7 @@ fn propose_in_batches(
     progress: &Progress<'_, usize>,
 ) -> Vec<Proposal> {
     let num_done = AtomicUsize::new(0);
-    // Whether it is cancelled already.
+    // Find out whether it is cancelled already.
     let _ = progress.report(0);
     let mut proposals = Vec::with_capacity(frames.len());
     for batch in frames.chunks(BATCH_FRAMES) {
@@ -168,6 +168,7 @@ fn propose_in_batches(
             break;
         }
         let of_batch = pictures.each(reader, batch, |index, _, features| {
+            // A panic in one frame must not end the others.
             let ask = || {
                 propose(
                     pictures.document,
@@ -191,19 +192,19 @@ fn propose_in_batches(
     proposals
 }
 
-/// Where the pictures of a document lie, and where their features are kept.
+/// The folders of a document's pictures and of their features.
 #[derive(Clone, Copy)]
 pub struct PictureFiles<'a> {
     /// Where the document's relative paths start.
     pub folder: &'a Path,
-    /// Features that were found before.
+    /// The store of features extracted before.
     pub store: &'a FeatureStore,
 }
 
-/// Asks a forest for frames of a document and records its answers there, as suggestions. With
-/// `snap`, answers are pulled onto the painted lines where these decide. Returns the proposals, for
-/// their reasons; fewer than `frames` if `progress` cancelled it. One that is not recorded, because
-/// the frame keeps a better camera, is [`NoProposal::NoBetter`].
+/// Queries a forest for frames of a document and records its answers as suggestions. With `snap`,
+/// answers are aligned to the painted lines if these decide. Returns the proposals, for their
+/// reasons; fewer than `frames` if `progress` cancelled it. A proposal that is not recorded,
+/// because the frame has a better camera, is [`NoProposal::NoBetter`].
 ///
 /// # Errors
 /// A field of the document is not valid.
@@ -226,6 +227,7 @@ pub fn label_frames(
     };
     let mut proposals =
         propose_on_lines(&pictures, reader, frames, forest, Some(&evidence), progress);
+    // Record the answers. A frame may have a better camera from another source.
     for proposal in &mut proposals {
         let Some(frame) = document.frames.by_id_mut(&proposal.frame) else {
             continue;

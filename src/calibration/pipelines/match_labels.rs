@@ -1,11 +1,11 @@
-//! A match labelled without a click: from the pictures of its frames to a camera for each of them.
+//! Labelling a match without clicks: from the pictures of its frames to a camera for each.
 //!
-//! 1. The camera is found from some frames, spread over all of them ([`find_camera`]).
-//! 2. Frames that overlap with none of its frames are another camera's, which is found in the same
-//!    way, and so on.
-//! 3. The frames that were not looked at follow: those of a video are tracked from the others, and
-//!    the base is refined on the paint of all of them; images are asked of a forest that learns
-//!    from those that lie on their paint.
+//! 1. The camera is found from some frames, evenly spread over all ([`find_camera`]).
+//! 2. Frames that overlap with none of its frames belong to another camera, which is found in the
+//!    same way, and so on.
+//! 3. The frames that were not sampled follow. Those of a video are tracked from the others, and
+//!    the base is refined on the paint of all of them; for images, a forest is trained on the
+//!    frames that lie on their paint, and queried.
 
 use super::forest_labels::{
     ForestRequest, LearnForestError, LearningProgress, PictureFiles, label_frames, learn_forest,
@@ -28,12 +28,12 @@ use touchline_documents::document::{CameraId, Document, DocumentAt, FrameStatus}
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::RelocalizeOptions;
 
-/// How a match is labelled.
+/// Options of labelling a match.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MatchOptions {
-    /// Each camera is found from this many frames at most. 40 by default.
+    /// Maximum number of frames from which each camera is found. 40 by default.
     pub sampled_frames: usize,
-    /// Whether the other frames are labelled, too. True by default.
+    /// Whether the other frames are labelled as well. True by default.
     pub label_the_rest: bool,
 }
 
@@ -46,12 +46,12 @@ impl Default for MatchOptions {
     }
 }
 
-/// What happens while a match is labelled.
+/// Events while a match is labelled.
 #[derive(Debug)]
 pub enum MatchEvent {
-    /// The search for a camera has come so far.
+    /// Progress of the search for a camera.
     Searching(AutocalibrationProgress),
-    /// The picture of a frame cannot be read. The others are looked at.
+    /// The picture of a frame cannot be read. The search goes on with the others.
     Unreadable {
         /// The frame's name.
         frame: String,
@@ -60,55 +60,55 @@ pub enum MatchEvent {
     },
     /// A camera was found.
     Found {
-        /// Its name.
+        /// Id of the camera.
         camera: CameraId,
         /// The camera.
         found: Arc<AutocalibratedCamera>,
-        /// Of another camera than the first: how many of the frames looked at overlap with none of
-        /// those before.
+        /// For every camera but the first: number of sampled frames that overlap with none of the
+        /// cameras before.
         separate_frames: Option<usize>,
     },
-    /// Another camera than the first was not found; its frames stay without.
+    /// A further camera was not found; its frames stay without one.
     OtherNotFound {
-        /// The document as it is now.
+        /// The present document.
         document: Box<Document>,
-        /// The camera's name.
+        /// Id of the camera.
         camera: CameraId,
         /// Why there is no answer.
         why: NoCamera,
-        /// How many of the frames looked at overlap with none of those of the cameras before.
+        /// Number of sampled frames that overlap with none of the cameras before.
         separate_frames: usize,
     },
-    /// A forest learns from the frames that were found.
+    /// A forest is trained on the frames that were found.
     Learning(LearningProgress),
-    /// It is asked for the other frames.
+    /// The forest is queried for the other frames.
     Asking {
-        /// Frames done.
+        /// Number of frames done.
         done: usize,
-        /// Frames in all.
+        /// Total number of frames.
         of: usize,
     },
     /// The other frames of a video are tracked.
     Tracking(TrackingEvent),
 }
 
-/// What came of a match.
+/// The result of labelling a match.
 #[derive(Debug)]
 pub enum MatchLabels {
     /// Its frames have cameras.
     Labelled(LabelledMatch),
-    /// No camera was found: the document is as it was.
+    /// No camera was found; the document is unchanged.
     NoCamera(NoCamera),
 }
 
 /// Why a search gave no camera.
 #[derive(Debug)]
 pub enum NoCamera {
-    /// Two cameras explain the paint alike.
+    /// Two cameras explain the paint about equally well.
     Two {
-        /// The one that explains a little more.
+        /// The camera that explains a little more.
         best: Box<AutocalibratedCamera>,
-        /// The other.
+        /// The other camera.
         other: Box<AutocalibratedCamera>,
         /// A click that decides between the two.
         deciding: Option<DecidingLandmark>,
@@ -122,9 +122,9 @@ pub enum NoCamera {
 pub struct LabelledMatch {
     /// The cameras that were found.
     pub cameras: Vec<Arc<AutocalibratedCamera>>,
-    /// Frames that were not looked at and have a camera now.
+    /// Number of frames that were not sampled and have a camera now.
     pub answered: usize,
-    /// Frames that have none.
+    /// Number of frames without a camera.
     pub unanswered: usize,
 }
 
@@ -132,20 +132,20 @@ pub struct LabelledMatch {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LabelMatchError {
-    /// The search failed, or was ended.
+    /// The search failed, or was cancelled.
     #[error(transparent)]
     Search(#[from] AutocalibrationError),
     /// The field of a camera is not valid.
     #[error(transparent)]
     Field(#[from] FieldError),
-    /// No forest could be trained for the frames that were not looked at.
+    /// No forest could be trained for the frames that were not sampled.
     #[error(transparent)]
     Learn(#[from] LearnForestError),
 }
 
-/// Finds a camera from the pictures of its frames. Two clicks or more on landmarks of the ground
-/// say where it stands, and save the search; without them, or where they lead nowhere, it is found
-/// by the paint alone.
+/// Finds a camera from the pictures of its frames. Two or more clicks on landmarks of the ground
+/// determine the initial poses and save the search; without them, or if they give no answer, the
+/// camera is found by the paint alone.
 ///
 /// # Errors
 /// The field is not valid, features cannot be found, or `progress` cancelled it.
@@ -164,9 +164,9 @@ pub fn find_camera(
     }
 }
 
-/// Labels the frames of a document in which nothing is known: finds `camera`, whose frames they all
-/// are, and the other cameras among them, and writes the cameras of all frames as suggestions.
-/// `folder` is where the document's paths start.
+/// Labels the frames of a document that has no cameras yet: finds `camera`, to which they all are
+/// assigned, and the other cameras among them, and writes the cameras of all frames as suggestions.
+/// `folder` is where the document's relative paths start.
 ///
 /// # Errors
 /// The field is not valid, features cannot be found, no forest can be trained, or `progress`
@@ -191,12 +191,13 @@ pub fn label_match(
         Err(why) => return Ok(MatchLabels::NoCamera(why)),
     };
     record_found(labelling.document, camera, &first);
-    // A search that is over is not cancelled any more; what follows is.
+    // The search is over and cannot be cancelled; the following steps check for themselves.
     let _ = progress.report(MatchEvent::Found {
         camera: camera.clone(),
         found: Arc::clone(&first),
         separate_frames: None,
     });
+    // Further cameras, then the frames that were not sampled.
     let cameras = labelling.find_other_cameras(camera.clone(), first)?;
     let without = |document: &Document| {
         document
@@ -217,7 +218,7 @@ pub fn label_match(
     }))
 }
 
-/// A match while it is labelled.
+/// The state while a match is labelled.
 struct Labelling<'a> {
     document: &'a mut Document,
     folder: &'a Path,
@@ -227,7 +228,7 @@ struct Labelling<'a> {
 }
 
 impl Labelling<'_> {
-    /// Searches a camera; reports each picture that cannot be read once.
+    /// Searches for a camera. Each picture that cannot be read is reported once.
     fn search(
         &mut self,
         camera: &CameraId,
@@ -273,13 +274,15 @@ impl Labelling<'_> {
         )
     }
 
-    /// The camera that was found, and those of the frames that overlap with none of its frames:
-    /// each becomes a camera of its own, with a search of its own.
+    /// Splits off the frames that overlap with none of a camera's frames as a new camera, searches
+    /// for it, and repeats that with the frames that remain. Returns all cameras, `first` included.
     fn find_other_cameras(
         &mut self,
         camera: CameraId,
         first: Arc<AutocalibratedCamera>,
     ) -> Result<Vec<Arc<AutocalibratedCamera>>, AutocalibrationError> {
+        // Each search leaves the frames that did not match its group; the next camera is searched
+        // among these. A search without an answer ends it.
         let (mut found, mut of) = (vec![first], camera);
         while let Some(last) = found.last() {
             let sampled: Vec<usize> = last.frames.iter().map(|frame| frame.index).collect();
@@ -314,7 +317,8 @@ impl Labelling<'_> {
         Ok(found)
     }
 
-    /// Labels the frames that have no camera yet, from those of the cameras found.
+    /// Labels the frames that have no camera yet: by tracking if the document has videos, else by a
+    /// forest.
     fn label_the_rest(
         &mut self,
         found: &[Arc<AutocalibratedCamera>],
@@ -327,6 +331,7 @@ impl Labelling<'_> {
         {
             return self.label_by_forest(found);
         }
+        // The base comes from the sampled frames only, so refine it on all of them.
         let options = TrackingOptions {
             refine_base: true,
             ..TrackingOptions::default()
@@ -345,18 +350,20 @@ impl Labelling<'_> {
         Ok(())
     }
 
-    /// Asks a forest. It learns from the frames that lie on their own paint, as if a person had
-    /// accepted them; the document keeps them as suggestions.
+    /// Trains a forest on the frames that are aligned to their own paint, as if the user had
+    /// accepted them, and queries it for the rest. In the document they stay suggestions.
     fn label_by_forest(
         &mut self,
         found: &[Arc<AutocalibratedCamera>],
     ) -> Result<(), LabelMatchError> {
         let frames = found.iter().flat_map(|found| &found.frames);
+        // The training frames: those that were aligned to their own paint, in the document's order.
         let mut on_paint: Vec<usize> = frames
             .filter(|frame| frame.snapped.is_some())
             .map(|frame| frame.index)
             .collect();
         on_paint.sort_unstable();
+        // Training uses references, so mark these frames as such in a copy.
         let mut accepted = self.document.clone();
         for &index in &on_paint {
             accepted.frames[index].status = FrameStatus::Reference;
@@ -373,6 +380,7 @@ impl Labelling<'_> {
         else {
             return Ok(());
         };
+        // Query it for the frames without a camera, and align the answers to their paint.
         let asked: Vec<usize> = (0..self.document.frames.len())
             .filter(|&index| self.document.frames[index].ptz.is_none())
             .collect();

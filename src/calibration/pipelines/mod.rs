@@ -1,12 +1,12 @@
-//! Whole jobs that the window and the command line share. Each takes a document and reports on its
-//! way; none prints.
+//! Complete jobs that the window and the command line share. Each takes a document and reports its
+//! progress; none prints.
 //!
 //! | job | function |
 //! |---|---|
-//! | a match, from its pictures to the cameras of all frames, without a click | [`label_match`] |
-//! | the camera of some frames, by two clicks or none | [`find_camera`] |
-//! | frames labelled by a forest: learn, propose, judge, record | [`learn_forest`], [`propose_on_lines`], [`label_frames`] |
-//! | clips tracked from the frames that are known, base and field corrected on the way | [`track_clips`] |
+//! | a match, from its pictures to the cameras of all frames, without clicks | [`label_match`] |
+//! | the camera of some frames, from two clicks or none | [`find_camera`] |
+//! | frames labelled by a forest: train, propose, check, record | [`learn_forest`], [`propose_on_lines`], [`label_frames`] |
+//! | clips tracked from known frames, with base and field corrected where needed | [`track_clips`] |
 
 mod forest_labels;
 mod match_labels;

@@ -1,15 +1,15 @@
-//! The other cameras of a video or folder: frames that hang together with none of a camera's frames
-//! are another camera's.
+//! Further cameras of a video or folder: frames that match none of a camera's frames belong to
+//! another camera.
 
 use std::collections::BTreeMap;
 use touchline_documents::document::{Camera, CameraId, Document};
 
-/// Fewer frames are not looked at for a camera of their own.
+/// Minimum number of frames for a camera of their own.
 const FEWEST: usize = 6;
 
-/// Gives the frames `others` of a camera, and those between two of them, to a new camera of which
-/// nothing is known; none where they are too few. `looked_at` are the frames of the camera that was
-/// found.
+/// Assigns the frames `others` of a camera, and those between two of them, to a new camera of which
+/// nothing is known. `looked_at` are the frames of the camera that was found. None if there are too
+/// few others.
 pub(super) fn split_off(
     document: &mut Document,
     camera: &CameraId,
@@ -20,6 +20,7 @@ pub(super) fn split_off(
         return None;
     }
     let known = document.camera(camera)?.clone();
+    // The next free id: main, main_2, main_3, … The new camera inherits the masks.
     let mut number = 2;
     let id = loop {
         let id = CameraId::from(format!("{}_{number}", first_name(camera)).as_str());
@@ -31,7 +32,9 @@ pub(super) fn split_off(
     let mut other = Camera::new(id.clone(), known.image_size);
     (other.masks, other.ranged_masks) = (known.masks.clone(), known.ranged_masks.clone());
     document.cameras.push(other.into());
-    // Whose each frame that was looked at is; those between two of the same are theirs.
+    // Assign frames that were not sampled: one between two sampled frames of the other camera is
+    // taken to be the other camera's. Before the first and after the last sampled frame the nearest
+    // one decides.
     let mut is_other: BTreeMap<usize, bool> =
         looked_at.iter().map(|index| (*index, false)).collect();
     is_other.extend(others.iter().map(|index| (*index, true)));
@@ -52,7 +55,7 @@ pub(super) fn split_off(
     Some(id)
 }
 
-/// A camera's name without the number that a camera split off from it gets.
+/// The id of a camera without the number that [`split_off`] appends.
 fn first_name(camera: &CameraId) -> &str {
     let name = camera.as_str();
     match name.rsplit_once('_') {
@@ -79,7 +82,7 @@ mod tests {
                 .frames
                 .push(Frame::from_image(&format!("{index}.png"), "main".into(), size).into());
         }
-        // Every second frame is looked at: 0 to 10 are one camera's, 12 to 22 another's.
+        // Every second frame is sampled: 0 to 10 are one camera's, 12 to 22 another's.
         let looked_at: Vec<usize> = (0..12).step_by(2).collect();
         let others: Vec<usize> = (12..24).step_by(2).collect();
         assert_eq!(

@@ -1,9 +1,9 @@
-//! The clips of a document tracked: the cameras of all frames from those that are known.
+//! Tracking the clips of a document: the cameras of all frames from those that are known.
 //!
-//! The frames that a pass reaches can show that the field or the base is not right: the lines of a
-//! field that is longer than was assumed lie beside their paint, and so do those of a base that one
-//! clicked frame gave. Such a pass is thrown away. Field or base is corrected in the document as it
-//! was before it, and the clips are tracked again, from the points that were followed already.
+//! The frames of a pass can show that the field or the base is wrong: the lines of a field that is
+//! longer than assumed lie beside their paint, and so do those of a base from one clicked frame.
+//! Such a pass is discarded. Field or base is corrected in the document as it was before, and the
+//! clips are tracked again from the points that were already followed.
 
 use crate::calibrate::{
     BaseEstimationError, BaseProblem, ClipEvidence, ClipFrames, ClipProgress, ClipSpan,
@@ -20,23 +20,23 @@ use touchline_core::solve::base::BaseOptions;
 use touchline_documents::document::{Camera, CameraId, Document, FieldSize, Fields, Frame};
 use touchline_vision::media::ReadFrames;
 
-/// How often the base is refined at most. One round moves a base from one clicked frame to where
-/// the paint of all frames has it.
+/// Maximum number of refinements of the base. One round moves a base from a single clicked frame to
+/// where the paint of all frames places it.
 const MAX_ROUNDS: usize = 3;
 
-/// A base is replaced by one whose lines lie nearer by this share to paint that neither has seen.
-/// What a base moves by below that is noise: refined on its own frames again, that of five
-/// broadcasts gains 0 to 3 %.
+/// A base is replaced if the median distance of its lines from paint falls by at least this share.
+/// Smaller changes are noise: refined again on their own frames, the bases of five broadcasts gain
+/// 0 to 3 %.
 const WORTHWHILE: f64 = 0.05;
 
-/// The mean confidence of the tracked frames may fall by this much with a refined base. A base
-/// fitted to more paint states less.
+/// The mean confidence of the tracked frames may fall by this much with a refined base, because a
+/// base that is fitted to more paint states lower confidences.
 const CONFIDENCE_NOISE: f64 = 0.01;
 
-/// How the clips of a document are tracked.
+/// Options of tracking the clips of a document.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TrackingOptions {
-    /// How each clip is tracked.
+    /// Options for each clip.
     pub clip: TrackClipOptions,
     /// Whether the base is refined on the painted lines of the tracked frames, and the clips are
     /// tracked again with it. A camera without a base gets one from its clicks first. False by
@@ -44,48 +44,49 @@ pub struct TrackingOptions {
     pub refine_base: bool,
 }
 
-/// What happens while clips are tracked.
+/// Events while clips are tracked.
 #[derive(Debug)]
 pub enum TrackingEvent {
-    /// A clip is begun.
+    /// Tracking of a clip starts.
     Begun(ClipSpan),
-    /// It has come so far.
+    /// Progress within the clip.
     Progress(ClipProgress),
-    /// The painted lines of the frames are looked at, to refine the base of a camera.
+    /// The base of a camera is being refined on the painted lines of the frames.
     Refining(CameraId),
     /// A clip was tracked.
     Tracked(ClipSpan, Box<TrackedClip>),
     /// A clip could not be tracked; the others are.
     Failed(ClipSpan, TrackClipError),
-    /// The painted lines show the length of the field. It is taken, and the clips are tracked
-    /// again, unless it is prescribed.
+    /// The painted lines determine the length of the field. Unless the user prescribes the length,
+    /// it is adopted and the clips are tracked again.
     Length(LengthOnLines),
     /// The base of a camera was refined, and the clips are tracked again with it.
     Refined(CameraId, PaintSeen),
-    /// The frames are less certain with the refined bases, or fewer: those before stay. The mean
+    /// With the refined bases, frames are less certain or fewer; the previous ones stay. Mean
     /// confidences, 0 to 1.
     NoBetter {
-        /// Of those that stay.
+        /// With the bases that stay.
         kept: f64,
         /// With the refined bases.
         refined: f64,
     },
 }
 
-/// What came of the frames of a document's clips.
+/// The result for the frames of a document's clips.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TrackedFrames {
-    /// Frames that got a camera.
+    /// Number of frames that got a camera.
     pub tracked: usize,
-    /// Frames that got none.
+    /// Number of frames that got none.
     pub missed: usize,
-    /// The tracking was ended. Clips that were finished before are tracked.
+    /// Whether tracking was cancelled. Clips that were finished before are tracked.
     pub is_stopped: bool,
 }
 
-/// Tracks the clips of a document, and writes their frames' cameras into it as suggestions. `clips`
-/// are of this document ([`crate::calibrate::clips`]), `folder` is where its paths start. What the
-/// pictures say is kept in `evidence`, one for each clip; it may be empty.
+/// Tracks the clips of a document and writes their frames' cameras into it as suggestions. `clips`
+/// are those of this document ([`crate::calibrate::clips`]), `folder` is where its relative paths
+/// start. Measurements in the pictures are kept in `evidence`, one for each clip, for later passes
+/// and calls; it may be empty.
 ///
 /// # Errors
 /// The field of a camera is not valid. A clip that cannot be tracked is reported, and is no error.
@@ -101,7 +102,7 @@ pub fn track_clips(
     evidence.resize(clips.len(), ClipEvidence::default());
     if options.refine_base {
         for camera in cameras_of(clips) {
-            // What fails here fails again when the clip is tracked, and is reported then.
+            // An error here occurs again when the clip is tracked, and is reported then.
             let _ = give_first_base(document, folder, camera, &BaseOptions::default());
         }
     }
@@ -113,8 +114,10 @@ pub fn track_clips(
         evidence,
         progress,
     };
-    // What is known before a pass. Tracked cameras hold nothing, so that each pass begins from it.
+    // The document before a pass. Tracked cameras are no constraints, so every pass starts from it.
     let mut known = document.clone();
+    // First pass; then again if it shows another length of the field, and until the bases are
+    // settled.
     let mut frames = tracking.pass(document)?;
     if frames.is_stopped || frames.tracked == 0 {
         return Ok(frames);
@@ -153,7 +156,7 @@ fn cameras_of(clips: &[ClipFrames]) -> BTreeSet<&CameraId> {
     clips.iter().map(|clip| &clip.camera).collect()
 }
 
-/// The clips of a document while they are tracked.
+/// The state while clips are tracked.
 struct Tracking<'a> {
     folder: &'a Path,
     clips: &'a [ClipFrames],
@@ -164,7 +167,7 @@ struct Tracking<'a> {
 }
 
 impl Tracking<'_> {
-    /// Tracks each clip once, from the cameras that the document knows.
+    /// Tracks each clip once, from the cameras in the document.
     fn pass(&mut self, document: &mut Document) -> Result<TrackedFrames, FieldError> {
         let known = document.clone();
         let fields = Fields::of(known.at(self.folder))?;
@@ -185,6 +188,8 @@ impl Tracking<'_> {
             {
                 break;
             }
+            // All clips are tracked from the document as it was before the pass, so their order
+            // does not matter.
             let of_clip = self.progress.part(TrackingEvent::Progress);
             let (at, evidence) = (known.at(self.folder), &mut self.evidence[index]);
             let end = match track_clip(
@@ -222,9 +227,9 @@ impl Tracking<'_> {
         })
     }
 
-    /// Measures the length of the field where the tracked frames doubt it, and takes it into the
-    /// document as it was known before, if no person prescribes another. True where the clips are
-    /// to be tracked again.
+    /// Measures the length of the field if the tracked frames contradict it, and adopts it in the
+    /// document as it was before tracking, unless the user prescribes the length. True if the clips
+    /// have to be tracked again.
     fn take_shown_length(
         &mut self,
         document: &mut Document,
@@ -248,10 +253,10 @@ impl Tracking<'_> {
         Ok(true)
     }
 
-    /// Refines the bases on the paint of all tracked frames and tracks again, until that moves no
-    /// base. Of the passes the last one stays whose frames are about as certain as those of any: a
-    /// round may begin with frames that its base has yet to settle. `known` is the document before
-    /// it was tracked.
+    /// Refines the bases on the paint of all tracked frames and tracks again, until no base
+    /// improves. Keeps the last pass whose frames are about as certain as the best so far and no
+    /// fewer: a single pass may be worse, because it still starts from frames of the previous base.
+    /// `known` is the document before tracking.
     fn refine_until_settled(
         &mut self,
         document: &mut Document,
@@ -259,6 +264,7 @@ impl Tracking<'_> {
         mut frames: TrackedFrames,
     ) -> Result<TrackedFrames, FieldError> {
         let first = mean_confidence(document);
+        // `tracked` is the latest pass, `document` the one that is kept.
         let (mut best, mut last, mut tracked) = (first, first, document.clone());
         for _ in 0..MAX_ROUNDS {
             let Some(refined) = self.with_refined_bases(&tracked, &known) else {
@@ -277,7 +283,7 @@ impl Tracking<'_> {
             }
         }
         if last < best - CONFIDENCE_NOISE {
-            // Nothing is left to cancel.
+            // Nothing follows that could be cancelled.
             let _ = self.progress.report(TrackingEvent::NoBetter {
                 kept: best,
                 refined: last,
@@ -286,8 +292,8 @@ impl Tracking<'_> {
         Ok(frames)
     }
 
-    /// `known` with the bases that the paint of the tracked frames gives, where that is worth it;
-    /// none where it is for no camera.
+    /// `known` with the refined bases where the refinement is worthwhile; none if it is for no
+    /// camera.
     fn with_refined_bases(&mut self, tracked: &Document, known: &Document) -> Option<Document> {
         let mut refined = known.clone();
         let mut is_any = false;
@@ -299,7 +305,7 @@ impl Tracking<'_> {
             {
                 return None;
             }
-            // Too little paint, or clicks alone that give no base: the base stays.
+            // Too little paint, or clicks that determine no base: the base stays.
             let Ok(Some(seen)) = self.refine_base(tracked, camera, &mut refined) else {
                 continue;
             };
@@ -315,8 +321,8 @@ impl Tracking<'_> {
         is_any.then_some(refined)
     }
 
-    /// Writes the base that the paint of the tracked frames gives into `refined`, with the frames
-    /// known there; what the paint said, or none where the base before is as good.
+    /// Writes the base from the paint of the tracked frames into `refined`, with the frames known
+    /// there. Returns the evidence of the paint; none if the previous base is as good.
     fn refine_base(
         &mut self,
         tracked: &Document,
@@ -326,7 +332,8 @@ impl Tracking<'_> {
         let (reader, folder) = (&mut *self.reader, self.folder);
         let mut picture = |frame: &Frame| read_picture(&mut *reader, frame, folder).ok();
         let options = BaseOptions::default();
-        // A size that was only assumed bends the base to it.
+        // Fit the size of the field if it is only assumed: a wrong size would otherwise be
+        // compensated by a wrong base.
         let is_size_open = *tracked.field_of_camera(camera).size() == FieldSize::Assumed;
         let found = estimate_on_paint(
             tracked.at(folder),
@@ -352,7 +359,7 @@ impl Tracking<'_> {
     }
 }
 
-/// How confident the program is of the frames that it tracked, 0 to 1.
+/// The mean confidence of the tracked frames, 0 to 1; 0 without any.
 fn mean_confidence(document: &Document) -> f64 {
     let tracked = document.frames.iter().filter(|frame| frame.is_carried());
     let confidences: Vec<f64> = tracked

@@ -1,9 +1,8 @@
-//! Where a person labels next: the one place that every panel, the status row and the command line
-//! ask.
+//! Where to label next; every panel, the status row and the command line use this.
 //!
-//! Every label helps the frames whose views overlap with its own, and most where few references
-//! look: of several at one place each tells less than the one before. Where nothing tells where the
-//! frames of a shot look, a label in the shot with most such frames helps.
+//! A label helps the frames whose views overlap with its own, and most where few references look:
+//! each further reference in one direction adds less. Where the directions of a shot's frames are
+//! unknown, a label in the shot with most such frames helps.
 
 use super::Coverage;
 use super::label_needs::LabelNeeds;
@@ -11,56 +10,57 @@ use super::needing_frames::{DIRECTION_DEG, Look, NeedingFrames};
 use touchline_core::geometry::{Angle, AngleRange};
 use touchline_documents::document::{CameraId, Document};
 
-/// The share of the view that frames of a shot have in common where nothing tells where they look.
+/// Assumed overlap of the views of frames in a shot whose directions are unknown.
 const BLIND_OVERLAP: f64 = 0.5;
 
-/// What the forest cannot answer, and what a person does about it.
+/// The frames without a confident answer, and what to do about them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LabelAdvice {
-    /// Frames without an answer.
+    /// Number of frames without an answer.
     pub unanswered: usize,
-    /// Suggestions that the forest is not sure of: see
+    /// Number of suggestions that the forest is not sure of: see
     /// [`CERTAIN`](touchline_vision::relocalize::CERTAIN).
     pub uncertain: usize,
-    /// The frame to label next; none where every frame has its answer, or none of the others has a
-    /// picture.
+    /// The frame to label next; none if every frame has a confident answer or none of the others
+    /// has a picture.
     pub next: Option<LabelNext>,
 }
 
 /// A frame whose label helps many.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LabelNext {
-    /// Its place in the document.
+    /// Index of the frame in the document.
     pub frame: usize,
-    /// Where it looks, by its own uncertain answer or the frames around it, degrees; none where
-    /// these do not tell.
+    /// Its pan, from its own uncertain answer or from the frames around it, degrees; none if
+    /// unknown.
     pub pan_deg: Option<f64>,
-    /// How many of those without a sure answer look there: they share half of its view or more, or
-    /// its shot where nothing tells where they look.
+    /// Number of frames without a confident answer that share at least half of its view, or, if its
+    /// pan is unknown, are in its shot and have no known direction either.
     pub shared_by: usize,
-    /// The middle of the widest part of the field that no reference of its camera sees, degrees of
-    /// pan; none where all is seen or nothing is known of it.
+    /// Pan of the middle of the widest part of the field that no reference of its camera sees,
+    /// degrees; none if all is seen or the coverage is unknown.
     pub missing_pan_deg: Option<f64>,
 }
 
-/// Looks through a document for frames that the forest cannot answer. `coverage` has where the
-/// references of its cameras look; of a camera that it lacks nothing is known.
+/// Advice for a document. `coverage` has the directions of the references of its cameras; a camera
+/// may be missing.
 #[must_use]
 pub fn label_advice(document: &Document, coverage: &[Coverage]) -> LabelAdvice {
     LabelAdvice::of(&LabelNeeds::of(document), coverage)
 }
 
 impl LabelAdvice {
-    /// What a person does about frames that need a label.
+    /// The advice for the frames that need a label.
     pub fn of(needs: &LabelNeeds, coverage: &[Coverage]) -> Self {
         let of_camera =
             |camera: &CameraId| coverage.iter().find(|coverage| coverage.camera == *camera);
         let places = needs
             .needing()
             .filter_map(|(camera, needing)| best_place(needing, of_camera(camera)));
-        // Of places as good as each other that of the first camera by name: nothing depends on the
-        // order of the frames.
+        // Among equals the first camera by name, so that the order of frames does not matter.
         let place = places.rev().max_by(|a, b| a.0.total_cmp(&b.0));
+        // Compare with the shot that has most frames of unknown direction, of which a label is
+        // assumed to help a share.
         let blind = needs.unknown();
         let blind_gain = blind.map_or(0.0, |blind| BLIND_OVERLAP * blind.len() as f64);
         let mut next = match (place, blind) {
@@ -87,11 +87,12 @@ impl LabelAdvice {
     }
 }
 
-/// Where a label helps most of the frames of a camera, and how much: one for each frame that it
-/// answers alone. None where all of them look past the field.
+/// The direction in which a label helps the frames of a camera most, and its gain: 1 for each frame
+/// that would be answered because of it. None if no frame sees the field.
 fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f64, LabelNext)> {
     let (mut whole, mut half_view_deg) = (0.0, 0.0);
     let mut weights: Vec<(i64, f64)> = Vec::new();
+    // The weight of a direction: how much its frames need a label, times how new the view is.
     for (to, direction) in needing.directions() {
         let half_view = direction.half_view();
         let view = || AngleRange::around(Look::towards(to), half_view);
@@ -102,6 +103,8 @@ fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f
         weights.push((to, weight));
         (whole, half_view_deg) = (whole + weight, half_view_deg + weight * half_view.degrees());
     }
+    // A label helps a frame by the overlap of their views: 1 in the same direction, linear to 0 at
+    // a distance of the mean width of a view.
     let view_deg = (2.0 * half_view_deg / whole).max(DIRECTION_DEG);
     let gain = |at: i64| -> f64 {
         let apart = |other: i64| Look::towards(other).turn_from(Look::towards(at)).abs();
@@ -111,7 +114,7 @@ fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f
             .map(|&(other, weight)| weight * overlap(other).max(0.0))
             .sum()
     };
-    // Of equals the one with the least pan.
+    // Among equals the least pan.
     let gains = weights.iter().map(|&(at, _)| (gain(at), at));
     let (gain, at) = gains.rev().max_by(|a, b| a.0.total_cmp(&b.0))?;
     let chosen = needing.neediest(at)?;
@@ -137,10 +140,10 @@ mod tests {
 
     const SURELY: f64 = 0.99;
 
-    /// A pan and how sure it is.
+    /// A pan and its confidence.
     type Answer = Option<(f64, f64)>;
 
-    /// Frames of shots: solved at a pan with a probability, or asked for in vain. Views are 20°
+    /// Frames of shots: solved at a pan with a confidence, or without an answer. Views are 20°
     /// wide.
     fn document(frames: &[(i64, Answer)]) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));

@@ -1,25 +1,25 @@
-//! What a frame was when something was asked of it, by which an answer that came too late is known.
+//! The state of a frame at the time of a request, by which stale answers are recognised.
 
 use touchline_core::camera::CameraBase;
 use touchline_documents::document::{Camera, CameraId, Document, Frame};
 
-/// A frame as it was when it was asked for.
+/// The state of a frame at the time of a request.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asked {
-    /// The revision of the frame.
+    /// Revision of the frame.
     pub revision: u64,
-    /// The frame's picture, by name.
+    /// Name of its picture.
     pub picture: String,
-    /// The hash of its image file, where the document has one.
+    /// SHA-256 of its image file, if the document states it.
     pub sha256: Option<String>,
-    /// Its camera.
+    /// Id of its camera.
     pub camera: CameraId,
-    /// Where that camera stands.
+    /// Base of that camera.
     pub base: Option<CameraBase>,
 }
 
 impl Asked {
-    /// A frame as it is now.
+    /// The present state of a frame.
     #[must_use]
     pub fn of(document: &Document, frame: &Frame) -> Self {
         Self {
@@ -31,12 +31,12 @@ impl Asked {
         }
     }
 
-    /// Whether it is this frame with the picture and the camera that it has now.
+    /// Whether a frame still has the same picture and camera.
     pub(crate) fn is_of(&self, frame: &Frame) -> bool {
         self.sha256 == frame.sha256 && self.camera == frame.camera && self.picture == frame.name()
     }
 
-    /// Whether a frame is still as it was, in what an answer depends on.
+    /// Whether everything that an answer depends on is unchanged: picture, camera and base.
     #[must_use]
     pub fn is_still(&self, document: &Document, frame: &Frame) -> bool {
         self.is_of(frame) && self.base == document.camera_of(frame).and_then(Camera::base)

@@ -1,24 +1,24 @@
-//! Whether a forest and a document mean the same cameras.
+//! Checks that a forest and a document have the same camera bases.
 
 use thiserror::Error;
 use touchline_core::camera::CameraBase;
 use touchline_documents::document::{Camera, Document};
 use touchline_vision::relocalize::ForestModel;
 
-/// How far numbers of a base may differ, m and px: digits that were rounded when a document was
-/// written.
+/// Tolerance between two bases, m, px and as matrix entries: digits that were rounded when a
+/// document was written.
 const SAME_BASE: f64 = 1e-6;
 
 /// Why a forest does not serve a document.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum BaseMismatch {
-    /// The forest's own document lacks it.
+    /// The forest's own document lacks the base.
     #[error("the forest does not hold the base of its camera {camera}")]
     Unknown {
         /// The camera's name.
         camera: String,
     },
-    /// The camera stands, looks or distorts otherwise by now.
+    /// The base of the camera is another one.
     #[error(
         "camera {camera}: its position, rotation, principal point or lens is not the one that the forest was trained with; \
          train the forest again"
@@ -29,10 +29,11 @@ pub enum BaseMismatch {
     },
 }
 
-/// Cameras of the document without a base take over the forest's, which `of_forest` holds.
+/// Gives cameras of the document that have no base the one of the forest. `of_forest` is the
+/// document in the forest.
 ///
 /// # Errors
-/// A camera has another base: the forest is useless then.
+/// A camera has another base, with which the rays of the forest are wrong.
 pub fn adopt_bases(
     document: &mut Document,
     of_forest: &Document,
@@ -58,6 +59,8 @@ pub fn adopt_bases(
 }
 
 fn differs(one: &CameraBase, other: &CameraBase) -> bool {
+    // Lenses are compared by their effect at two focal lengths, because they are functions of the
+    // focal length.
     let lens = |base: &CameraBase, focal_px: f64| base.distortion.at(focal_px);
     (one.position_m - other.position_m).amax() > SAME_BASE
         || (one.base_from_world - other.base_from_world).amax() > SAME_BASE

@@ -1,6 +1,6 @@
-//! Graphics that are burnt into the pictures of references: score bugs, watermarks, black boxes.
-//! They stand still on the screen whatever the camera does, and would have the forest learn them as
-//! parts of the stadium.
+//! Graphics burnt into the pictures of references: score bugs, watermarks, black boxes. They stay
+//! in one place of the picture however the camera moves, so the forest would learn them as parts of
+//! the stadium in every direction.
 
 use super::TrainingSample;
 use std::collections::BTreeSet;
@@ -9,9 +9,9 @@ use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{CameraId, Document, Extra, MaskSource, RangedMask};
 use touchline_vision::features::{Features, burnt_in};
 
-/// What two references show at one place of the screen is elsewhere by their labels if it moved by
-/// more than this, px at 1920 px width: people's clicks leave a camera that did not move a few px
-/// to wander.
+/// The labels of two references say that the camera moved if they move a point of the picture by
+/// more than this, px at 1920 px width: due to click noise, the labels of a static camera differ by
+/// a few px.
 const MOVED_PX: f64 = 20.0;
 
 /// A graphic that was found, as a mask of its camera.
@@ -21,21 +21,21 @@ pub struct FoundMask {
     pub camera: CameraId,
     /// The mask.
     pub mask: RangedMask,
-    /// The frames in which it was found first and last, by their places in the document.
+    /// Indices of the first and the last frame in which it was found.
     pub frames: [usize; 2],
-    /// How many features of all pictures together, or edges, stand still there.
+    /// Number of static features, or edges, in all pictures together.
     pub features: usize,
 }
 
 impl FoundMask {
-    /// Makes it one of its camera's masks.
+    /// Adds it to the masks of its camera.
     pub fn mask_in(&self, document: &mut Document) {
         if let Some(camera) = document.camera_mut(&self.camera) {
             camera.ranged_masks.push(self.mask.clone());
         }
     }
 
-    /// What was found, in one line.
+    /// A line of text about it.
     #[must_use]
     pub fn describe(&self, document: &Document) -> String {
         let area = &self.mask.pixel_box;
@@ -61,8 +61,8 @@ impl FoundMask {
     }
 }
 
-/// Finds what is burnt into the pictures of training samples, camera by camera, and removes it from
-/// them.
+/// Finds what is burnt into the pictures of training samples, camera by camera, and removes the
+/// rays of features in it.
 pub(super) fn leave_out_burnt_in(
     document: &Document,
     training_samples: &mut [TrainingSample],
@@ -81,6 +81,7 @@ pub(super) fn leave_out_burnt_in(
             .map(|&at| &*training_samples[at].features)
             .collect();
         let scale = camera.image_size.scale_from_1920();
+        // Features that stay in place although the labels say that the camera moved.
         let burnt = burnt_in(&pictures, &|one, other, point| {
             moved(&cameras, [one, other], point, scale)
         });
@@ -89,6 +90,7 @@ pub(super) fn leave_out_burnt_in(
             .map(|&at| training_samples[at].frame)
             .collect();
         for graphic in &burnt.graphics {
+            // A graphic in the first or the last picture has a range that is open at that end.
             let ends = [graphic.first, graphic.last];
             let number = |picture: usize, is_end: bool| {
                 let video = document.frames[frames[picture]].video.as_ref();
@@ -109,6 +111,7 @@ pub(super) fn leave_out_burnt_in(
                 features: graphic.features,
             });
         }
+        // Remove their rays, so that they do not become training samples.
         for (&at, burnt) in of_camera.iter().zip(&burnt.features) {
             let burnt: BTreeSet<u32> = burnt.iter().map(|&feature| feature as u32).collect();
             training_samples[at]
@@ -119,7 +122,8 @@ pub(super) fn leave_out_burnt_in(
     found
 }
 
-/// Whether what one reference shows at a point lies elsewhere in another, as their labels say.
+/// Whether, by their labels, a point of one reference's picture lies elsewhere in another's. False
+/// if either has no camera.
 fn moved(cameras: &[Option<PtzCamera>], pair: [usize; 2], point: ImagePoint, scale: f64) -> bool {
     let [Some(one), Some(other)] = pair.map(|at| cameras[at].as_ref()) else {
         return false;
@@ -127,8 +131,8 @@ fn moved(cameras: &[Option<PtzCamera>], pair: [usize; 2], point: ImagePoint, sca
     moved_by_labels(one, other, point, scale)
 }
 
-/// Whether what one labelled picture shows at a point lies elsewhere in another; `scale` is the
-/// picture's width in units of 1920 px.
+/// Whether a point of one picture lies elsewhere in another one, by their cameras. `scale` is the
+/// width of the pictures in units of 1920 px.
 pub(super) fn moved_by_labels(
     one: &PtzCamera,
     other: &PtzCamera,
@@ -138,13 +142,13 @@ pub(super) fn moved_by_labels(
     let Ok(ray) = one.ray_from_image(point) else {
         return false;
     };
-    // What the other does not see at all has moved out of its picture.
+    // A point that the other camera does not see has left its picture.
     !other
         .image_from_ray(ray)
         .is_ok_and(|image| image.distance_px(point) <= MOVED_PX * scale)
 }
 
-/// A document whose cameras have the masks that were found.
+/// The document, with the graphics that were found as masks of its cameras.
 pub(super) fn with_found_masks(mut document: Document, found: &[FoundMask]) -> Document {
     for found in found {
         found.mask_in(&mut document);

@@ -1,23 +1,23 @@
-//! Cameras carried to a frame from those that the forest and people gave its neighbours.
+//! Cameras that are tracked to a frame from neighbours that have one from the forest or the user.
 
 use super::{Asked, Offer};
 use crate::calibrate::{TrackedClip, TrackedFrame, record_tracked_frame};
 use touchline_documents::document::{Document, Frame, FrameId, Suggestion};
 
-/// A camera that was carried to a frame.
+/// A camera that was tracked to a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarriedProposal {
-    /// The frame.
+    /// Id of the frame.
     pub frame: FrameId,
-    /// What it was then, by which a stale answer is known.
+    /// The frame at the time of the request, by which a stale answer is recognised.
     pub asked: Asked,
-    /// Which forest answered its neighbours.
+    /// Generation of the forest that answered for its neighbours.
     pub generation: u64,
     suggestion: Suggestion,
 }
 
 impl CarriedProposal {
-    /// Of a frame that a clip was tracked to; none where the document has no such frame or a person
+    /// The proposal for a tracked frame; none if the document has no such frame or the user has
     /// decided on it.
     pub fn of(
         document: &Document,
@@ -38,7 +38,7 @@ impl CarriedProposal {
         })
     }
 
-    /// The same as an offer to a project.
+    /// The suggestion as an offer to a project.
     #[must_use]
     pub fn offer(&self) -> Offer {
         Offer {
@@ -48,13 +48,13 @@ impl CarriedProposal {
         }
     }
 
-    /// Writes the camera into its frame, as a file has it.
+    /// Writes the camera into its frame, in the form of files.
     pub fn record(&self, frame: &mut Frame) {
         self.suggestion.show_in(frame);
     }
 }
 
-/// The cameras that a clip was tracked with, as offers for the frames that nobody has decided on.
+/// The cameras of a tracked clip, as offers for the frames on which the user has not decided.
 #[must_use]
 pub fn offer_tracked_clip(document: &Document, clip: &TrackedClip) -> Vec<Offer> {
     clip.frames

@@ -1,4 +1,4 @@
-//! Where references look, and where one is missing.
+//! The directions that references see, and where one is missing.
 
 use std::ops::RangeInclusive;
 use touchline_core::camera::{CameraBase, PanTilt, PtzCamera};
@@ -6,17 +6,17 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Angle, AngleRange, ImageSize, Vec3};
 use touchline_documents::document::{Camera, CameraId, Document, DocumentAt, Frame};
 
-/// The map's cells.
+/// Number of columns (pan) and rows (tilt) of the map.
 const COLUMNS: usize = 30;
 const ROWS: usize = 8;
 
-/// The map shows this much more than the field, degrees.
+/// Margin of the map around the field, degrees.
 const MARGIN_DEG: f64 = 2.0;
 
-/// What lies this far beside the field counts as field, m.
+/// Ground up to this far outside the field counts as field, m.
 const BESIDE_M: f64 = 3.0;
 
-/// Where the references of a camera look, over pan and tilt of the rays from it.
+/// The directions that the references of a camera see: a map over pan and tilt of the rays from it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coverage {
     /// The camera.
@@ -27,24 +27,24 @@ pub struct Coverage {
     pub tilt_deg: RangeInclusive<f64>,
     /// Columns of the map.
     pub columns: usize,
-    /// Its cells, row by row from the top.
+    /// Cells of the map, row by row from the top.
     pub cells: Vec<CoverageCell>,
-    /// The middle of the widest part of the field that no reference sees, degrees of pan; none
-    /// where all is seen.
+    /// Pan of the middle of the widest part of the field that no reference sees, degrees; none if
+    /// all of it is seen.
     pub missing_pan_deg: Option<f64>,
 }
 
-/// A place of the map.
+/// A cell of the map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CoverageCell {
-    /// References that see it.
+    /// Number of references that see its centre.
     pub references: u32,
-    /// The field lies there.
+    /// Whether its centre is on the field.
     pub field: bool,
 }
 
 impl Coverage {
-    /// Where the `training_frames` look, for each camera that has any, in the document's order.
+    /// The coverage by `training_frames`, for each camera that has any, in the document's order.
     /// Cameras without a base or a valid field are left out.
     #[must_use]
     pub fn of_cameras(document: DocumentAt<'_>, training_frames: &[usize]) -> Vec<Self> {
@@ -70,7 +70,7 @@ impl Coverage {
             .collect()
     }
 
-    /// Where the `training_frames` of a camera look. None where the camera has no base.
+    /// The coverage of one camera by `training_frames`. None if the camera has no base.
     #[must_use]
     pub fn of(
         document: &Document,
@@ -79,6 +79,8 @@ impl Coverage {
         training_frames: &[usize],
     ) -> Option<Self> {
         let base = document.camera(camera)?.base()?;
+        // The map covers the border of the field as seen from the camera. Pans are an angular
+        // range, because they wrap.
         let outline = outline(field, &base);
         let pan = AngleRange::smallest(outline.iter().map(|ray| ray.pan))?
             .extended(Angle::from_degrees(MARGIN_DEG));
@@ -91,6 +93,7 @@ impl Coverage {
             .filter(|frame| frame.camera == *camera)
             .filter_map(|frame| Sight::of(document, frame))
             .collect();
+        // Count for the centre of each cell the references that show it.
         let middle_of = |step: usize, steps: usize| (step as f64 + 0.5) / steps as f64;
         let lower_deg = *tilt_deg.start();
         let height_deg = tilt_deg.end() - lower_deg;
@@ -122,13 +125,16 @@ impl Coverage {
         Some(coverage)
     }
 
-    /// How much a reference tells that sees this much of the field, from 0 to 1: all where none has
-    /// seen it, and the nth at a place an nth of it. None where the field does not lie there.
+    /// The value of a new reference with this view, from 0 to 1: the mean of 1/(n + 1) over the
+    /// cells of the field in the view, where n references see the cell already. None if the view
+    /// shows no field.
     #[must_use]
     pub fn novelty(&self, view: AngleRange) -> Option<f64> {
-        /// What a view shows less of a column than this is rounding.
+        /// Tolerance for rounding, in columns: a view that ends on the border of a column does not
+        /// show it.
         const ROUNDING: f64 = 1e-9;
         let columns = self.columns as f64;
+        // The columns that the view overlaps.
         let (middle, half) = (
             self.pan.share(view.centre()) * columns,
             0.5 * columns * (view.width().radians() / self.pan.width().radians()),
@@ -145,7 +151,10 @@ impl Coverage {
         (places > 0).then(|| told / f64::from(places))
     }
 
+    /// Pan of the middle of the longest run of columns whose field no reference sees; the first of
+    /// equally long ones.
     fn widest_gap_deg(&self) -> Option<f64> {
+        // A gap is a column that shows some field and no reference in any of it.
         let is_gap = |column: &usize| {
             let mut cells = self
                 .cells
@@ -164,14 +173,14 @@ impl Coverage {
     }
 }
 
-/// A frame that looks somewhere.
+/// The view of a frame.
 struct Sight {
     camera: PtzCamera,
     image_size: ImageSize,
-    /// Where the middle of its picture looks.
+    /// Direction of the centre of its picture in the base.
     middle: Vec3,
-    /// The cosine of the angle from there to the farthest corner: most rays are outside of it, and
-    /// quickly told.
+    /// Cosine of the angle from there to the farthest corner. Most rays lie outside of this cone,
+    /// which is cheaper to test than a projection.
     reach: f64,
 }
 
@@ -196,6 +205,7 @@ impl Sight {
     }
 
     fn shows(&self, ray: PanTilt, direction: &Vec3) -> bool {
+        // The cone first, then the exact test.
         direction.dot(&self.middle) >= self.reach
             && self
                 .camera
@@ -204,9 +214,9 @@ impl Sight {
     }
 }
 
-/// The field's border as rays.
+/// The border of the field as rays from the camera.
 fn outline(field: &FieldModel, base: &CameraBase) -> Vec<PanTilt> {
-    /// Points on each side.
+    /// Half the number of points on each side.
     const STEPS: i32 = 20;
     let (x_m, y_m) = (field.length_m / 2.0, field.width_m / 2.0);
     let along = (-STEPS..=STEPS).map(|step| f64::from(step) / f64::from(STEPS));
@@ -225,7 +235,9 @@ fn outline(field: &FieldModel, base: &CameraBase) -> Vec<PanTilt> {
         .collect()
 }
 
+/// Whether a ray meets the plane z = 0 within the field or its margin; below the horizon only.
 fn shows_field(field: &FieldModel, base: &CameraBase, ray: PanTilt) -> bool {
+    // Intersect the ray with z = 0; the crown is neglected.
     let direction = base.base_from_world.transpose() * ray.direction();
     let distance = -base.position_m.z / direction.z;
     let at = base.position_m + direction * distance;
@@ -244,7 +256,7 @@ mod tests {
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
-    /// Frames that look at some pans.
+    /// Frames with these pans.
     fn document(pans_deg: &[f64]) -> Document {
         let down = BaseAngles {
             pitch: Angle::from_degrees(-2.0),

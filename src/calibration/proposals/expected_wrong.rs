@@ -1,37 +1,39 @@
-//! How many of some answers are wrong, by their confidences.
+//! The expected number of wrong answers among several, from their confidences.
 
-/// Each end of the interval leaves out this probability.
+/// Probability outside of each end of the interval.
 const TAIL: f64 = 0.025;
 
-/// The number of wrong answers to be expected among some.
+/// The distribution of the number of wrong answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExpectedWrong {
     /// Its mean.
     pub mean: f64,
-    /// The least of its 95 % interval.
+    /// Lower end of its 95 % interval.
     pub least: usize,
-    /// The greatest of its 95 % interval.
+    /// Upper end of its 95 % interval.
     pub most: usize,
 }
 
 impl ExpectedWrong {
-    /// Among answers of these confidences, each right or wrong by itself: the Poisson binomial
-    /// distribution, exactly.
+    /// Among answers of these confidences, which are right or wrong independently: the Poisson
+    /// binomial distribution, computed exactly by the recursion P(k) ← P(k) (1 − q) + P(k − 1) q
+    /// over the answers, with q the probability that an answer is wrong.
     #[must_use]
     pub fn among(confidences: impl IntoIterator<Item = f64>) -> Self {
-        // How probable each number of wrong answers is among those so far.
+        // Probability of each number of wrong answers among those so far.
         let mut of_count = vec![1.0];
         let mut mean = 0.0;
         for confidence in confidences {
             let wrong = 1.0 - confidence.clamp(0.0, 1.0);
             mean += wrong;
             of_count.push(0.0);
+            // From the largest number down, so that P(k − 1) is still that without this answer.
             for count in (0..of_count.len()).rev() {
                 let one_less = if count > 0 { of_count[count - 1] } else { 0.0 };
                 of_count[count] = of_count[count] * (1.0 - wrong) + one_less * wrong;
             }
-            // What is beyond all doubt too many is not carried on: else time would grow with the
-            // square.
+            // Drop the negligible tail; the time would otherwise grow with the square of the number
+            // of answers.
             while of_count
                 .last()
                 .is_some_and(|probability| *probability < 1e-15)
@@ -48,6 +50,7 @@ impl ExpectedWrong {
                 sum
             })
             .collect();
+        // Quantiles of the cumulative distribution.
         let first_above = |share: f64| {
             upto.iter()
                 .position(|upto| *upto > share)

@@ -1,4 +1,4 @@
-//! The features of a document's frames.
+//! Extracts the features of a document's frames, or takes them from the store.
 
 use super::picture::check_size;
 use super::{FeatureStore, PictureError, read_picture};
@@ -12,34 +12,35 @@ use touchline_documents::document::{Document, Frame};
 use touchline_vision::features::{FeatureKey, FeatureOptions, Features, extract};
 use touchline_vision::media::{FrameReader, Picture, ReadFrames, sha256_of_file};
 
-/// The pictures of a document's frames, and how features are looked for in them.
+/// The pictures of a document's frames, and how features are extracted from them.
 #[derive(Clone, Copy)]
 pub struct FramePictures<'a> {
     /// The document.
     pub document: &'a Document,
     /// Where its relative paths start.
     pub folder: &'a Path,
-    /// How features are looked for.
+    /// Options of the feature extraction.
     pub options: FeatureOptions,
-    /// Features that were found before.
+    /// The store of features extracted before.
     pub store: &'a FeatureStore,
 }
 
 /// The features of a frame.
 #[derive(Clone, Debug)]
 pub struct FrameFeatures {
-    /// Outside the masks of the frame and its camera.
+    /// The features outside the masks of the frame and its camera.
     pub features: Arc<Features>,
-    /// What finding them took, without reading the picture; or what looking them up took.
+    /// Time of the extraction, without reading the picture; or of the look-up.
     pub time: Duration,
-    /// The image file is not the one that the document knows.
+    /// Whether the image file differs from the one that the document knows.
     pub changed: bool,
 }
 
-/// Frames taken at a time: at most this many pictures of a video lie in memory.
+/// Number of frames per batch: at most this many pictures of a video are in memory.
 const BATCH: usize = 16;
 
-/// A picture on its way: found before, or what is needed to look.
+/// The state of a frame before extraction: features from the store, a picture of a video, or an
+/// image file that is still to be read.
 enum Found {
     Before(FrameFeatures),
     Video(Result<Picture, PictureError>, Option<FeatureKey>),
@@ -47,9 +48,9 @@ enum Found {
 }
 
 impl FramePictures<'_> {
-    /// Hands the features of some frames to `work`, in parallel, a batch at a time; what it makes
-    /// of them, in the frames' order. Images are read in parallel, videos one frame after the other
-    /// by `reader`. `work` may end it: none then.
+    /// Calls `work` with the features of some frames, in parallel and batch by batch. Returns the
+    /// results in the order of the frames; none if `work` ended it. Images are read in parallel,
+    /// videos one frame after the other by `reader`.
     pub fn each<T: Send>(
         &self,
         reader: &mut dyn ReadFrames,
@@ -58,6 +59,8 @@ impl FramePictures<'_> {
     ) -> Option<Vec<T>> {
         let ended = AtomicBool::new(false);
         let mut made = Vec::with_capacity(frames.len());
+        // Videos are decoded here in sequence; extraction, and reading of images, runs in parallel
+        // after that.
         for batch in frames.chunks(BATCH) {
             let mut begun = Vec::with_capacity(batch.len());
             for &index in batch {
@@ -84,8 +87,8 @@ impl FramePictures<'_> {
         Some(made)
     }
 
-    /// Hands the pictures of some frames to `work`, each read once, in parallel, a batch at a time;
-    /// what it makes of them, in the frames' order. `work` may end it: none then.
+    /// Calls `work` with the pictures of some frames, each read once, in parallel and batch by
+    /// batch. Returns the results in the order of the frames; none if `work` ended it.
     pub(super) fn each_picture<T: Send>(
         &self,
         reader: &mut dyn ReadFrames,
@@ -113,12 +116,14 @@ impl FramePictures<'_> {
         Some(made)
     }
 
-    /// The features of a picture that was read, if they were not found before.
+    /// The features of a picture that was read: from the store if it has them.
     pub(super) fn features_in(
         &self,
         frame: &Frame,
         picture: &Picture,
     ) -> Result<Arc<Features>, PictureError> {
+        // The key of the store is the content: the hash of an image file, the identity of a video's
+        // frame.
         let identity = match frame.image_path(self.folder) {
             Some(path) => Some(sha256_of_file(&path)?),
             None => frame
@@ -143,6 +148,7 @@ impl FramePictures<'_> {
     fn of_image(&self, frame: &Frame) -> Result<FrameFeatures, PictureError> {
         let path = frame.image_path(self.folder).ok_or(PictureError::None)?;
         let sha256 = sha256_of_file(&path)?;
+        // Compare with the hash that the document states, if any.
         let changed = frame
             .sha256
             .as_ref()
@@ -151,7 +157,7 @@ impl FramePictures<'_> {
         if let Some(before) = self.before(frame, &key, &path.to_string_lossy(), changed)? {
             return Ok(before);
         }
-        // The picture is read for itself alone: no decoder stays open.
+        // A reader of its own, so that no decoder stays open.
         let picture = read_picture(&mut FrameReader::new(), frame, self.folder)?;
         self.look(frame, &picture, Some(&key), changed)
     }
@@ -171,7 +177,7 @@ impl FramePictures<'_> {
         }
     }
 
-    /// Features that were found before.
+    /// The features in the store; none if it has none.
     fn before(
         &self,
         frame: &Frame,
@@ -191,6 +197,7 @@ impl FramePictures<'_> {
         }))
     }
 
+    /// Extracts the features of a picture and stores them if they have a key.
     fn look(
         &self,
         frame: &Frame,

@@ -1,5 +1,5 @@
-//! Graphics burnt into the pictures of a document, labelled or not: found from a few pictures of
-//! each camera, by edges that stand throughout and by features that stand for a while.
+//! Finds graphics burnt into the pictures of a document, labelled or not, from a few pictures of
+//! each camera: by edges that are static throughout or for a while, and by static features.
 
 use super::burnt_in::{FoundMask, moved_by_labels};
 use super::spread::spread;
@@ -14,26 +14,25 @@ use touchline_vision::features::{
 };
 use touchline_vision::media::ReadFrames;
 
-/// The edges of as many pictures of a camera are looked at: enough for a banner that is shown for
-/// an eighth of them, and few enough to be done within the first minute.
+/// Number of pictures of a camera whose edges are compared. It is enough for a banner that is shown
+/// an eighth of the time, and few enough to finish within the first minute.
 const LOOKED_AT: usize = 64;
 
-/// Features are looked for in every so many of these.
+/// Features are extracted from one in this many of these pictures.
 const FEATURES_EVERY: usize = 4;
 
-/// A picture that was looked at.
+/// A sampled picture.
 struct Seen {
-    /// Its frame's place in the document.
+    /// Index of its frame in the document.
     frame: usize,
     reduced: ReducedPicture,
-    /// None where none were looked for.
+    /// None if none were extracted.
     features: Option<Arc<Features>>,
 }
 
-/// Finds the graphics that are burnt into the pictures of every camera, outside the masks that it
-/// has. Two pictures between which the camera moved suffice; where cameras are known they say
-/// whether it did. Pictures that cannot be read are passed over. Each picture is a step. None if
-/// `progress` cancelled it.
+/// Finds the graphics burnt into the pictures of every camera, outside its masks. Two pictures
+/// between which the camera moved suffice; known cameras decide whether it did. Pictures that
+/// cannot be read are skipped. Each picture is a step of progress. None if `progress` cancelled it.
 pub fn find_burnt_in(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
@@ -45,6 +44,7 @@ pub fn find_burnt_in(
         let of_camera: Vec<usize> = (0..frames.len())
             .filter(|&index| frames[index].camera == camera.id)
             .collect();
+        // Reduced pictures of a sample of frames, with features for a part of them.
         let looked_at = spread(of_camera.clone(), LOOKED_AT);
         let with_features = spread(looked_at.clone(), LOOKED_AT / FEATURES_EVERY);
         let seen = pictures.each_picture(reader, &looked_at, |index, frame, picture| {
@@ -63,6 +63,8 @@ pub fn find_burnt_in(
             }))
         })?;
         let seen: Vec<Seen> = seen.into_iter().flatten().collect();
+        // A graphic that both methods find is kept once, with the more exact range of frames that
+        // edges give.
         let by_edges = by_edges(pictures, camera, reader, (&of_camera, &seen), progress)?;
         let looked_at: Vec<(usize, Arc<Features>)> = seen
             .into_iter()
@@ -81,8 +83,8 @@ pub fn find_burnt_in(
     Some(found)
 }
 
-/// The graphics that stand throughout or for a while, by their edges; none if `progress` cancelled
-/// it.
+/// The graphics that are static throughout or for a while, by their edges. None if `progress`
+/// cancelled it.
 fn by_edges(
     pictures: &FramePictures<'_>,
     camera: &Camera,
@@ -101,6 +103,7 @@ fn by_edges(
     let mut found = Vec::new();
     for graphic in standing_graphics(&reduced) {
         let [first, last] = [graphic.first, graphic.last].map(|place| seen[place].frame);
+        // Graphics that the document masks already are not reported.
         let masked = document.masks_of(&document.frames[first]);
         if masked
             .iter()
@@ -108,6 +111,9 @@ fn by_edges(
         {
             continue;
         }
+        // The range of frames that show the graphic ends somewhere between its last sampled picture
+        // and the next one; bisect between the two. Images have no frame numbers, so their range
+        // stays open.
         let mut bound = |shown: usize, other: Option<&Seen>| -> Option<Option<u64>> {
             let Some(other) = other.filter(|_| number(shown).is_some()) else {
                 return Some(None);
@@ -145,9 +151,9 @@ fn by_edges(
     Some(found)
 }
 
-/// Of the camera's frames between one that shows a graphic and one that does not, the one without
-/// it that is nearest to those with it; none if `progress` cancelled it. A frame that cannot be
-/// read counts as one that shows it.
+/// Bisects the camera's frames between one that shows a graphic and one that does not. Returns the
+/// frame without it that is nearest to those with it; none if `progress` cancelled it. A frame that
+/// cannot be read counts as showing it.
 fn last_without(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
@@ -177,6 +183,7 @@ fn last_without(
     Some(of_camera[without])
 }
 
+/// The graphics in sampled pictures, by features that do not move.
 fn of_pictures(
     pictures: &FramePictures<'_>,
     camera: &Camera,
@@ -191,7 +198,7 @@ fn of_pictures(
     let scale = camera.image_size.scale_from_1920();
     let found = burnt_in(&features, &|one, other, point| {
         let pair = [one, other].map(|at| cameras[at].as_ref());
-        // Without cameras the pictures alone say that they moved.
+        // Without known cameras, the pictures alone have to show that the camera moved.
         let [Some(one), Some(other)] = pair else {
             return true;
         };
@@ -204,8 +211,8 @@ fn of_pictures(
                 .as_ref()
                 .map(|video| video.frame_index)
         };
-        // The graphic may have come right after the picture before its first, and gone right before
-        // the one after its last.
+        // The range is as wide as the samples allow: the graphic may have appeared right after the
+        // picture before its first, and vanished right before the one after its last.
         let from = graphic
             .first
             .checked_sub(1)

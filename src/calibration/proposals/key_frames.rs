@@ -1,34 +1,33 @@
-//! Key frames of videos: the forest is asked for these, and cameras are carried from them to the
+//! Key frames of videos: the forest is queried for these, and cameras are tracked from them to the
 //! frames between.
 
 use crate::calibrate::{ClipFrame, ClipFrames, clips};
 use touchline_documents::document::DocumentAt;
 use touchline_vision::media::FrameRef;
 
-/// Pictures of a video from one key frame to the next, at most.
+/// Maximum number of pictures of a video from one key frame to the next.
 const EVERY: usize = 25;
 
-/// Where a document has fewer of a video's pictures than every so manieth, carrying costs more than
-/// asking the forest.
+/// If neighbouring frames of a document are this many pictures of the video apart, tracking costs
+/// more than querying the forest.
 const SPARSE: usize = 8;
 
-/// Key frames of a window, at most: so many are carried between at a time.
+/// Maximum number of key frames of a window: what is tracked at a time.
 const OF_WINDOW: usize = 11;
 
-/// Frames of a video that follow each other closely, from a key frame to a later one.
+/// A window of closely spaced frames of a video, from a key frame to a later one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyWindow {
-    /// All its pictures.
+    /// All pictures of the video in the window.
     pub clip: ClipFrames,
-    /// The key frames, by their places in the document.
+    /// Indices of the key frames in the document.
     pub keys: Vec<usize>,
-    /// The other frames of the document, by their places.
+    /// Indices of the other frames in the document.
     pub between: Vec<usize>,
 }
 
 impl KeyWindow {
-    /// The windows of a document; a frame that belongs to none is one for which the forest is
-    /// asked.
+    /// The windows of a document. The forest is queried for every frame that belongs to none.
     #[must_use]
     pub fn of(at: DocumentAt<'_>) -> Vec<Self> {
         let is_of_video = |clip: &ClipFrames| {
@@ -48,7 +47,7 @@ impl KeyWindow {
     }
 
     fn of_clip(clip: &ClipFrames) -> Vec<Self> {
-        // Places in the clip at which the document has a frame, cut where it leaves out too many
+        // Positions in the clip of the document's frames, split where the document skips too many
         // pictures.
         let held: Vec<usize> = (0..clip.frames.len())
             .filter(|at| clip.frames[*at].place.is_some())
@@ -58,11 +57,13 @@ impl KeyWindow {
             .collect()
     }
 
-    /// The windows of frames that follow each other closely.
+    /// The windows of a run of closely spaced frames.
     fn of_run(clip: &ClipFrames, run: &[usize]) -> Vec<Self> {
         let (Some(&first), Some(&last)) = (run.first(), run.last()) else {
             return Vec::new();
         };
+        // A frame becomes a key frame if the next one would be too far from the last key frame.
+        // First and last frame are always key frames.
         let mut keys = vec![first];
         for (at, next) in run.iter().zip(&run[1..]) {
             if keys.last().is_some_and(|key| next - key > EVERY) {
@@ -88,6 +89,8 @@ impl KeyWindow {
                 between,
             })
         };
+        // Neighbouring windows share a key frame, so that no gap stays between them. Windows
+        // without frames between keys are dropped.
         let starts = (0..keys.len().saturating_sub(1)).step_by(OF_WINDOW - 1);
         starts
             .filter_map(|start| window(&keys[start..(start + OF_WINDOW).min(keys.len())]))

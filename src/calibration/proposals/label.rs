@@ -1,4 +1,4 @@
-//! How well the camera of a reference is known, if its base is exact.
+//! The uncertainty of a reference's camera, with the base taken as exact.
 
 use crate::calibrate::{observations, own_covariance};
 use touchline_core::camera::PtzCamera;
@@ -7,8 +7,8 @@ use touchline_core::solve::{ClickResidual, Observation, Uncertainty};
 use touchline_documents::document::{Frame, SolutionSource};
 use touchline_vision::relocalize::{Label, Misfit};
 
-/// What is known of a reference's camera by its clicks; by what is stored of its own evidence where
-/// it was not solved from clicks.
+/// The label of a reference: covariance and misfit from its clicks; if it was not solved from
+/// clicks, the covariance that is stored with it.
 pub(super) fn label_of(frame: &Frame, field: Option<&FieldModel>, camera: &PtzCamera) -> Label {
     let source = frame.source();
     let by_clicks = || {
@@ -25,14 +25,16 @@ pub(super) fn label_of(frame: &Frame, field: Option<&FieldModel>, camera: &PtzCa
         None | Some(SolutionSource::Clicks | SolutionSource::Import)
     );
     let known = if is_by_clicks { by_clicks() } else { None };
-    // What the base's uncertainty adds is the same for all references, and added elsewhere.
+    // The uncertainty of the base is common to all references and is added elsewhere.
     known.unwrap_or_else(|| Label {
         covariance: own_covariance(frame, camera, field),
         misfit: None,
     })
 }
 
-/// How well the clicks of a label fit its camera; none where the camera does not show one of them.
+/// The misfit of the clicks to the camera: χ², and its expected value, which is the number of
+/// equations minus three parameters, plus the part from the base. None if the camera does not show
+/// one of the clicks, or there are fewer equations than parameters.
 fn misfit(camera: &PtzCamera, clicks: &[Observation], uncertainty: &Uncertainty) -> Option<Misfit> {
     let squared = |click: &Observation| {
         Some((ClickResidual::of(camera, click).distance_px()? / click.sigma_px).powi(2))

@@ -1,7 +1,8 @@
-//! Which frames need a label, and where they look: brought up to date from the frames that changed.
+//! The frames that need a label and their view directions, updated from the frames that changed.
 //!
-//! A frame needs a label if the forest was asked for it in vain, or is not sure of its answer.
-//! Where a frame without an answer looks, its solved neighbours in the shot tell.
+//! A frame needs a label if the forest found no answer for it, or is not sure of its answer. The
+//! view direction of a frame without an answer is interpolated between the solved frames of its
+//! shot.
 
 use super::needing_frames::{Look, Needing, NeedingFrames};
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,51 +11,53 @@ use touchline_documents::document::{
 };
 use touchline_vision::relocalize::CERTAIN;
 
-/// A frame with a solved neighbour on one side only looks as that one does if it is no farther
-/// away.
+/// A frame with a solved neighbour on one side only takes that neighbour's direction if it is at
+/// most this many frames away.
 const BESIDE: usize = 2;
 
 /// The frames of a document that need a label.
 #[derive(Clone, Debug, Default)]
 pub struct LabelNeeds {
-    /// The frames as they were when they were looked at.
+    /// The frames at the last update.
     frames: Frames,
     /// Frames without an answer.
     pub(super) unanswered: usize,
     /// Suggestions that the forest is not sure of: see [`CERTAIN`].
     pub(super) uncertain: usize,
     shots: BTreeMap<ShotKey, Shot>,
-    /// Those of which is known where they look, by camera.
+    /// The frames whose direction is known, by camera.
     needing: BTreeMap<CameraId, NeedingFrames>,
     edition: u64,
 }
 
-/// A camera and one of its shots; frames of a camera that belong to no shot are one.
+/// A camera and one of its shots. All frames of a camera that belong to no shot form one.
 type ShotKey = (CameraId, Option<Clip>);
 
-/// The frames of a shot, by their places.
+/// The frames of a shot, by their indices in the document.
 #[derive(Clone, Debug, Default)]
 struct Shot {
-    /// How the solved ones look.
+    /// Views of the solved frames.
     looks: BTreeMap<usize, Look>,
-    /// Those without an answer whose picture can be read.
+    /// Frames without an answer whose picture can be read.
     unanswered: BTreeSet<usize>,
-    /// Of these, those of which nothing tells where they look.
+    /// Those of them whose direction is unknown.
     unknown: BTreeSet<usize>,
 }
 
 impl LabelNeeds {
-    /// Those of a document.
+    /// The frames of a document that need a label.
     pub fn of(document: &Document) -> Self {
         Self::anew(&document.frames, 0)
     }
 
-    /// Brings them up to date with a document.
+    /// Updates them to a document.
     pub fn update(&mut self, document: &Document) {
         let FrameChanges::At(changed) = document.frames.changes_since(&self.frames) else {
             *self = Self::anew(&document.frames, self.edition + 1);
             return;
         };
+        // Remove the old state of each changed frame and add the new one; then recompute all frames
+        // that this concerns.
         let before = std::mem::replace(&mut self.frames, document.frames.clone());
         let mut concerned = BTreeSet::new();
         for index in changed {
@@ -62,6 +65,8 @@ impl LabelNeeds {
             self.remove(index, gone);
             self.add(index, come);
             concerned.insert(index);
+            // A solved frame determines the directions of the unsolved ones between its solved
+            // neighbours, so these change with it.
             if shot_of(gone) != shot_of(come) || Look::of(gone) != Look::of(come) {
                 concerned.extend(self.told_by(gone, index));
                 concerned.extend(self.told_by(come, index));
@@ -72,18 +77,18 @@ impl LabelNeeds {
         }
     }
 
-    /// Grows whenever another frame may be the one to label next.
+    /// Increases whenever the next frame to label may change.
     pub const fn edition(&self) -> u64 {
         self.edition
     }
 
-    /// Those of which is known where they look, camera by camera.
+    /// The frames whose direction is known, camera by camera.
     pub(super) fn needing(&self) -> impl DoubleEndedIterator<Item = (&CameraId, &NeedingFrames)> {
         self.needing.iter()
     }
 
-    /// Of the shot with most of them, the frames of which nothing tells where they look. Of equals
-    /// the shot where they begin first.
+    /// The frames of unknown direction in the shot that has most of them; among equals the shot
+    /// where they begin first.
     pub(super) fn unknown(&self) -> Option<&BTreeSet<usize>> {
         let first = |shot: &&BTreeSet<usize>| std::cmp::Reverse(shot.first().copied());
         let unknown = self
@@ -99,6 +104,7 @@ impl LabelNeeds {
         self.frames.get(index).map(|frame| &frame.camera)
     }
 
+    /// All of them computed from scratch, with a number for their edition.
     fn anew(frames: &Frames, edition: u64) -> Self {
         let mut needs = Self {
             frames: frames.clone(),
@@ -138,11 +144,13 @@ impl LabelNeeds {
         }
     }
 
-    /// The frames without an answer that look as a frame of their shot tells.
+    /// The frames without an answer whose direction depends on this frame: those between its solved
+    /// neighbours.
     fn told_by(&self, frame: &Frame, index: usize) -> Vec<usize> {
         let Some(shot) = self.shots.get(&shot_of(frame)) else {
             return Vec::new();
         };
+        // From the solved neighbour before to the one after.
         let from = shot
             .looks
             .range(..index)
@@ -156,13 +164,15 @@ impl LabelNeeds {
         shot.unanswered.range(from..to).copied().collect()
     }
 
-    /// Finds out anew whether a frame needs a label, and where it looks.
+    /// Recomputes whether a frame needs a label, and its direction.
     fn settle(&mut self, index: usize) {
         let frame = &*self.frames[index];
         let Some(shot) = self.shots.get_mut(&shot_of(frame)) else {
             return;
         };
         let is_unanswered = shot.unanswered.contains(&index);
+        // Without an answer the direction is interpolated and the need is 1; with an uncertain
+        // answer both follow from the answer.
         let found = if is_unanswered {
             shot.between(index).map(|look| (look, 1.0))
         } else {
@@ -174,6 +184,7 @@ impl LabelNeeds {
         } else {
             shot.unknown.remove(&index)
         };
+        // The edition changes only if the entry does.
         let needing = found.map(|(look, need)| Needing {
             frame: index,
             look,
@@ -189,8 +200,9 @@ impl LabelNeeds {
 }
 
 impl Shot {
-    /// How a frame probably looks: on the way between its solved neighbours, or as the only one
-    /// beside it does.
+    /// The interpolated view of a frame: linear in the frame index between its solved neighbours,
+    /// the short way round in pan; with one neighbour only, that neighbour's view if it is at most
+    /// [`BESIDE`] frames away.
     fn between(&self, index: usize) -> Option<Look> {
         let before = self.looks.range(..index).next_back();
         let after = self.looks.range(index + 1..).next();
@@ -214,7 +226,7 @@ fn shot_of(frame: &Frame) -> ShotKey {
     (frame.camera.clone(), frame.clip.clone())
 }
 
-/// Whether it has no answer and its picture can be read.
+/// Whether a frame has no answer and its picture can be read.
 fn can_be_labelled(frame: &Frame) -> bool {
     let mut warnings = frame
         .solution
@@ -229,7 +241,8 @@ pub fn is_uncertain(frame: &Frame) -> bool {
     doubt(frame).is_some()
 }
 
-/// The probability that its suggestion is wrong; none where that is sure, or nobody says.
+/// The probability that a frame's suggestion is wrong; none if it is certain or states no
+/// confidence.
 fn doubt(frame: &Frame) -> Option<f64> {
     let confidence = frame
         .solution
@@ -283,7 +296,7 @@ mod tests {
         });
     }
 
-    /// Everything that it says, without the edition.
+    /// All results, without the edition.
     type Said = ([usize; 2], Vec<(i64, Direction)>, Option<BTreeSet<usize>>);
 
     fn said(needs: &LabelNeeds) -> Said {

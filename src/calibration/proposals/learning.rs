@@ -1,4 +1,4 @@
-//! From references to training samples, and the forest trained on them.
+//! Training samples from references, and the forest that is trained on them.
 
 use super::burnt_in::{leave_out_burnt_in, with_found_masks};
 use super::label::label_of;
@@ -30,29 +30,29 @@ pub enum TrainingSampleError {
         /// The camera's name.
         camera: String,
     },
-    /// Where its camera stands is not known.
+    /// The base of its camera is unknown.
     #[error("camera {camera:?} has no position or base rotation")]
     NoBase {
         /// The camera's name.
         camera: String,
     },
-    /// Nobody solved it.
+    /// It has no camera pose.
     #[error("this reference has no `ptz`; run `touchline solve` first")]
     Unsolved,
-    /// Its image file is another one by now.
+    /// Its image file has changed since it was labelled.
     #[error("the image changed since it was labelled: the label is kept but not used for training")]
     Changed,
-    /// Its picture or features cannot be had.
+    /// Its picture or features are not available.
     #[error(transparent)]
     Picture(#[from] PictureError),
 }
 
-/// How a forest is learnt.
+/// Options of learning a forest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LearnOptions {
-    /// How features are looked for.
+    /// Feature extraction.
     pub features: FeatureOptions,
-    /// How the forest is trained.
+    /// Training.
     pub train: TrainOptions,
 }
 
@@ -60,10 +60,10 @@ pub struct LearnOptions {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LearnError {
-    /// Training ended without one.
+    /// Training ended without a forest.
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    /// The cameras cannot be written down.
+    /// The cameras cannot be serialised.
     #[error(transparent)]
     Document(#[from] WriteError),
 }
@@ -73,14 +73,14 @@ pub enum LearnError {
 pub struct Studied {
     /// The samples, in the order of the references.
     pub training_samples: Vec<TrainingSample>,
-    /// References that give none, by their places, and why.
+    /// Indices of the references that give no sample, and why.
     pub failed: Vec<(usize, TrainingSampleError)>,
-    /// Graphics that are burnt into their pictures; what lies in them is left out.
+    /// Graphics burnt into their pictures; features in them are left out.
     pub burnt_in: Vec<FoundMask>,
 }
 
-/// Finds the features of references and the rays they show, in parallel. Each reference is a step.
-/// None if `progress` cancelled it.
+/// Extracts the features of references and computes their rays, in parallel. Each reference is a
+/// step of progress. None if `progress` cancelled it.
 pub fn study(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
@@ -88,7 +88,7 @@ pub fn study(
     progress: &Progress<'_, ()>,
 ) -> Option<Studied> {
     let document = pictures.document;
-    // A field that is not valid leaves labels as well known as four clicks tell.
+    // If the field is not valid, the uncertainties of labels are those of four clicks.
     let fields = Fields::of(document.at(pictures.folder)).ok();
     let training_samples = pictures.each(reader, training_frames, |index, frame, found| {
         let field = fields
@@ -111,6 +111,7 @@ pub fn study(
     Some(studied)
 }
 
+/// The training sample of a reference, or why it gives none.
 fn training_sample(
     document: &Document,
     field: Option<&FieldModel>,
@@ -138,12 +139,10 @@ fn training_sample(
     ))
 }
 
-/// The forests trained on references, one for each camera that has any, in the document's order,
-/// camera after camera.
+/// Trains a forest for each camera that has references, in the document's order.
 ///
 /// # Errors
-/// There is nothing to learn from, `progress` cancelled it, or the document's cameras cannot be
-/// written down.
+/// There are no samples, `progress` cancelled it, or the document's cameras cannot be serialised.
 pub fn learn(
     document: &Document,
     studied: &Studied,
@@ -153,6 +152,7 @@ pub fn learn(
     let training_samples = &studied.training_samples;
     let mut cameras = Vec::new();
     for camera in &document.cameras {
+        // A forest per camera, from the samples with a known pose.
         let of_camera = training_samples
             .iter()
             .filter(|sample| sample.camera == camera.id);
@@ -180,8 +180,8 @@ pub fn learn(
     })
 }
 
-/// The forest of one camera, its references' labels made to fit each other; none where it has no
-/// training sample.
+/// The forest of one camera, trained on references whose labels are adjusted to each other
+/// ([`aligned`]). None without samples.
 ///
 /// # Errors
 /// `progress` cancelled it, or there are too many samples.
@@ -194,6 +194,7 @@ fn learn_camera<'a>(
     let (training_samples, cameras): (Vec<&TrainingSample>, Vec<PtzCamera>) = training_samples
         .filter(|(sample, _)| !sample.rays.is_empty())
         .unzip();
+    // Adjust the labels to each other, by the features that references have in common.
     let references: Vec<Reference> = training_samples
         .iter()
         .zip(&cameras)
@@ -203,6 +204,8 @@ fn learn_camera<'a>(
         })
         .collect();
     let labels: Vec<Label> = training_samples.iter().map(|sample| sample.label).collect();
+    // Rays are computed with the adjusted cameras. The covariances of these go into the model,
+    // because the answers of the forest inherit the errors of the labels.
     let (mut samples, mut seen, mut known) = (Samples::new(), Vec::new(), Vec::new());
     for ((sample, camera), (ptz, covariance)) in training_samples
         .iter()
@@ -225,14 +228,15 @@ fn learn_camera<'a>(
     }))
 }
 
-/// The document's field and cameras. A template of the user's own is kept by its file name: a
-/// forest holds no paths.
+/// The document without its frames. A template of the user is stored by its file name only, because
+/// a forest holds no paths.
 fn without_frames(document: &Document) -> Document {
     let mut kept = Document {
         frames: Frames::new(),
         extra: Extra::new(),
         ..document.clone()
     };
+    // The field of the document and those of single cameras.
     let of_cameras = kept
         .cameras
         .iter_mut()

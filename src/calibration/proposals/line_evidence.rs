@@ -1,5 +1,8 @@
-//! What the painted lines say about a proposed camera, how that enters its confidence, and the
-//! camera pulled onto them.
+//! Evidence of the painted lines for or against a proposed camera.
+//!
+//! The lines of a frame's picture are compared with those that the camera predicts. The result
+//! enters the confidence of the proposal, can reject it, and can replace it by a camera that is
+//! aligned to the paint.
 
 use super::{Answer, FramePicture, NoProposal, PictureStream, Proposal, read_picture};
 use crate::calibrate::may_replace;
@@ -15,41 +18,41 @@ use touchline_vision::paint::{
 };
 use touchline_vision::relocalize::{Evidence, FromReference, NotFound};
 
-/// References whose paint is looked at.
+/// Number of references whose paint is checked.
 const REFERENCES: usize = 5;
 
-/// However sure the features are, the paint decides: of the logarithm of their odds at most this
-/// counts.
+/// The log odds of the features enter with at most this value: however sure they are, the paint
+/// decides.
 const FEATURES_AT_MOST: f64 = 1.0;
 
-/// What a median distance of paint across the lines says of the overlay's 1-σ: half of a normal
-/// distribution lies within .674 σ of one component, and the length has two of them.
+/// 1-σ of the overlay per median distance of paint across the lines: the median of |x| of a normal
+/// distribution is 0.674 σ, and the overlay has two components: √2 / 0.674.
 const SIGMAS_PER_MEDIAN: f64 = 2.1;
 
-/// An answer that lies no farther beside the paint is the one that it is pulled to, px at 1920 px
-/// width.
+/// An aligned camera is the same answer as the one that it started from if their overlays are no
+/// farther apart than this, px at 1920 px width.
 const BESIDE_PX: f64 = 30.0;
 
-/// Without references, the paint is ignored if it supports fewer than this share of the answers,
+/// Without references, the paint is ignored if it supports less than this share of the answers …
 const LEAST_SUPPORTED: f64 = 0.1;
 
-/// of at least this many.
+/// … of at least this many.
 const ENOUGH_ANSWERS: usize = 10;
 
-/// What the painted lines of a document's pictures may say.
+/// The check of proposed cameras against the painted lines of a document's pictures.
 #[derive(Clone, Debug)]
 pub struct LineEvidence {
     fields: Fields,
-    /// Whether the paint bears out references; none where there is none to ask.
+    /// Whether the paint supports any of the references; none if no reference can be checked.
     proven: Option<bool>,
-    /// Whether answers that the paint does not contradict are snapped to it.
+    /// Whether answers that the paint does not contradict are aligned to it.
     snapping: bool,
 }
 
 impl LineEvidence {
-    /// Asks the paint about some references first: where it bears none of them out, the field's
-    /// lines are not those of the pictures, or cannot be seen, and it is not asked further. With
-    /// `snapping`, answers that it does not contradict are pulled onto it.
+    /// Checks some references first. If the paint supports none of them, the lines of the field are
+    /// not those of the pictures, or cannot be seen, and no answer is checked. With `snapping`,
+    /// answers that the paint does not contradict are aligned to it.
     ///
     /// # Errors
     /// A field of the document is not valid.
@@ -71,6 +74,7 @@ impl LineEvidence {
             .collect();
         let pictures =
             PictureStream::new(at, subsample(references, REFERENCES)).with_reader(reader);
+        // One supported reference suffices. References with too little open ground say nothing.
         for FramePicture { frame, picture, .. } in pictures {
             let (Some(camera), Ok(picture)) = (at.document.pointed(frame), picture) else {
                 continue;
@@ -88,10 +92,10 @@ impl LineEvidence {
         Ok(evidence)
     }
 
-    /// Asks the paint about the answers: it enters their confidence, and those that fall below
-    /// `min_confidence` are answers no more, unless they are snapped to it and it then bears them
-    /// out. The others are snapped where that is wanted and the paint decides. Pictures that cannot
-    /// be read change nothing.
+    /// Checks answers against the paint, which enters their confidence. An answer that falls below
+    /// `min_confidence` is withdrawn, unless it was aligned to the paint and the paint then
+    /// supports it. With snapping enabled, other answers are aligned as well if the paint
+    /// determines the camera. Pictures that cannot be read change nothing.
     pub fn judge(
         &self,
         at: DocumentAt<'_>,
@@ -103,7 +107,7 @@ impl LineEvidence {
             return;
         }
         let mut found: Vec<Option<PaintAnswer>> = vec![None; proposals.len()];
-        // Videos are read one frame after the other, images side by side.
+        // Videos are read one frame after the other with the shared decoder, images in parallel.
         for (proposal, found) in proposals.iter_mut().zip(&mut found) {
             if at
                 .document
@@ -127,6 +131,8 @@ impl LineEvidence {
                     *found = self.ask(at, &mut FrameReader::new(), proposal);
                 }
             });
+        // Without references, the answers themselves show whether the pictures have the lines of
+        // the field.
         if self.proven.is_none() && supports_hardly_any(proposals) {
             return;
         }
@@ -140,6 +146,8 @@ impl LineEvidence {
             let Ok(answer) = &mut proposal.outcome else {
                 continue;
             };
+            // The aligned camera replaces the answer if it reaches the confidence by itself; if the
+            // answer did not, it must also be supported and close to it.
             let refused = weigh(answer, scale, min_confidence);
             let is_better = |snapped: &mut Answer| {
                 let stands = weigh(snapped, scale, min_confidence).is_none();
@@ -155,6 +163,8 @@ impl LineEvidence {
                 proposal.outcome = Err(refused);
                 continue;
             }
+            // A camera that the frame has from another source stays unless the new one fits the
+            // paint at least as well.
             let now = answer.line_check.as_ref();
             if earlier
                 .zip(now)
@@ -165,7 +175,7 @@ impl LineEvidence {
         }
     }
 
-    /// Has the paint judge an answer, and an earlier one that no forest gave.
+    /// Checks an answer, and the camera that the frame has from another source than a forest.
     fn ask(
         &self,
         at: DocumentAt<'_>,
@@ -180,13 +190,14 @@ impl LineEvidence {
             self.fields.of_frame(at.document, frame),
         );
         let start = answer.ptz.ptz();
+        // Check the answer where it is, and the earlier camera in the same picture.
         answer.line_check = Some(check_lines(&ground, field, &PtzCamera::new(base, start)));
         let earlier = at
             .document
             .pointed(frame)
             .filter(|_| frame.is_answered_without_forest());
         let earlier = earlier.map(|earlier| check_lines(&ground, field, &earlier));
-        // Where the paint does not decide, the answer stays as the forest gave it.
+        // If the alignment does not converge, the answer stays as the forest gave it.
         let snapped = self
             .snapping
             .then(|| snap(&ground, field, &base, start, &[], &SnapOptions::default()).ok())
@@ -196,17 +207,17 @@ impl LineEvidence {
     }
 }
 
-/// What the paint of a frame says beside its check of the answer.
+/// Results for a frame besides the check of the answer.
 #[derive(Clone, Default)]
 struct PaintAnswer {
-    /// The answer pulled onto the paint, where that is wanted and the paint decides.
+    /// The answer aligned to the paint, if alignment is enabled and converges.
     snapped: Option<Answer>,
     /// The check of a camera that the frame has and that no forest proposed.
     earlier: Option<LineCheck>,
 }
 
-/// An answer pulled onto the paint: which of the matches are right does not change, but the camera
-/// is known as the paint has it.
+/// An answer aligned to the paint. Its inliers stay those of the answer; camera and covariance are
+/// those of the alignment.
 fn on_paint(
     answer: &Answer,
     base: &CameraBase,
@@ -217,8 +228,8 @@ fn on_paint(
     let worst_corner_sigma_px = snapped
         .uncertainty
         .worst_corner_sigma_px(&camera, image_size);
-    // The paint says where the camera is, however far the references are, and whatever the base
-    // leaves open.
+    // The alignment measures the camera in this frame, so neither the labels of the references nor
+    // the error of the base count against it.
     let by_paint = snapped.uncertainty.with_exact_base();
     let labelled_sigma_px =
         by_paint.worst_corner_sigma_px(&camera, image_size) / image_size.scale_from_1920();
@@ -243,8 +254,8 @@ fn on_paint(
     }
 }
 
-/// Whether the paint bears out an answer that was pulled onto it from so near that it is the same
-/// answer.
+/// Whether the paint supports an aligned answer that lies within [`BESIDE_PX`] of the original, so
+/// that it counts as the same answer.
 fn is_borne_out(snapped: &Answer, answer: &Answer, base: Option<&CameraBase>, scale: f64) -> bool {
     let (Some(base), Some(check)) = (base, &snapped.line_check) else {
         return false;
@@ -261,15 +272,18 @@ fn is_borne_out(snapped: &Answer, answer: &Answer, base: Option<&CameraBase>, sc
     check.verdict() == LineVerdict::Supports && apart_px <= BESIDE_PX * scale
 }
 
+/// The picture of a frame, without its masked pixels.
 fn ground(at: DocumentAt<'_>, frame: &Frame, picture: &Picture) -> GroundPicture {
     GroundPicture::new(picture, &at.document.masks_of(frame))
 }
 
-/// Whether enough of the lines lies open.
+/// Whether enough of the lines lie on open ground for a verdict.
 fn can_say(check: &LineCheck) -> bool {
     check.found + check.bare >= FEWEST_OPEN
 }
 
+/// Whether the paint supports hardly any of the answers, so that it says nothing about each of
+/// them.
 fn supports_hardly_any(proposals: &[Proposal]) -> bool {
     let checks = proposals
         .iter()
@@ -282,11 +296,12 @@ fn supports_hardly_any(proposals: &[Proposal]) -> bool {
     asked >= ENOUGH_ANSWERS && (supported as f64) < LEAST_SUPPORTED * asked as f64
 }
 
-/// Lets what the paint says into the confidence of an answer: whether it bears the answer out, and
-/// how far off it lies. Why it is an answer no more, if it is none. `scale` is the picture's width
-/// in units of 1920 px.
+/// Updates the confidence of an answer with the paint: how well it supports the answer, and how far
+/// off it lies. Returns why the answer is withdrawn, if its confidence is too low. `scale` is the
+/// width of the picture in units of 1920 px.
 fn weigh(answer: &mut Answer, scale: f64, min_confidence: f64) -> Option<NoProposal> {
     let check = answer.line_check.filter(can_say)?;
+    // Paint and features are taken as independent evidence, so their log odds add up.
     let log_odds = |probability: f64| (probability / (1.0 - probability)).ln();
     let both = log_odds(check.score) + log_odds(answer.evidence.agreement()).min(FEATURES_AT_MOST);
     let seen_sigma_px = SIGMAS_PER_MEDIAN * check.offset_px / scale;
@@ -307,7 +322,7 @@ fn weigh(answer: &mut Answer, scale: f64, min_confidence: f64) -> Option<NoPropo
             open: check.found + check.bare,
         });
     }
-    // The paint may be a few px beside the lines, or far from deciding.
+    // The paint does not contradict the answer, but may lie a few px beside it or be too sparse.
     let Answer {
         confidence,
         inliers,

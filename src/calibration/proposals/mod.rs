@@ -1,25 +1,26 @@
-//! From a document's references to proposed cameras: the training set, the forest, what it answers,
-//! and where to label next.
+//! From a document's references to proposed cameras: the training set, the forest, its answers, and
+//! advice on where to label next.
 //!
 //! | what | where |
 //! |---|---|
-//! | [`read_picture`], [`PictureStream`], [`FramePictures`], [`FeatureStore`] | pictures of a document's frames, one or one after the other; their features, kept on disk |
+//! | [`read_picture`], [`PictureStream`], [`FramePictures`], [`FeatureStore`] | pictures of a document's frames, single or in sequence; their features, stored on disk |
 //! | [`TrainingFrames`], [`study`], [`learn`] | the references used for training, their samples, the forest trained on them |
-//! | [`find_burnt_in`], [`FoundMask`] | graphics found burnt into a document's pictures, labelled or not |
-//! | [`propose`], [`Proposal`], [`Proposal::record`] | the forest asked for a frame; what it answers; a frame with the answer |
-//! | [`Project`] | what the program suggests, in batches beside what people did; both as a reader sees them |
-//! | [`LineEvidence`] | what the painted lines say about an answer |
-//! | `AskingOrder` | which frames the forest is asked for first |
-//! | `KeyWindow`, [`CarriedProposal`] | key frames of a video; the cameras carried from them to the frames between |
-//! | `TrainingSet` | what a forest was trained on |
-//! | [`measure`], [`Quality`] | references left out and asked for |
-//! | [`ExpectedWrong`] | how many of some answers are wrong |
-//! | [`Coverage`], [`label_advice`] | where references look; which frame to label next |
+//! | [`find_burnt_in`], [`FoundMask`] | graphics burnt into a document's pictures, labelled or not |
+//! | [`propose`], [`Proposal`], [`Proposal::record`] | a query of the forest for a frame; its answer; writing the answer into the frame |
+//! | [`Project`] | the user's edits, the suggestions of the program in batches, and the view of both |
+//! | [`LineEvidence`] | the check of an answer against the painted lines |
+//! | `AskingOrder` | the order in which the forest is queried for frames |
+//! | `KeyWindow`, [`CarriedProposal`] | key frames of a video; cameras tracked from them to the frames between |
+//! | `TrainingSet` | identity of the references that a forest was trained on |
+//! | [`measure`], [`Quality`] | cross-validation of the forest: references left out and queried |
+//! | [`ExpectedWrong`] | the expected number of wrong answers |
+//! | [`Coverage`], [`label_advice`] | the directions that references see; the frame to label next |
 //! | `find_suspects` | references whose labels contradict others |
-//! | [`UsedFeatures`] | what the forest made of a picture's features |
-//! | [`adopt_bases`] | whether a forest and a document mean the same cameras |
+//! | [`UsedFeatures`] | the use of a picture's features by the forest |
+//! | [`adopt_bases`] | check that a forest and a document have the same camera bases |
 //!
-//! The window's trainer and the command line both live on this room; nothing here starts a thread.
+//! The trainer of the window and the command line both use this module. Nothing here starts a
+//! thread of its own.
 
 mod advice;
 mod asked;

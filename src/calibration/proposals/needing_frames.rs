@@ -1,13 +1,13 @@
-//! The frames of a camera that need a label, by where they look: brought up to date frame by frame.
+//! The frames of a camera that need a label, by view direction, updated frame by frame.
 
 use std::collections::BTreeMap;
 use touchline_core::geometry::Angle;
 use touchline_documents::document::{Frame, FrameStatus};
 
-/// Directions are this far apart in pan, degrees.
+/// Width of a direction in pan, degrees.
 pub(super) const DIRECTION_DEG: f64 = 1.0;
 
-/// How a frame looks.
+/// The horizontal view of a frame: pan of its centre and half of its field of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Look {
     pub(super) pan: Angle,
@@ -19,42 +19,43 @@ pub(super) struct Look {
 pub(super) struct Needing {
     pub(super) frame: usize,
     pub(super) look: Look,
-    /// From 0 to 1: how unsure its answer is.
+    /// The probability that its answer is wrong, 0 to 1; 1 without an answer.
     pub(super) need: f64,
 }
 
-/// Frames of a camera that need a label, of which is known where they look.
+/// The frames of a camera that need a label and whose view is known.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NeedingFrames {
-    /// Where each looks, by its place in the document: see [`Look::direction`].
+    /// The direction of each frame, by its index in the document: see [`Look::direction`].
     frames: BTreeMap<usize, i64>,
     directions: BTreeMap<i64, Direction>,
 }
 
-/// The frames that look one way.
+/// The frames of one direction.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Direction {
-    /// By their places in the document.
+    /// By their indices in the document.
     frames: BTreeMap<usize, Needing>,
-    /// The sum of their needs. Whole numbers, in parts of [`PARTS`]: what frames came and went does
-    /// not show in it.
+    /// The sum of their needs, in units of 1/[`PARTS`]. Integer sums do not depend on the order in
+    /// which frames were added and removed.
     need: u64,
-    /// The sum of half their views, degrees, each as often as its need.
+    /// The sum of half their fields of view, weighted by their needs, degrees in units of
+    /// 1/[`PARTS`].
     half_view_deg: u64,
 }
 
-/// Sums are counted in parts of this size: exact to 10⁻⁹, without overflow for a hundred million
-/// frames.
+/// Parts per unit in integer sums: exact to 10⁻⁹, without overflow for a hundred million frames.
 const PARTS: f64 = (1 << 30) as f64;
 
 impl NeedingFrames {
-    /// Puts a frame's need in its place, or takes it out; whether it was another one before.
+    /// Sets or removes the need of a frame. Returns whether that changed anything.
     pub(super) fn put(&mut self, index: usize, needing: Option<Needing>) -> bool {
         let to = self.frames.get(&index).copied();
         let known = to.and_then(|to| Some((to, *self.directions.get(&to)?.frames.get(&index)?)));
         if known.map(|(_, known)| known) == needing {
             return false;
         }
+        // Subtract exactly what was added, then add the new value.
         if let Some((to, known)) = known {
             self.frames.remove(&index);
             if let Some(direction) = self.directions.get_mut(&to) {
@@ -77,15 +78,14 @@ impl NeedingFrames {
         true
     }
 
-    /// The directions in which some look, ascending.
+    /// The directions that have frames, ascending.
     pub(super) fn directions(&self) -> impl Iterator<Item = (i64, &Direction)> {
         self.directions
             .iter()
             .map(|(&to, direction)| (to, direction))
     }
 
-    /// Of those that look one way and need a label most, the one in the middle of the document's
-    /// order.
+    /// Of the frames of a direction with the greatest need, the middle one in the document's order.
     pub(super) fn neediest(&self, to: i64) -> Option<&Needing> {
         let here = || {
             self.directions
@@ -98,10 +98,12 @@ impl NeedingFrames {
         neediest.get(neediest.len() / 2).copied()
     }
 
-    /// How many look at most so far from a pan.
+    /// Number of frames whose pan is within `reach` of a pan.
     pub(super) fn within(&self, pan: Angle, reach: Angle) -> usize {
         let half = Angle::from_degrees(DIRECTION_DEG / 2.0);
         let apart = |other: Angle| other.turn_from(pan).abs();
+        // A direction that lies entirely within or without is counted as a whole; only those at the
+        // limit are counted frame by frame.
         let count = |(&to, direction): (&i64, &Direction)| match apart(Look::towards(to)) {
             all if all + half <= reach => direction.frames.len(),
             none if none - half > reach => 0,
@@ -116,12 +118,12 @@ impl NeedingFrames {
 }
 
 impl Direction {
-    /// The sum of what its frames need.
+    /// The sum of the needs of its frames.
     pub(super) fn need(&self) -> f64 {
         self.need as f64 / PARTS
     }
 
-    /// Half the view of its frames, on average by what they need.
+    /// Mean of half the field of view of its frames, weighted by their needs.
     pub(super) fn half_view(&self) -> Angle {
         Angle::from_degrees(self.half_view_deg as f64 / self.need.max(1) as f64)
     }
@@ -138,7 +140,7 @@ impl Needing {
 }
 
 impl Look {
-    /// How a solved frame looks.
+    /// The view of a solved frame that is not rejected; the half view is atan(width / 2f).
     pub fn of(frame: &Frame) -> Option<Self> {
         let ptz = frame
             .ptz
@@ -152,12 +154,12 @@ impl Look {
         })
     }
 
-    /// The direction it looks in: its pan in whole steps of [`DIRECTION_DEG`].
+    /// Its direction: the pan, rounded to multiples of [`DIRECTION_DEG`].
     fn direction(&self) -> i64 {
         (self.pan.degrees() / DIRECTION_DEG).round() as i64
     }
 
-    /// The middle of a direction.
+    /// The pan of the middle of a direction.
     pub(super) fn towards(direction: i64) -> Angle {
         Angle::from_degrees(direction as f64 * DIRECTION_DEG)
     }

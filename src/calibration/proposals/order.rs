@@ -1,14 +1,14 @@
-//! Which frames the forest is asked for first.
+//! The order in which the forest is queried for frames.
 
 use touchline_documents::document::{Document, shots};
 
-/// This many frames on either side of the current one come before anything else.
+/// Number of frames on either side of the current one that come first.
 const NEAR: usize = 8;
 
-/// A shot longer than this counts as several, and so does a recording that nobody cut into shots.
+/// A longer shot counts as several, and so does an uncut recording.
 const LONGEST_SHOT: usize = 250;
 
-/// Frames in the order in which the forest is to be asked for them.
+/// The frames in the order of their queries.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AskingOrder {
     /// The neighbours of the current frame in its shot, then one frame of each shot that has none
@@ -19,8 +19,7 @@ pub struct AskingOrder {
 }
 
 impl AskingOrder {
-    /// The order of the frames that are `wanted`, seen from the current one: what is near comes
-    /// early.
+    /// The order of the `wanted` frames, by their distance from the current one.
     #[must_use]
     pub fn of(document: &Document, current: usize, wanted: impl Fn(usize) -> bool) -> Self {
         let is_wanted: Vec<bool> = (0..document.frames.len()).map(&wanted).collect();
@@ -29,6 +28,7 @@ impl AskingOrder {
         let mut order = Self::default();
         let shots = shots(document);
 
+        // First the neighbours in the current shot, because the user looks at them next.
         if let Some((shot, at)) = shots
             .iter()
             .find_map(|shot| Some((shot, shot.binary_search(&current).ok()?)))
@@ -42,7 +42,8 @@ impl AskingOrder {
                 taken[index] = true;
             }
         }
-        // The middle of a shot is least likely to lie in a blend.
+        // Then one frame of each shot that has none yet: the middle one, which is least likely to
+        // lie in a blend.
         let mut one_a_shot: Vec<usize> = shots
             .iter()
             .flat_map(|shot| shot.chunks(LONGEST_SHOT))
@@ -54,6 +55,7 @@ impl AskingOrder {
             taken[index] = true;
         }
         order.first.extend(one_a_shot);
+        // Then all others.
         order.rest = (0..is_wanted.len())
             .filter(|&index| is_wanted[index] && !taken[index])
             .collect();

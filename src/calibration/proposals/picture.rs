@@ -1,4 +1,4 @@
-//! The picture of a document's frame.
+//! Reading the pictures of a document's frames.
 
 use std::path::Path;
 use std::vec;
@@ -11,7 +11,7 @@ use touchline_vision::media::{
     FrameRef, FrameStream, MediaError, Picture, ReadFrames, StreamedFrame,
 };
 
-/// Why a frame's picture, or its features, could not be had.
+/// Why a frame's picture, or its features, are not available.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum PictureError {
@@ -21,7 +21,7 @@ pub enum PictureError {
     /// The file or one of its frames could not be read.
     #[error(transparent)]
     Media(#[from] MediaError),
-    /// It is another picture than the document's.
+    /// Its size is not the one that the document states.
     #[error(
         "{picture} is {} × {} px, but the document says {} × {} px: it is not the frame that was labelled",
         .actual.width, .actual.height, .stated.width, .stated.height
@@ -29,20 +29,21 @@ pub enum PictureError {
     Size {
         /// The file, and its frame.
         picture: String,
-        /// As it is, px.
+        /// Actual size, px.
         actual: ImageSize,
-        /// As the document has it, px.
+        /// Size in the document, px.
         stated: ImageSize,
     },
-    /// No features could be looked for.
+    /// Feature extraction failed.
     #[error(transparent)]
     Features(#[from] FeatureError),
 }
 
-/// The pixels of a frame: its image file, else its video's frame. `folder` is the document's.
+/// The picture of a frame, from its image file or else its video. `folder` is where the document's
+/// relative paths start.
 ///
 /// # Errors
-/// The frame has no picture, it cannot be read, or it is not as large as the document says.
+/// The frame has no picture, it cannot be read, or its size is not the one in the document.
 pub fn read_picture(
     reader: &mut dyn ReadFrames,
     frame: &Frame,
@@ -55,12 +56,12 @@ pub fn read_picture(
 }
 
 /// Reads the pictures of some frames of a document one after the other, each as [`read_picture`]
-/// does. A picture that cannot be read is an item like any other. See [`FrameStream`].
+/// does. A picture that cannot be read is an item with an error. See [`FrameStream`].
 #[derive(Debug)]
 pub struct PictureStream<'a> {
-    /// What is still to come, with where the picture is.
+    /// The frames still to come, with their sources.
     frames: vec::IntoIter<(usize, &'a Frame, Option<FrameRef>)>,
-    /// The pictures of those of them that have one.
+    /// The pictures of those frames that have a source.
     stream: FrameStream<'a, vec::IntoIter<FrameRef>>,
 }
 
@@ -94,7 +95,7 @@ impl<'a> PictureStream<'a> {
         }
     }
 
-    /// Reads with a decoder that others use before and after.
+    /// Reads with a decoder that is also used elsewhere, before and after.
     #[must_use]
     pub fn with_reader(self, reader: &'a mut dyn ReadFrames) -> Self {
         Self {
@@ -103,7 +104,7 @@ impl<'a> PictureStream<'a> {
         }
     }
 
-    /// Reports before each picture; where that is cancelled there is no further one.
+    /// Reports before each picture, and ends if that is cancelled.
     #[must_use]
     pub fn with_progress(self, progress: Progress<'a, Share>) -> Self {
         Self {
@@ -125,6 +126,7 @@ impl<'a> Iterator for PictureStream<'a> {
                 picture: Err(PictureError::None),
             });
         }
+        // Frames without a source are not in the stream, so the two sequences stay in step.
         let StreamedFrame { source, picture } = self.stream.next()?;
         let picture = picture.map_err(PictureError::from).and_then(|picture| {
             check_size(frame, &source.to_string(), picture.size())?;

@@ -1,15 +1,15 @@
-//! A project: what people did, and beside it what the program suggests.
+//! A project: the user's edits, and beside them the suggestions of the program.
 //!
-//! Both are the state. What a reader sees follows from them ([`Project::view`]): a frame that
-//! nobody has touched shows the topmost suggestion for it. The view is kept, so that a change works
-//! out only the frames that it concerns. A file holds the view, and so does the journal.
+//! Both are the state. What a reader sees is derived from them ([`Project::view`]): a frame that
+//! the user has not touched shows its topmost suggestion. The view is cached, so that a change
+//! recomputes only the frames that it concerns. Files and the journal hold the view.
 //!
-//! Everything that the program finds has one life, whatever found it. It comes as a batch.
-//! Accepting a suggestion is an edit like any other: it takes the answer into the frame. Discarding
-//! a batch takes its suggestions out of the frames that nobody has touched since; they show what
-//! was suggested before. Undo and redo go back and forth in what people did and in nothing else.
-//! When an acceptance is undone, the frame is untouched again and shows what is suggested for it by
-//! then.
+//! All results of the program are handled alike, whatever found them. They come in batches.
+//! Accepting a suggestion is an edit like any other: it copies the answer into the frame.
+//! Discarding a batch removes its suggestions from the frames that the user has not touched since;
+//! these show earlier suggestions again. Undo and redo move through the user's edits only. When an
+//! acceptance is undone, the frame is untouched again and shows whatever is suggested for it at
+//! that time.
 
 use super::suggestions::{Novelty, Suggestions, TakenOut};
 use super::{Asked, BatchId, Finder};
@@ -20,20 +20,20 @@ use touchline_documents::document::{
     Camera, CameraId, Document, Edit, Frame, FrameId, FramePtz, Shared, Solution, Suggestion,
 };
 
-/// Something that was found for a frame.
+/// A result for a frame, to be suggested.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Offer {
-    /// The frame.
+    /// Id of the frame.
     pub(super) id: FrameId,
-    /// What it was when it was asked for.
+    /// The frame at the time of the request.
     pub(super) asked: Asked,
-    /// What is suggested for it.
+    /// The suggestion for it.
     pub(super) suggestion: Suggestion,
 }
 
 impl Offer {
-    /// What `record` writes into the frame at a position; none where there is no such frame, a
-    /// person decided on it, or nothing was written that is a suggestion.
+    /// The suggestion that `record` writes into the frame at a position. None if there is no such
+    /// frame, the user has decided on it, or what was written is no suggestion.
     pub fn from_recorded(
         document: &Document,
         position: usize,
@@ -55,40 +55,41 @@ impl Offer {
     }
 }
 
-/// What discarding a batch changed.
+/// The effect of discarding a batch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Discarded {
-    /// What is to be journalled; none if no frame shows anything else now.
+    /// The edit to journal; none if no frame changes.
     pub edit: Option<Edit>,
-    /// How many frames show no suggestion now.
+    /// Number of frames that show no suggestion now.
     pub emptied: usize,
-    /// How many frames show again what was suggested before.
+    /// Number of frames that show an earlier suggestion again.
     pub given_back: usize,
-    /// Frames in which no forest up to a generation may answer again; none if no forest found the
+    /// Frames in which forests up to a generation may not answer again; none if no forest found the
     /// batch.
     pub refused: Option<RefusedForests>,
 }
 
-/// Frames in which a forest's answers were discarded.
+/// Frames in which the answers of a forest were discarded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RefusedForests {
     /// The frames.
     pub frames: Vec<FrameId>,
-    /// The newest forest that may not answer there again.
+    /// Generation of the newest forest that may not answer there again.
     pub generation: u64,
 }
 
-/// What people did, what is suggested beside it, and both together as a reader sees them.
+/// The user's edits, the suggestions beside them, and the view that follows from both.
 #[derive(Clone, Debug)]
 pub struct Project {
     edited: Document,
     suggestions: Suggestions,
-    /// Follows from both.
+    /// Derived from both.
     view: Document,
 }
 
 impl Project {
-    /// A project as its file has it.
+    /// The project of a document as read from its file. Its suggestions become batches of an
+    /// earlier session.
     pub fn from_document(document: Document) -> Self {
         let bases = Bases::in_document(&document);
         let mut suggestions = Suggestions::default();
@@ -109,24 +110,28 @@ impl Project {
         }
     }
 
-    /// What people did: undo goes back and forth in it. No frame shows a suggestion here.
+    /// The document with the user's edits only, the state that undo and redo change. No frame shows
+    /// a suggestion here.
     pub const fn edited(&self) -> &Document {
         &self.edited
     }
 
-    /// What people did with what is suggested: what readers see, and what is written.
+    /// The document with suggestions: what readers see and what is written to files.
     pub const fn view(&self) -> &Document {
         &self.view
     }
 
-    /// What people did in a document that edits led to from [`Self::view`].
+    /// The user's edits in a document that was edited from [`Self::view`].
     pub fn edits_in(&self, now: &Document) -> Document {
         now.without_suggestions_since(&self.view, &self.edited)
     }
 
-    /// What a reader sees of another state of what people did.
+    /// The view of another state of the user's edits.
     pub fn view_with(&self, edited: &Document) -> Document {
         let bases = Bases::in_document(edited);
+        // If frames were added, removed or moved, rebuild all; otherwise only the frames that
+        // changed, and, if a base changed, those with suggestions, because suggestions belong to a
+        // base.
         let Some(changed) = edited.frames.changed_in_place(&self.edited.frames) else {
             let frames = edited
                 .frames
@@ -157,9 +162,9 @@ impl Project {
         }
     }
 
-    /// Keeps the answers that are in frames now and not in another state of what people did: when
-    /// an answer that was accepted or corrected in an earlier session is undone, it is suggested
-    /// again, unless it was discarded in this one.
+    /// Keeps the answers that frames hold now and do not hold in another state of the user's edits.
+    /// When an answer that was accepted or corrected in an earlier session is undone, it is
+    /// suggested again, unless it was discarded in this one.
     pub fn keep_answers_not_in(&mut self, edited: &Document) {
         let bases = Bases::in_document(&self.edited);
         for position in edited
@@ -169,6 +174,8 @@ impl Project {
         {
             let (frame, gone) = (&edited.frames[position], &self.edited.frames[position]);
             let base = bases.of_frame(gone);
+            // Only an answer that nothing else keeps: the other state leaves the frame untouched,
+            // no suggestion is there for it, and none was discarded.
             if frame.is_untouched()
                 && self.suggestions.topmost(&frame.id, base.as_ref()).is_none()
                 && !self.suggestions.has_discarded(&frame.id)
@@ -188,10 +195,11 @@ impl Project {
         }
     }
 
-    /// Frames that edits of [`Self::view`] left untouched and that do not show what is suggested
-    /// for them: their positions, and the frames that do.
+    /// The frames that edits of [`Self::view`] left untouched and that do not show their
+    /// suggestion: positions, and the frames that do show it.
     pub fn not_shown_in(&self, now: &Document) -> Vec<(usize, Shared<Frame>)> {
         let bases = Bases::in_document(now);
+        // A frame that shows no suggestion although there is one for it.
         let lacks = |frame: &Frame| {
             !frame.shows_suggestion() && self.suggestion_for(frame, &bases).is_some()
         };
@@ -207,9 +215,9 @@ impl Project {
             .collect()
     }
 
-    /// Takes in what edits made of [`Self::view`], counts them in the frames' revisions and says
-    /// what is to be journalled; none if nothing changed. Suggestions that came with the edits are
-    /// a batch; one that a frame goes on showing stays in its own.
+    /// Takes over a document that was edited from [`Self::view`], counts the edits in the frames'
+    /// revisions and returns the edit to journal; none if nothing changed. Suggestions that came
+    /// with the edits form a batch; one that a frame still shows stays in its own.
     pub fn take_in(&mut self, now: &mut Document, name: &str) -> Option<Edit> {
         now.count_edits_since(&self.view);
         let edit = Edit::between(&self.view, now, name);
@@ -218,6 +226,9 @@ impl Project {
         }
         let (bases_before, bases) = (Bases::in_document(&self.edited), Bases::in_document(now));
         let mut new_batch = None;
+        // A suggestion that was there before keeps its batch. One that undo or an edit brought back
+        // joins the batch that showed it. Only what is left is new, in one batch with the edit's
+        // name.
         for frame in self
             .concerned_positions(now, &bases)
             .into_iter()
@@ -247,19 +258,19 @@ impl Project {
         Some(edit)
     }
 
-    /// Opens a batch for what a finder has found now.
+    /// Opens a new batch for the results of a finder.
     pub fn open_batch(&mut self, finder: Finder) -> BatchId {
         self.suggestions.open_batch(finder)
     }
 
-    /// The batch of a finder that keeps answering.
+    /// The batch of a finder that answers repeatedly.
     pub fn batch_of_finder(&mut self, finder: Finder) -> BatchId {
         self.suggestions.batch_of_finder(finder)
     }
 
-    /// Takes what was found for frames into a batch and says what is to be journalled; none if a
-    /// reader sees nothing new. `now` is what edits that are under way have made of [`Self::view`];
-    /// it shows the answers too, except in frames that are being edited.
+    /// Adds results for frames to a batch and returns the edit to journal; none if the view does
+    /// not change. `now` is the document of an edit in progress, which started from [`Self::view`];
+    /// it shows the results too, except in frames that are being edited.
     pub fn suggest(
         &mut self,
         now: &mut Document,
@@ -273,6 +284,7 @@ impl Project {
             suggestion,
         } in offers
         {
+            // Results for a frame whose picture or camera changed since the request are dropped.
             if self
                 .edited
                 .frames
@@ -293,6 +305,7 @@ impl Project {
                 }
             }
         }
+        // Show the new answers and name the edit by their number.
         let Shown { view, given, .. } = self.show_suggestions(now, &changed);
         let name = match self.suggestions.finder(batch) {
             Some(Finder::Command { name }) => name.clone(),
@@ -301,7 +314,7 @@ impl Project {
         self.go_on_to(view, &name)
     }
 
-    /// The batch of the suggestion that a frame of [`Self::view`] shows.
+    /// The batch of the suggestion that a frame of [`Self::view`] shows; none if it shows none.
     pub fn batch_shown_in(&self, frame: &Frame) -> Option<BatchId> {
         let base = Bases::in_document(&self.edited).of_frame(frame);
         self.suggestions
@@ -309,8 +322,8 @@ impl Project {
             .filter(|_| frame.shows_suggestion())
     }
 
-    /// Discards a batch in the frames that nobody has touched since. If a forest found it, neither
-    /// that forest nor one up to `newest_forest` is listened to there again. `now` is as in
+    /// Discards a batch in the frames that the user has not touched since. If a forest found it,
+    /// neither that forest nor any up to `newest_forest` may answer there again. `now` is as in
     /// [`Self::suggest`].
     pub fn discard(&mut self, now: &mut Document, batch: BatchId, newest_forest: u64) -> Discarded {
         let is_open = |id: &FrameId| {
@@ -339,7 +352,7 @@ impl Project {
         }
     }
 
-    /// The view in which some frames show what is suggested for them now; so does `now`, except in
+    /// The view with the current suggestions in some frames. `now` is updated likewise, except in
     /// frames that are being edited.
     fn show_suggestions(&self, now: &mut Document, frames: &[FrameId]) -> Shown {
         let bases = Bases::in_document(&self.edited);
@@ -357,6 +370,8 @@ impl Project {
             if with == *before {
                 continue;
             }
+            // The edit in progress shows the suggestion too, unless it has changed this frame
+            // itself.
             if let Some(here) = now.frames.position_of(&with.id)
                 && now.frames[here] == *before
             {
@@ -372,16 +387,16 @@ impl Project {
         shown
     }
 
-    /// Goes on to another view of the same edits, and says what is to be journalled; none if it is
-    /// the same view.
+    /// Replaces the view, with the same edits, and returns the edit to journal; none if the view
+    /// does not change.
     fn go_on_to(&mut self, view: Document, name: &str) -> Option<Edit> {
         let edit = Edit::between(&self.view, &view, name);
         self.view = view;
         Some(edit).filter(|edit| !edit.is_empty())
     }
 
-    /// The batch of what a frame of [`Self::view`] shows, if that is the same camera or the same
-    /// want of one.
+    /// The batch of what a frame of [`Self::view`] shows, if that is the same camera, or the same
+    /// lack of one.
     fn batch_that_showed(
         &self,
         suggestion: &Suggestion,
@@ -398,13 +413,15 @@ impl Project {
         }
     }
 
-    /// The positions at which a later state, whose cameras have these bases, may differ from
-    /// [`Self::view`], or at which something else may be suggested.
+    /// The positions at which a later state, with these bases, may differ from [`Self::view`] or
+    /// have other suggestions.
     fn concerned_positions(&self, now: &Document, bases: &Bases) -> BTreeSet<usize> {
+        // Positions are comparable only if no frames were added, removed or moved.
         let Some(changed) = now.frames.changed_in_place(&self.view.frames) else {
             return (0..now.frames.len()).collect();
         };
         let mut positions: BTreeSet<usize> = changed.into_iter().collect();
+        // A changed base makes other suggestions of a frame visible.
         if *bases != Bases::in_document(&self.edited) {
             positions.extend(
                 self.suggestions
@@ -415,13 +432,14 @@ impl Project {
         positions
     }
 
-    /// What is suggested for a frame that nobody has touched.
+    /// The topmost suggestion for a frame that the user has not touched.
     fn suggestion_for(&self, frame: &Frame, bases: &Bases) -> Option<&Suggestion> {
         self.suggestions
             .topmost(&frame.id, bases.of_frame(frame).as_ref())
             .filter(|_| frame.is_untouched())
     }
 
+    /// The frame, showing its suggestion if it has one.
     fn with_suggestion(&self, frame: &Shared<Frame>, bases: &Bases) -> Shared<Frame> {
         let mut with = frame.clone();
         if let Some(suggestion) = self.suggestion_for(frame, bases) {
@@ -436,14 +454,16 @@ struct Shown {
     view: Document,
     /// How many frames show no suggestion now.
     emptied: usize,
-    /// How many frames show another suggestion now.
+    /// Number of frames that show another suggestion now.
     given: usize,
 }
 
-/// What the program suggested for a frame that was accepted, rejected or corrected since, as far as
-/// the frame has kept it.
+/// The suggestion that a frame held before it was accepted, rejected or corrected, if the frame
+/// still holds it in full.
 fn taken_from_suggestion(frame: &Frame) -> Option<(FramePtz, Solution)> {
     let mut frame = frame.clone();
+    // A frame that was corrected keeps its proposal beside its camera, from where it is restored in
+    // a copy. A frame without clicks still has the proposal as its camera.
     let is_whole = frame.restore_proposed() || frame.clicks.is_empty();
     if is_whole && frame.is_suggestion() {
         frame.ptz.zip(frame.solution)
@@ -452,7 +472,7 @@ fn taken_from_suggestion(frame: &Frame) -> Option<(FramePtz, Solution)> {
     }
 }
 
-/// The bases of a document's cameras.
+/// The bases of a document's cameras; suggestions are valid for one base.
 #[derive(PartialEq)]
 struct Bases(BTreeMap<CameraId, Option<CameraBase>>);
 
@@ -467,7 +487,7 @@ impl Bases {
         )
     }
 
-    /// That of a frame's camera.
+    /// The base of a frame's camera.
     fn of_frame(&self, frame: &Frame) -> Option<CameraBase> {
         self.0.get(&frame.camera).copied().flatten()
     }

@@ -1,5 +1,5 @@
-//! A proposed camera as plain data: for which frame, by which forest, what it is or why there is
-//! none.
+//! A proposed camera as plain data: its frame, the forest that found it, and the camera or the
+//! reason why there is none.
 
 use super::{Asked, Offer, PictureError};
 use crate::calibrate::paint_evidence;
@@ -13,45 +13,45 @@ use touchline_documents::document::{
 use touchline_vision::paint::LineCheck;
 use touchline_vision::relocalize::{Evidence, NotFound};
 
-/// What the forest answers for a frame.
+/// The answer of a forest for a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposal {
-    /// The frame that was asked for.
+    /// Id of the frame.
     pub frame: FrameId,
-    /// What was asked, by which a stale answer is known.
+    /// The frame at the time of the request, by which a stale answer is recognised.
     pub asked: Asked,
-    /// Which forest answered: later ones have greater numbers.
+    /// Generation of the forest: later ones have greater numbers.
     pub generation: u64,
     /// The camera, or why there is none.
     pub outcome: Result<Answer, NoProposal>,
-    /// What it took.
+    /// Durations of the steps.
     pub timings: Timings,
 }
 
 /// A camera that the forest proposes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
-    /// Pan, tilt and focal length as documents have them.
+    /// Pan, tilt and focal length, in the form of documents.
     pub ptz: FramePtz,
     /// Covariance of (pan deg, tilt deg, focal px).
     pub covariance: Mat3,
     /// The same with the base taken as exact.
     pub own_covariance: Mat3,
-    /// Root mean square of the agreeing features' distances, px.
+    /// Root mean square distance of the inliers, px.
     pub rms_px: f64,
     /// 1-σ of the overlay at the worst corner of the picture, px.
     pub worst_corner_sigma_px: f64,
     /// The probability that the overlay is right within 10 px at 1920 px width.
     pub confidence: f64,
-    /// Features that agree.
+    /// Number of inlier features.
     pub inliers: usize,
-    /// In how many places of the picture.
+    /// Number of separate places in the picture where they lie.
     pub places: usize,
-    /// What speaks for it besides the painted lines.
+    /// The evidence of the features.
     pub evidence: Evidence,
-    /// What the painted lines say about it, where they were asked.
+    /// The check against the painted lines, if it was made.
     pub line_check: Option<LineCheck>,
-    /// Where it was snapped to the painted lines: how many samples of them took part.
+    /// Number of line samples of the alignment, if the camera was aligned to the paint.
     pub samples: Option<usize>,
 }
 
@@ -59,7 +59,7 @@ pub struct Answer {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NoProposal {
-    /// The forest does not know.
+    /// The forest found no camera.
     #[error(transparent)]
     NotFound(#[from] NotFound),
     /// The forest has no reference of this camera.
@@ -68,26 +68,26 @@ pub enum NoProposal {
         /// The camera's name.
         camera: String,
     },
-    /// Where its camera stands is not known.
+    /// The base of its camera is unknown.
     #[error("its camera {camera:?} has no base")]
     NoBase {
         /// The camera's name.
         camera: String,
     },
-    /// The painted lines are elsewhere.
+    /// The painted lines contradict the camera that was found.
     #[error(
         "the painted lines are not where the camera that was found puts them (paint at {found} of {open} open places)"
     )]
     Contradicted {
-        /// Places of the lines that show paint.
+        /// Number of line samples that show paint.
         found: usize,
-        /// Places of the lines that show paint or bare ground.
+        /// Number of line samples that show paint or bare ground.
         open: usize,
     },
-    /// The frame has a camera that the program found otherwise, and this answer is no better.
+    /// The frame has a camera that was found without a forest, and this answer is no better.
     #[error("the camera that it has, which no forest proposed, is at least as good")]
     NoBetter,
-    /// The picture or its features cannot be had.
+    /// The picture or its features are not available.
     #[error(transparent)]
     Picture(#[from] PictureError),
     /// An internal error of this program.
@@ -98,14 +98,14 @@ pub enum NoProposal {
     },
 }
 
-/// What an answer took.
+/// Durations of the steps of an answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Timings {
-    /// Finding the features, without reading the picture.
+    /// Feature extraction, without reading the picture.
     pub features: Duration,
-    /// Asking the forest.
+    /// Prediction by the forest.
     pub predict: Duration,
-    /// Finding the pose.
+    /// Pose estimation.
     pub pose: Duration,
 }
 
@@ -156,7 +156,7 @@ impl NoProposal {
 }
 
 impl Proposal {
-    /// None for a frame, and why.
+    /// A proposal without an answer, and its reason.
     #[must_use]
     pub fn without_answer(
         document: &Document,
@@ -175,7 +175,7 @@ impl Proposal {
         }
     }
 
-    /// What it suggests for its frame: a camera, or none and the reason among the warnings.
+    /// The suggestion for its frame: a camera, or none with the reason as a warning.
     pub(super) fn suggestion(&self) -> Suggestion {
         let timings_ms = Some(TimingsMs::from(self.timings));
         let solution = Solution {
@@ -216,8 +216,8 @@ impl Proposal {
         }
     }
 
-    /// The same as an offer to a project; none without a base: nothing was asked, and there is
-    /// nothing to say about the frame.
+    /// The suggestion as an offer to a project. None if the camera has no base, because then the
+    /// forest was not queried.
     #[must_use]
     pub fn offer(&self) -> Option<Offer> {
         let is_answer = !matches!(self.outcome, Err(NoProposal::NoBase { .. }));
@@ -228,13 +228,13 @@ impl Proposal {
         })
     }
 
-    /// Writes the answer into its frame, as a file has it.
+    /// Writes the suggestion into its frame, in the form of files.
     pub fn record(&self, frame: &mut Frame) {
         self.suggestion().show_in(frame);
     }
 
-    /// Whether the answer may take the place of what its frame has. A camera that the program found
-    /// otherwise stays where there is no answer, or one that is less certain.
+    /// Whether the answer may replace the camera of its frame. A camera that was found without a
+    /// forest stays if there is no answer or a less confident one.
     #[must_use]
     pub fn may_replace_camera_of(&self, frame: &Frame) -> bool {
         let earlier = frame

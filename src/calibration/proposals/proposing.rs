@@ -1,4 +1,4 @@
-//! The forest asked for a frame.
+//! Queries the forest for a frame.
 
 use super::{Answer, Asked, FrameFeatures, NoProposal, PictureError, Proposal, Timings};
 use touchline_core::camera::CameraBase;
@@ -6,7 +6,7 @@ use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Document, FramePtz};
 use touchline_vision::relocalize::{ForestModel, Pose, RelocalizeOptions, Relocalized, relocalize};
 
-/// What the forest says of a frame with these features, if they could be had.
+/// The proposal of a forest for a frame with these features.
 #[must_use]
 pub fn propose(
     document: &Document,
@@ -27,6 +27,7 @@ pub fn propose(
         let base = asked
             .base
             .ok_or_else(|| NoProposal::NoBase { camera: camera() })?;
+        // Match the features in the forest and estimate the pose from the matched rays.
         let Relocalized {
             pose,
             predict_time,

@@ -1,13 +1,13 @@
-//! What the forest is worth: a reference is left out together with all others of its shot, and
-//! asked for.
+//! The quality of a forest by cross-validation: references are left out together with all others of
+//! their shot, and the forest that is trained on the rest is queried for them.
 //!
-//! Labels are taken as they were clicked: made to fit each other, those that are kept would know of
-//! those that are left out.
+//! Labels are taken as they were clicked. Labels that were adjusted to each other, as for the final
+//! forest, would pass information from the references left out to those that are kept.
 //!
-//! Memory is bounded however many references there are: at most 1000 of them take part, spread over
-//! all; of each only what the forest learns from is held, once for all forests, 152 bytes a
-//! feature. With 1000 features each that is 150 MB, beside one forest at a time and the few
-//! pictures' features that are being looked at.
+//! Memory is bounded for any number of references: at most 1000 of them take part, spread evenly.
+//! For each only its training samples are kept, shared by all forests, 152 bytes per feature. With
+//! 1000 features each that is 150 MB, in addition to one forest at a time and the features of a few
+//! pictures.
 
 use super::spread::spread;
 use super::{FramePictures, LearnOptions, Studied, study};
@@ -22,26 +22,26 @@ use touchline_vision::relocalize::{
     train_without,
 };
 
-/// Where there is only one shot, references this close in time are left out together, s.
+/// If there is only one shot, references closer in time than this are left out together, s.
 const TOGETHER_S: f64 = 5.0;
 
-/// How many forests are trained to measure one: the groups left out are spread over all.
+/// Number of forests that are trained; the groups left out are spread evenly over all groups.
 const MOST_GROUPS: usize = 8;
 
-/// How many references of a shot are wanted.
+/// Number of references of a left-out shot that are queried.
 const MOST_OF_A_SHOT: usize = 4;
 
-/// At most this many references take part, spread over all.
+/// Number of references that take part, spread evenly over all.
 const MOST_REFERENCES: usize = 1000;
 
-/// How many references' features are held while their samples are collected.
+/// Number of references whose features are in memory while samples are collected.
 const BATCH: usize = 32;
 
-/// An overlay that is off by no more is right, px at 1920 px width: what a confidence is the
-/// probability of.
+/// An overlay with an error of at most this is right, px at 1920 px width. A confidence is the
+/// probability of that.
 const RIGHT_PX: f64 = 10.0;
 
-/// An overlay that is off by more is wrong, px at 1920 px width.
+/// An overlay with a larger error is wrong, px at 1920 px width.
 pub const WRONG_PX: f64 = 20.0;
 
 /// What the forest answers for references left out of its training.
@@ -49,9 +49,9 @@ pub const WRONG_PX: f64 = 20.0;
 pub struct Quality {
     /// What is left out together.
     pub left_out_by: LeftOutBy,
-    /// How many groups there are to leave out; at most eight were.
+    /// Number of groups that could be left out; at most eight of them were.
     pub groups: usize,
-    /// What was asked for, in the document's order.
+    /// The references that were queried, in the document's order.
     pub asked: Vec<LeftOut>,
 }
 
@@ -66,30 +66,31 @@ pub enum LeftOutBy {
     Neighbours,
 }
 
-/// A reference that was left out and asked for.
+/// A reference that was left out of the training and queried.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOut {
-    /// Which frame.
+    /// Id of the frame.
     pub frame: FrameId,
-    /// Where it looks, degrees.
+    /// Pan of its label, degrees.
     pub pan_deg: f64,
-    /// Where it looks, degrees.
+    /// Tilt of its label, degrees.
     pub tilt_deg: f64,
-    /// What the forest found, if anything.
+    /// The forest's answer, if it found one.
     pub found: Option<FoundAgain>,
 }
 
-/// What the forest found for a reference left out of its training.
+/// The forest's answer for a reference left out of its training.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundAgain {
-    /// How far the overlay is off from the reference's where it is off most, px at 1920 px width.
+    /// Largest distance of the overlay from the label's over the picture, px at 1920 px width
+    /// ([`overlay_error_px`]).
     pub error_px: f64,
-    /// What the forest said of it.
+    /// The confidence that the forest stated.
     pub confidence: f64,
 }
 
 impl Quality {
-    /// How many were found.
+    /// Number of references for which the forest found an answer.
     #[must_use]
     pub fn found(&self) -> usize {
         self.asked
@@ -98,7 +99,7 @@ impl Quality {
             .count()
     }
 
-    /// The median of the errors of those found, px at 1920 px width.
+    /// The median error of the answers, px at 1920 px width; none without answers.
     #[must_use]
     pub fn median_px(&self) -> Option<f64> {
         median(
@@ -110,7 +111,8 @@ impl Quality {
         )
     }
 
-    /// What is to be stated of answers at most, by those that were found with certainty.
+    /// The number of confident answers and of right ones among them, from which the upper bound of
+    /// stated confidences follows.
     #[must_use]
     pub fn shown(&self) -> Shown {
         let certain = self
@@ -125,7 +127,7 @@ impl Quality {
         }
     }
 
-    /// Has a forest of the references state no more than they show when they are left out.
+    /// Bounds the confidences of a forest by what was measured on its own references.
     pub fn bound(&self, document: &Document, model: &mut ForestModel) {
         let measured = self
             .asked
@@ -138,7 +140,7 @@ impl Quality {
         }
     }
 
-    /// Those found wrong.
+    /// The references whose answers are wrong.
     pub fn wrong(&self) -> impl Iterator<Item = &LeftOut> {
         self.asked
             .iter()
@@ -146,7 +148,8 @@ impl Quality {
     }
 }
 
-/// What is left out of a training and what is then asked for: places among the samples.
+/// A group of references, as indices into [`Collected`]: those left out of the training, and those
+/// of them that are queried.
 struct Group {
     left_out: BTreeSet<usize>,
     asked: Vec<usize>,
@@ -156,15 +159,15 @@ struct Group {
 #[derive(Default)]
 struct Collected {
     samples: Samples,
-    /// Their places in the document.
+    /// Indices of the frames in the document.
     frames: Vec<usize>,
-    /// How they were pointed, and how well that is known.
+    /// Their cameras, and the covariances of these.
     cameras: Vec<(Ptz, Mat3)>,
 }
 
-/// Leaves references out and asks for them. None if `progress` cancelled it, or where nothing is
-/// left to learn from without a group. A step counts groups; there are none yet while features are
-/// found.
+/// Leaves groups of references out in turn and queries the forest for them. None if `progress`
+/// cancelled it, or if no group leaves anything to train on. Progress counts groups; while features
+/// are extracted it stays at zero.
 pub fn measure(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
@@ -173,6 +176,7 @@ pub fn measure(
     relocalizing: &RelocalizeOptions,
     progress: &Progress<'_, Share>,
 ) -> Option<Quality> {
+    // Only the camera with the most references is measured.
     let document = pictures.document;
     let camera = most_used(document, training_frames)?;
     let base = camera.base()?;
@@ -187,6 +191,7 @@ pub fn measure(
         &spread(of_camera, MOST_REFERENCES),
         &progress.part(|()| Share::default()),
     )?;
+    // A group that contains all references leaves nothing to train on.
     let (left_out_by, mut groups) = groups(document, &collected.frames);
     groups.retain(|group| group.left_out.len() < collected.frames.len());
     let count = groups.len();
@@ -198,6 +203,7 @@ pub fn measure(
             of: groups.len(),
         };
         progress.report(so_far).continue_value()?;
+        // Train without the group. A group that leaves no samples is skipped.
         let forest = match train_without(
             &collected.samples,
             &group.left_out,
@@ -211,6 +217,7 @@ pub fn measure(
         let Some(seen) = collected.seen_without(&group.left_out) else {
             continue;
         };
+        // Query the forest for the group and compare with the labels.
         let frames: Vec<usize> = group
             .asked
             .iter()
@@ -245,6 +252,7 @@ pub fn measure(
             ));
         }
     }
+    // Groups were queried one after the other; return the document's order.
     asked.sort_by_key(|(index, _)| *index);
     let asked: Vec<LeftOut> = asked.into_iter().map(|(_, asked)| asked).collect();
     (!asked.is_empty()).then_some(Quality {
@@ -255,7 +263,8 @@ pub fn measure(
 }
 
 impl Collected {
-    /// The samples of some frames, in their order; none if `progress` cancelled it.
+    /// Collects the training samples of some frames, in their order, a batch at a time; frames
+    /// without rays are left out. None if `progress` cancelled it.
     fn from(
         pictures: &FramePictures<'_>,
         reader: &mut dyn ReadFrames,
@@ -281,6 +290,7 @@ impl Collected {
         Some(collected)
     }
 
+    /// The range of cameras of the references that are kept; none without any.
     fn seen_without(&self, left_out: &BTreeSet<usize>) -> Option<SeenRange> {
         let kept = self
             .cameras
@@ -292,7 +302,7 @@ impl Collected {
     }
 }
 
-/// The camera with the most references.
+/// The camera with the most references; the first of equals.
 fn most_used<'a>(document: &'a Document, training_frames: &[usize]) -> Option<&'a Camera> {
     let collected = |camera: &Camera| {
         training_frames
@@ -304,9 +314,13 @@ fn most_used<'a>(document: &'a Document, training_frames: &[usize]) -> Option<&'
     cameras.rev().max_by_key(|camera| collected(camera))
 }
 
+/// The groups to leave out: the shots, if there are several. Otherwise each reference with those
+/// near it in time, or, if any time is unknown, with its two neighbours. Frames near in time show
+/// nearly the same picture, so a forest that knows one finds the other too easily.
 fn groups(document: &Document, collected: &[usize]) -> (LeftOutBy, Vec<Group>) {
     let frame = |place: usize| -> &Frame { &document.frames[collected[place]] };
     let all = 0..collected.len();
+    // By shot, if there are several; frames without a shot form one.
     let clips: BTreeSet<Option<&Clip>> = all
         .clone()
         .map(|index| frame(index).clip.as_ref())
@@ -325,6 +339,7 @@ fn groups(document: &Document, collected: &[usize]) -> (LeftOutBy, Vec<Group>) {
         return (LeftOutBy::Shot, clips.into_iter().map(of_clip).collect());
     }
     let time = |index: usize| frame(index).video.as_ref().and_then(|video| video.pts_s);
+    // Otherwise by time, if all frames have one, or by order.
     let (by, near): (_, Box<dyn Fn(usize, usize) -> bool>) =
         if all.clone().all(|index| time(index).is_some()) {
             let within = move |a: usize, b: usize| {
@@ -346,8 +361,8 @@ fn groups(document: &Document, collected: &[usize]) -> (LeftOutBy, Vec<Group>) {
     (by, all.clone().map(of_one).collect())
 }
 
-/// How far two cameras of a picture differ where they differ most, over a grid of 5 × 3 of its
-/// points, px at 1920 px width; infinite where one does not see what the other shows.
+/// The largest distance between the overlays of two cameras over a grid of 5 × 3 points of the
+/// picture, px at 1920 px width; infinite if the second camera does not see a point of the first.
 #[must_use]
 pub fn overlay_error_px(truth: &PtzCamera, found: &PtzCamera, size: ImageSize) -> f64 {
     let (width, height) = (f64::from(size.width), f64::from(size.height));

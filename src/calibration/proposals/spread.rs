@@ -1,8 +1,9 @@
-//! A few of many, evenly spread.
+//! An evenly spread selection.
 
 use std::collections::BTreeSet;
 
-/// At most `most` of them, from the first to the last.
+/// At most `most` of the values, evenly spread, the first and the last among them. `most` is at
+/// least 2.
 pub(super) fn spread<T>(all: Vec<T>, most: usize) -> Vec<T> {
     let count = all.len();
     if count <= most {

@@ -1,4 +1,4 @@
-//! Features once found: on disk beside the document, and the latest in memory.
+//! A store of extracted features: on disk beside the document, the latest in memory.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::io;
@@ -7,17 +7,16 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use touchline_core::files::refuse_linked_folder;
 use touchline_vision::features::{FeatureCache, FeatureKey, Features};
 
-/// The hidden folder beside a document that holds what can be made again.
+/// Name of the hidden folder beside a document for what can be recomputed.
 const WORK_FOLDER: &str = ".touchline";
 
-/// What features take on disk at most, bytes: some 13,000 pictures of 1000 features.
+/// Limit of features on disk, bytes: about 13,000 pictures of 1000 features.
 const DISK_BYTES: u64 = 2 << 30;
 
-/// What features take in memory at most, bytes: some 1,700 pictures of 1000 features.
+/// Limit of features in memory, bytes: about 1,700 pictures of 1000 features.
 const MEMORY_BYTES: usize = 256 << 20;
 
-/// Where what can be made again is kept: a hidden folder beside the document. It may be deleted at
-/// any time.
+/// The hidden folder beside a document for what can be recomputed. It may be deleted at any time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WorkFolder {
     folder: PathBuf,
@@ -39,19 +38,19 @@ impl WorkFolder {
         }
     }
 
-    /// Where it lies.
+    /// The path of the folder.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.folder
     }
 
-    /// The forest of the document. Two documents in one folder have one each.
+    /// The file of the document's forest. Each document in a folder has its own.
     #[must_use]
     pub fn forest(&self) -> PathBuf {
         self.folder.join(format!("{}.forest", self.document))
     }
 
-    /// The features of pictures; documents in one folder share them.
+    /// The features of pictures, shared by all documents in the folder.
     ///
     /// # Errors
     /// As [`refuse_links`](Self::refuse_links).
@@ -60,7 +59,7 @@ impl WorkFolder {
         Ok(FeatureCache::new(&self.features_folder(), DISK_BYTES))
     }
 
-    /// Refuses a hidden folder that came with a received project and leads elsewhere; to be asked
+    /// Refuses a hidden folder that came with a received project and leads elsewhere. Call this
     /// before anything is written into it.
     ///
     /// # Errors
@@ -75,8 +74,8 @@ impl WorkFolder {
     }
 }
 
-/// Features once found. The disk is used as long as it takes them; memory holds the latest within a
-/// bound.
+/// A store of extracted features. The disk is used until a write fails; memory holds the latest
+/// within a limit.
 #[derive(Debug, Default)]
 pub struct FeatureStore {
     disk: Option<FeatureCache>,
@@ -89,18 +88,18 @@ struct Shelf {
     /// The oldest first.
     order: VecDeque<FeatureKey>,
     bytes: usize,
-    /// Why the disk took something not, the first time.
+    /// The first error of the disk.
     refused: Option<String>,
 }
 
 impl FeatureStore {
-    /// Features in memory alone.
+    /// A store in memory only.
     #[must_use]
     pub fn in_memory() -> Self {
         Self::default()
     }
 
-    /// Features beside a document.
+    /// A store on disk beside a document.
     #[must_use]
     pub fn on_disk(place: &WorkFolder) -> Self {
         let (disk, refused) = match place.features() {
@@ -116,7 +115,7 @@ impl FeatureStore {
         }
     }
 
-    /// Features that were found before.
+    /// The features with this key; none if they are not stored.
     #[must_use]
     pub fn get(&self, key: &FeatureKey) -> Option<Arc<Features>> {
         if let Some(features) = self.shelf().held.get(key) {
@@ -127,9 +126,11 @@ impl FeatureStore {
         Some(features)
     }
 
-    /// Keeps features.
+    /// Stores features.
     pub fn put(&self, key: &FeatureKey, features: Features) -> Arc<Features> {
         let features = Arc::new(features);
+        // After the first failed write the disk is not tried again. It is written without the lock
+        // of the memory.
         let refused = self
             .disk
             .as_ref()
@@ -143,13 +144,14 @@ impl FeatureStore {
         features
     }
 
-    /// Why the disk takes no features, if it does not: they are found again the next time.
+    /// Why the disk stores no features, if it does not; they have to be extracted again the next
+    /// time.
     #[must_use]
     pub fn refusal(&self) -> Option<String> {
         self.shelf().refused.clone()
     }
 
-    /// Nobody can panic with the lock held.
+    /// No code that holds the lock can panic.
     fn shelf(&self) -> MutexGuard<'_, Shelf> {
         self.shelf.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -163,6 +165,7 @@ impl Shelf {
         self.bytes += bytes_of(features);
         self.order.push_back(key.clone());
         self.held.insert(key.clone(), Arc::clone(features));
+        // First in, first out; the newest may be dropped too if it alone exceeds the limit.
         while self.bytes > MEMORY_BYTES {
             let Some(oldest) = self.order.pop_front() else {
                 break;
@@ -220,7 +223,7 @@ mod tests {
     #[test]
     fn where_nothing_can_be_written_memory_serves() {
         let place = tempfile::tempdir().unwrap();
-        // A file where the folder should be refuses everybody, the superuser too.
+        // A file in place of the folder refuses every user, the superuser included.
         std::fs::write(place.path().join(WORK_FOLDER), "").unwrap();
         let store = FeatureStore::on_disk(&WorkFolder::beside(&place.path().join("project.json")));
         store.put(&key("a"), features(2));

@@ -1,46 +1,46 @@
-//! What the program suggests, by frame, in batches.
+//! The suggestions of the program, by frame and in batches.
 //!
-//! A frame keeps a few suggestions, one above the other. Readers see the topmost that was made for
-//! the base that the frame's camera has now. Discarding a batch takes its suggestions out, and
-//! those beneath them are seen again.
+//! A frame keeps a stack of a few suggestions. Readers see the topmost that was made for the
+//! present base of the frame's camera. Discarding a batch removes its suggestions, which uncovers
+//! those beneath them.
 
 use std::collections::BTreeMap;
 use touchline_core::camera::CameraBase;
 use touchline_documents::document::{FrameId, SolutionSource, Suggestion};
 
-/// Bases of a frame's camera for which suggestions are kept: when undo brings a base back, what was
-/// suggested for it holds again.
+/// Number of bases for which a frame keeps suggestions: when undo restores a base, its suggestions
+/// are valid again.
 pub(super) const KEPT_BASES: usize = 4;
 
-/// Suggestions of a frame that are kept for each base: the one that is seen and those beneath it.
+/// Number of suggestions that a frame keeps for each base, the visible one included.
 pub(super) const KEPT_SUGGESTIONS: usize = 4;
 
-/// Names a batch of suggestions while its document is open.
+/// Identifies a batch of suggestions while its document is open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BatchId(u64);
 
-/// What found a batch of suggestions.
+/// The source of a batch of suggestions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Finder {
     /// An earlier session: the document had them when it was opened.
     Earlier {
-        /// What they came from then.
+        /// Their source in that session.
         source: Option<SolutionSource>,
     },
-    /// The trainer's forest, with the cameras that were carried from what it answered.
+    /// The forest of the background trainer, including cameras that were tracked from its answers.
     Forest {
-        /// Which forest: later ones have greater numbers.
+        /// Generation of the forest: later ones have greater numbers.
         generation: u64,
     },
-    /// Something that a person asked for: "Carry cameras through the shot".
+    /// A command of the user.
     Command {
-        /// Its name.
+        /// Name of the command.
         name: String,
     },
 }
 
 impl Finder {
-    /// Whether the trainer's forest gave these answers, in this session or in an earlier one.
+    /// Whether a forest gave these answers, in this session or in an earlier one.
     const fn is_forest(&self) -> bool {
         matches!(
             self,
@@ -52,28 +52,28 @@ impl Finder {
     }
 }
 
-/// How an answer stands to what is known of its frame.
+/// How a new answer relates to the suggestions for its frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Novelty {
-    /// It says something else.
+    /// It differs from the topmost suggestion.
     New,
-    /// It says the same.
+    /// It equals the topmost suggestion.
     Same,
     /// It was made for an earlier revision of the frame, or by a forest whose answers were
     /// discarded there.
     Stale,
 }
 
-/// What the program suggests, by frame.
+/// The suggestions of the program, by frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Suggestions {
-    /// Of each frame the topmost last.
+    /// Of each frame, the topmost last.
     by_frame: BTreeMap<FrameId, Vec<KeptSuggestion>>,
     finders: BTreeMap<BatchId, Finder>,
-    /// The number of the last batch.
+    /// Number of the last batch.
     last: u64,
-    /// Frames in which suggestions were discarded, and the newest forest that may not answer there
-    /// again: 0 where any may.
+    /// Frames in which suggestions were discarded, with the generation of the newest forest that
+    /// may not answer there again; 0 if any may.
     discarded: BTreeMap<FrameId, u64>,
 }
 
@@ -85,7 +85,7 @@ struct KeptSuggestion {
 }
 
 impl KeptSuggestion {
-    /// Whether it is a camera that a person asked for and that no forest gave.
+    /// Whether it is a camera from a command of the user that did not use a forest.
     fn is_found_without_forest(&self, finder: Option<&Finder>) -> bool {
         let source = self
             .suggestion
@@ -97,11 +97,12 @@ impl KeptSuggestion {
     }
 }
 
-/// The frames that a batch was taken out of.
+/// The frames from which a batch was removed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct TakenOut {
     pub frames: Vec<FrameId>,
-    /// The newest forest that may not answer there again; none where no forest found the batch.
+    /// Generation of the newest forest that may not answer there again; none if no forest found the
+    /// batch.
     pub refused: Option<u64>,
 }
 
@@ -114,7 +115,7 @@ impl Suggestions {
         batch
     }
 
-    /// The batch of a finder that keeps answering: a new one if it has none.
+    /// The batch of a finder that answers repeatedly; a new one if it has none.
     pub fn batch_of_finder(&mut self, finder: Finder) -> BatchId {
         let known = self
             .finders
@@ -125,12 +126,12 @@ impl Suggestions {
         known.unwrap_or_else(|| self.open_batch(finder))
     }
 
-    /// What found a batch.
+    /// The finder of a batch.
     pub fn finder(&self, batch: BatchId) -> Option<&Finder> {
         self.finders.get(&batch)
     }
 
-    /// What is suggested for a frame while its camera has this base.
+    /// The topmost suggestion for a frame whose camera has this base.
     pub fn topmost(&self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&Suggestion> {
         self.topmost_kept(frame, base).map(|kept| &kept.suggestion)
     }
@@ -158,8 +159,9 @@ impl Suggestions {
             .find(is_for_base)
     }
 
-    /// How an answer for a batch stands to what is known.
+    /// How an answer for a batch relates to the suggestions for its frame.
     pub fn novelty(&self, frame: &FrameId, batch: BatchId, suggestion: &Suggestion) -> Novelty {
+        // Answers of a forest that was refused in this frame come too late.
         if let Some(Finder::Forest { generation }) = self.finder(batch)
             && self
                 .discarded
@@ -175,17 +177,18 @@ impl Suggestions {
         }
     }
 
-    /// Puts a suggestion above what is known of a frame. It replaces what the same batch said for
+    /// Puts a suggestion on top of a frame's stack. It replaces what the same batch suggested for
     /// the same base, and a forest's answer replaces that of an earlier forest.
     ///
-    /// A forest's answer goes beneath a camera that a person had found otherwise: no forest is
-    /// asked where there is one, so that the answer was on its way.
+    /// A forest's answer goes beneath a camera that a command of the user found without a forest.
+    /// Forests are not queried for such frames, so the answer belongs to a request from before.
     pub fn put(&mut self, frame: &FrameId, batch: BatchId, suggestion: Suggestion) {
         let Self {
             by_frame, finders, ..
         } = self;
         let is_forest = |batch: BatchId| finders.get(&batch).is_some_and(Finder::is_forest);
         let is_for_same_base = |known: &KeptSuggestion| known.suggestion.base == suggestion.base;
+        // One suggestion per batch and base, and one of all forests.
         let is_replaced = |known: &KeptSuggestion| {
             is_for_same_base(known)
                 && (known.batch == batch || (is_forest(batch) && is_forest(known.batch)))
@@ -197,12 +200,13 @@ impl Suggestions {
         };
         let kept = by_frame.entry(frame.clone()).or_default();
         kept.retain(|known| !is_replaced(known));
+        // Insert below the cameras that stay above, else on top.
         let at = kept.iter().position(stays_above).unwrap_or(kept.len());
         kept.insert(at, KeptSuggestion { batch, suggestion });
         forget_oldest(kept);
     }
 
-    /// Moves a forest's answer to the batch of a later forest that has said the same.
+    /// Moves a forest's answer to the batch of a later forest that gave the same answer.
     pub fn move_to_batch(&mut self, frame: &FrameId, base: Option<&CameraBase>, batch: BatchId) {
         let is_forest = |batch| self.finder(batch).is_some_and(Finder::is_forest);
         let Some(known) = self.topmost_batch(frame, base) else {
@@ -216,8 +220,8 @@ impl Suggestions {
         }
     }
 
-    /// Notes that what is suggested for a frame holds for the revision in which the frame shows it
-    /// now. False where something else is suggested.
+    /// Marks the topmost suggestion of a frame as valid for the frame's present revision. False if
+    /// another suggestion is shown.
     pub fn keep(&mut self, frame: &FrameId, shown: &Suggestion) -> bool {
         let Some(kept) = self.topmost_kept_mut(frame, shown.base.as_ref()) else {
             return false;
@@ -230,8 +234,8 @@ impl Suggestions {
         is_same
     }
 
-    /// Takes a batch out of the frames that `is_open` holds for. If a forest found the batch,
-    /// neither that forest nor one up to `newest_forest` is listened to there again.
+    /// Removes a batch from the frames for which `is_open` holds. If a forest found it, neither
+    /// that forest nor any up to `newest_forest` may answer there again.
     pub fn take_out(
         &mut self,
         batch: BatchId,
@@ -246,6 +250,7 @@ impl Suggestions {
                 taken.frames.push(frame.clone());
             }
         }
+        // Forests that are already trained would give the discarded answers again.
         taken.refused = match self.finders.get(&batch) {
             Some(Finder::Forest { generation }) => Some(newest_forest.max(*generation)),
             Some(finder) if finder.is_forest() => Some(newest_forest),
@@ -258,21 +263,23 @@ impl Suggestions {
         taken
     }
 
-    /// Whether anything that was suggested for a frame has been discarded.
+    /// Whether any suggestion for a frame has been discarded.
     pub fn has_discarded(&self, frame: &FrameId) -> bool {
         self.discarded.contains_key(frame)
     }
 
-    /// The frames that anything is suggested for, or was when their cameras had other bases.
+    /// The frames with suggestions for any base.
     pub fn frames(&self) -> impl Iterator<Item = &FrameId> {
         self.by_frame.keys()
     }
 }
 
-/// Forgets all but the topmost suggestions for each of the bases that were answered for last.
+/// Drops the oldest suggestions beyond [`KEPT_SUGGESTIONS`] for each of the latest [`KEPT_BASES`]
+/// bases.
 fn forget_oldest(kept: &mut Vec<KeptSuggestion>) {
     let mut bases: Vec<Option<CameraBase>> = Vec::new();
     let mut left = Vec::with_capacity(kept.len());
+    // From the top, so that the latest bases and suggestions are kept.
     for topmost in kept.drain(..).rev() {
         let base = topmost.suggestion.base;
         if !bases.contains(&base) {
@@ -289,8 +296,8 @@ fn forget_oldest(kept: &mut Vec<KeptSuggestion>) {
     kept.extend(left.into_iter().rev());
 }
 
-/// Whether two say the same; of two without an answer the reasons are compared, and not how long it
-/// took to find none.
+/// Whether two suggestions are equal. Two without an answer are equal if their reasons are; timings
+/// are ignored.
 fn says_the_same(new: &Suggestion, known: &Suggestion) -> bool {
     let reason = |suggestion: &Suggestion| {
         Some(

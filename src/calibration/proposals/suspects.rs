@@ -1,4 +1,4 @@
-//! References whose labels contradict others.
+//! Finds references whose labels contradict those of others.
 
 use super::{FramePictures, Studied, TrainingSample, study};
 use std::cmp::Reverse;
@@ -8,23 +8,23 @@ use touchline_documents::document::{Document, FrameId};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{ContradictionOptions, Reference, contradictions, suspects};
 
-/// How many references, next to each other by pan, are compared at a time: the features of no more
-/// are held.
+/// Number of references, neighbours in pan, that are compared at a time; the features of no more
+/// are in memory. References far apart in pan share no view and cannot contradict each other.
 const TOGETHER: usize = 100;
 
-/// A reference to look at: without it no label would contradict another.
+/// A reference to check: without these, no label would contradict another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Suspect {
-    /// Which frame.
+    /// Id of the frame.
     pub frame: FrameId,
-    /// How many references contradict it.
+    /// Number of references that contradict it.
     pub contradicted_by: usize,
-    /// By how much its overlay lies off from where they say it is, at most, px at 1920 px width.
+    /// Largest distance of its overlay from where they place it, px at 1920 px width.
     pub disagreement_px: f64,
 }
 
-/// The training frames to look at, the most contradicted first. Each reference is a step. None if
-/// `progress` cancelled it.
+/// The training frames to check, the most contradicted first. Each reference is a step of progress.
+/// None if `progress` cancelled it.
 pub fn find_suspects(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
@@ -39,6 +39,8 @@ pub fn find_suspects(
             .map(|&index| (index, &*document.frames[index]))
             .filter(|(_, frame)| frame.camera == camera.id)
             .filter_map(|(index, frame)| Some((document.pointed(frame)?.ptz().pan, index)));
+        // Sort by pan along the smallest range that contains all, so that no neighbours are
+        // separated at ±180°.
         let (pans, of_camera): (Vec<Angle>, Vec<usize>) = of_camera.unzip();
         let of_camera: Vec<usize> = AngleRange::along_smallest(&pans)
             .into_iter()
@@ -55,7 +57,7 @@ pub fn find_suspects(
     Some(found.into_iter().map(|(_, suspect)| suspect).collect())
 }
 
-/// The suspects among references, each with its place in the document.
+/// The suspects among references, each with its index in the document.
 fn suspects_among(
     document: &Document,
     training_samples: &[TrainingSample],
@@ -71,6 +73,7 @@ fn suspects_among(
         ))
     });
     let (frames, references): (Vec<usize>, Vec<Reference>) = pointed.unzip();
+    // Contradictions come in descending order, so the first one of a reference is its largest.
     let found = contradictions(&references, &ContradictionOptions::default());
     let suspect = |index: usize| {
         let mut against = found

@@ -1,4 +1,4 @@
-//! The references that the forest learns from.
+//! The references that the forest is trained on.
 
 use touchline_documents::document::{Document, FrameStatus};
 
@@ -6,17 +6,17 @@ use touchline_documents::document::{Document, FrameStatus};
 /// [`touchline_documents::document::Frame::is_used_for_training`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TrainingFrames {
-    /// The frames used for training, by their places.
+    /// Indices of the frames used for training.
     pub frames: Vec<usize>,
-    /// All references.
+    /// Number of references.
     pub references: usize,
-    /// References not used for training: accepted suggestions, frames judged Wrong, and those that
-    /// a person excluded.
+    /// Number of references not used for training: accepted suggestions, frames judged Wrong, and
+    /// those that the user excluded.
     pub withheld: usize,
 }
 
 impl TrainingFrames {
-    /// Those of a document; `all_references` takes accepted suggestions, too.
+    /// The training frames of a document; `all_references` includes accepted suggestions.
     #[must_use]
     pub fn of(document: &Document, all_references: bool) -> Self {
         let mut found = Self::default();
@@ -34,8 +34,7 @@ impl TrainingFrames {
         found
     }
 
-    /// Those of a document that can be used by now: their camera's base is known and they are
-    /// solved.
+    /// The training frames of a document that are usable now: solved, with a known base.
     #[must_use]
     pub fn of_solved(document: &Document) -> Self {
         let mut found = Self::of(document, false);

@@ -1,4 +1,4 @@
-//! One reference as the forest learns from it.
+//! The training sample of one reference.
 
 use std::sync::Arc;
 use touchline_core::camera::{PanTilt, Ptz, PtzCamera};
@@ -6,26 +6,25 @@ use touchline_documents::document::{CameraId, Frame};
 use touchline_vision::features::{Descriptor, Features};
 use touchline_vision::relocalize::{Label, Samples};
 
-/// One reference as the forest learns from it: what its features look like and which rays they
-/// show.
+/// The training sample of one reference: its features and their rays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrainingSample {
-    /// The reference's place in the document.
+    /// Index of the reference in the document.
     pub frame: usize,
-    /// Its camera.
+    /// Id of its camera.
     pub camera: CameraId,
-    /// How it was pointed.
+    /// Pan, tilt and focal length of its label.
     pub ptz: Ptz,
-    /// How well that is known.
+    /// Uncertainty of the label.
     pub label: Label,
     /// Its features.
     pub features: Arc<Features>,
-    /// Which of them show a ray, and which ray in `base`.
+    /// Indices of the features that have a ray, with the ray in `base`.
     pub rays: Vec<(u32, PanTilt)>,
 }
 
 impl TrainingSample {
-    /// A frame whose camera is known, with its place in the document.
+    /// The sample of a frame with its index in the document and its camera.
     pub(super) fn new(
         (index, frame): (usize, &Frame),
         camera: &PtzCamera,
@@ -44,7 +43,7 @@ impl TrainingSample {
         }
     }
 
-    /// Adds it as one frame.
+    /// Adds it to the samples as one frame.
     pub(super) fn add_to(&self, samples: &mut Samples) {
         samples.add_frame(
             self.rays
@@ -53,7 +52,7 @@ impl TrainingSample {
         );
     }
 
-    /// Adds it as one frame that another camera took.
+    /// Adds it to the samples as one frame, with the rays of another camera.
     pub(super) fn add_as_taken_by(&self, camera: &PtzCamera, samples: &mut Samples) {
         let shown = self.rays.iter().map(|(feature, _)| *feature);
         let of_camera = |feature: u32| {
@@ -70,7 +69,7 @@ impl TrainingSample {
     }
 }
 
-/// The ray that a feature shows; beyond the fold of a lens a point shows none.
+/// The ray of a feature; none beyond the fold of the lens.
 fn ray(camera: &PtzCamera, features: &Features, feature: u32) -> Option<PanTilt> {
     camera
         .ray_from_image(features.keypoints[feature as usize].point)

@@ -1,4 +1,4 @@
-//! What a forest is trained on: it tells whether the forest has to be trained again.
+//! The identity of a training set, which tells whether a forest has to be trained again.
 
 use serde_json::json;
 use sha2::{Digest, Sha256};
@@ -6,14 +6,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::geometry::hex;
 use touchline_documents::document::{CameraId, Document};
 
-/// Everything about the references that the forest depends on: their pictures, masks and cameras.
+/// Digests of everything in the references that the forest depends on: pictures, masks and cameras.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TrainingSet {
     training_samples: BTreeSet<[u8; 16]>,
 }
 
 impl TrainingSet {
-    /// The training set that some frames of a document make.
+    /// The training set of some frames of a document.
     #[must_use]
     pub fn of(document: &Document, training_frames: &[usize]) -> Self {
         let mut cameras = BTreeMap::<&CameraId, String>::new();
@@ -22,6 +22,7 @@ impl TrainingSet {
             .iter()
             .filter_map(|&index| document.frames.get(index))
         {
+            // Digest the serialised inputs. Cameras are serialised once each.
             let camera = cameras.entry(&frame.camera).or_insert_with(|| {
                 document
                     .camera_of(frame)
@@ -53,13 +54,13 @@ impl TrainingSet {
         self.training_samples.is_empty()
     }
 
-    /// Whether all of `other` is in it: then a forest of `other` still holds nothing wrong.
+    /// Whether it contains all of `other`: then a forest of `other` is incomplete, but not wrong.
     #[must_use]
     pub fn contains(&self, other: &Self) -> bool {
         self.training_samples.is_superset(&other.training_samples)
     }
 
-    /// A name for exactly this, 32 hexadecimal digits.
+    /// A fingerprint of the set, 32 hexadecimal digits.
     #[must_use]
     pub fn fingerprint(&self) -> String {
         let mut digest = Sha256::new();

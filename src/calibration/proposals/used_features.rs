@@ -1,4 +1,4 @@
-//! What the forest made of a picture's features: to be looked at over the picture.
+//! The use of a picture's features by the forest, for display over the picture.
 
 use super::FrameFeatures;
 use std::collections::BTreeSet;
@@ -8,29 +8,29 @@ use touchline_vision::relocalize::{
     ForestModel, PoseOptions, RelocalizeOptions, candidates_of, pose_of_moving,
 };
 
-/// The features of a frame, and what became of each.
+/// The features of a frame and their use.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UsedFeatures {
-    /// The frame.
+    /// Id of the frame.
     pub frame: FrameId,
-    /// Where they are, px, and what became of them.
+    /// Positions, px, and use of each.
     pub features: Vec<(ImagePoint, FeatureUse)>,
 }
 
-/// What became of a feature.
+/// The use of a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum FeatureUse {
-    /// It looks like nothing in the references.
+    /// It resembles no feature of the references.
     Kept,
-    /// It looks like something in them.
+    /// It resembles a feature of the references.
     Matched,
-    /// It agrees with the camera that was found.
+    /// It is an inlier of the camera that was found.
     Agrees,
 }
 
 impl UsedFeatures {
-    /// Asks a forest for a frame and keeps what it made of each feature. Without a forest of its
-    /// camera, or a base, they are only kept.
+    /// Queries a forest for a frame and records the use of each feature. Without a forest or a base
+    /// of its camera, none is matched.
     #[must_use]
     pub fn of(
         document: &Document,
@@ -52,6 +52,8 @@ impl UsedFeatures {
                 features,
             };
         };
+        // Predict and estimate the pose as for a proposal, within the plausible ranges of the
+        // forest.
         let matches = candidates_of(&found.features, &forest.forest, &options.predict);
         let ranges = options
             .pose
@@ -66,7 +68,8 @@ impl UsedFeatures {
         let agreeing = pose_of_moving(&matches, &found.features, &base, seen, &pose)
             .map(|(pose, _)| pose.inliers);
         let agreeing: BTreeSet<usize> = agreeing.unwrap_or_default().into_iter().collect();
-        // Matches are features in their order, without those that match nothing.
+        // Matches come in the order of the features, without those that match nothing; merge the
+        // two lists by position.
         let mut at = 0;
         for (point, used) in &mut features {
             if at < matches.len() && matches.point(at) == *point {
@@ -84,7 +87,7 @@ impl UsedFeatures {
         }
     }
 
-    /// How many became at least this.
+    /// Number of features with at least this use.
     #[must_use]
     pub fn count(&self, at_least: FeatureUse) -> usize {
         self.features

@@ -1,4 +1,4 @@
-//! One frame that two annotators have labelled.
+//! The agreement of two annotators on one frame.
 
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldModel, LandmarkId};
@@ -6,63 +6,63 @@ use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec2};
 use touchline_core::score::{camera_error, iou_part};
 use touchline_documents::document::{Document, Frame, FrameStatus, Target};
 
-/// Two clicks nearer than this mean the same spot, whatever it is called, px at 1920 px width: five
+/// Two clicks closer than this mean the same point, whatever its name, px at 1920 px width: five
 /// sigmas of the difference of two ordinary clicks.
 const SAME_SPOT_PX: f64 = 15.0;
 
-/// Where a corner of the picture shows no ground nearer than this, a point so far away stands for
-/// it, m.
+/// If a corner of the picture shows no ground within this distance, it is represented by a point
+/// that far along its ray, m.
 const FAR_M: f64 = 300.0;
 
 /// How two annotators agree on a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameAgreement {
-    /// What messages call it.
+    /// Name of the frame in messages.
     pub name: String,
-    /// Its place in the first document and in the second.
+    /// Its indices in the first and in the second document.
     pub frames: [usize; 2],
     /// The landmarks that both clicked.
     pub clicks: Vec<ClickPair>,
     /// The landmarks that only the first clicked, and only the second.
     pub lone_clicks: [Vec<LandmarkId>; 2],
-    /// Spots that the two call differently.
+    /// Points that the two name differently.
     pub names: Vec<NameDispute>,
-    /// How their cameras differ; none unless both have one that a person made or accepted.
+    /// The difference of their cameras; none unless both have one that a person made or accepted.
     pub cameras: Option<CameraAgreement>,
-    /// The pictures differ in size: nothing of this frame is compared.
+    /// Whether the pictures differ in size; the frame is then not compared.
     pub sizes_differ: bool,
 }
 
 /// A landmark that both clicked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClickPair {
-    /// Which.
+    /// Id of the landmark.
     pub landmark: LandmarkId,
-    /// The click's place in the first document's frame and in the second's.
+    /// Indices of the click in the first document's frame and in the second's.
     pub clicks: [usize; 2],
-    /// From the first's click to the second's, px at 1920 px width.
+    /// Offset from the first's click to the second's, px at 1920 px width.
     pub offset_px: Vec2,
 }
 
-/// A spot that two annotators call differently: one says near, the other far.
+/// A point that two annotators name differently: one says near, the other far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NameDispute {
-    /// What the first calls it, and what the second.
+    /// Its name by the first and by the second annotator.
     pub names: [LandmarkId; 2],
-    /// The click's place in the first document's frame and in the second's.
+    /// Indices of the click in the first document's frame and in the second's.
     pub clicks: [usize; 2],
-    /// How far apart the two clicks are, px at 1920 px width.
+    /// Distance of the two clicks, px at 1920 px width.
     pub apart_px: f64,
 }
 
-/// How the cameras of a frame differ: the second's less the first's.
+/// The difference of two cameras of a frame: the second minus the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraAgreement {
     /// Intersection over union of the part of the field that the picture shows; none where it shows
     /// none.
     pub iou_part: Option<f64>,
-    /// How far the worst corner of the picture lies from where the other camera has it, px at 1920
-    /// px width; infinite where that one does not see it.
+    /// Distance between the projections of what the worst corner of the picture shows, px at 1920
+    /// px width; infinite if the other camera does not see it.
     pub worst_corner_px: f64,
     /// Pan of the optical axis.
     pub pan: Angle,
@@ -73,7 +73,7 @@ pub struct CameraAgreement {
 }
 
 impl FrameAgreement {
-    /// The distance of the clicks that lie farthest apart, px at 1920 px width; none without any.
+    /// The largest distance of a pair of clicks, px at 1920 px width; none without any.
     #[must_use]
     pub fn largest_px(&self) -> Option<f64> {
         self.clicks.iter().map(ClickPair::apart_px).reduce(f64::max)
@@ -87,19 +87,20 @@ impl ClickPair {
         self.offset_px.norm()
     }
 
-    /// Whether both lie at the same place to the last digit.
+    /// Whether both positions are equal to the last digit.
     #[must_use]
     pub fn is_copy(&self) -> bool {
         self.offset_px == Vec2::zeros()
     }
 
-    /// The offset scaled so that each coordinate has the variance of one click.
+    /// The offset divided by √2: each coordinate then has the variance of a single click, since
+    /// that of a difference is twice as large.
     pub(super) fn difference(&self) -> Vec2 {
         self.offset_px / std::f64::consts::SQRT_2
     }
 }
 
-/// A frame as one of the two has it.
+/// A frame of one of the two documents.
 pub(super) struct Seen<'a> {
     pub document: &'a Document,
     pub frame: &'a Frame,
@@ -107,7 +108,7 @@ pub(super) struct Seen<'a> {
 }
 
 impl Seen<'_> {
-    /// The clicks on landmarks: which, where, and their places in the frame.
+    /// The clicks on landmarks: id, position, and index in the frame.
     fn landmarks(&self) -> Vec<(&LandmarkId, ImagePoint, usize)> {
         let clicks = self.frame.clicks.iter().enumerate();
         clicks
@@ -122,6 +123,7 @@ impl Seen<'_> {
 
     /// The camera that this annotator made or accepted.
     fn camera(&self) -> Option<PtzCamera> {
+        // Suggestions and rejected frames are not the annotator's own statement.
         let own = !matches!(
             self.frame.status,
             FrameStatus::Suggested | FrameStatus::Rejected
@@ -130,7 +132,7 @@ impl Seen<'_> {
     }
 }
 
-/// Compares a frame; `field` is the first's.
+/// Compares a frame. `field` is that of the first document.
 pub(super) fn frame_agreement(
     first: &Seen<'_>,
     second: &Seen<'_>,
@@ -150,6 +152,7 @@ pub(super) fn frame_agreement(
         return found;
     }
     let scale = size.scale_from_1920();
+    // Pair clicks on the same landmark; those without a partner are listed apart.
     let (ones, others) = (first.landmarks(), second.landmarks());
     for (id, at, click) in &ones {
         match others.iter().find(|(other, ..)| other == id) {
@@ -167,6 +170,8 @@ pub(super) fn frame_agreement(
         .map(|(id, ..)| (*id).clone())
         .collect();
     let cameras = (first.camera(), second.camera());
+    // Whether two landmarks coincide in the picture depends on the camera; either annotator's will
+    // do.
     found.names = disputed_names(&ones, &others, scale, |a, b| {
         let camera = cameras.0.as_ref().or(cameras.1.as_ref());
         camera.is_some_and(|camera| lie_together(camera, field, a, b, scale))
@@ -184,8 +189,9 @@ pub(super) fn frame_agreement(
     found
 }
 
-/// Clicks of the two that lie at one spot under different names. A click whose namesake lies there
-/// too is no dispute, nor are two landmarks that the picture shows at one spot.
+/// Pairs of clicks at one point with different names. A click is not disputed if the other
+/// annotator clicked the same name there as well, nor if the picture shows both landmarks at one
+/// point.
 fn disputed_names(
     ones: &[(&LandmarkId, ImagePoint, usize)],
     others: &[(&LandmarkId, ImagePoint, usize)],
@@ -204,6 +210,7 @@ fn disputed_names(
         .iter()
         .filter(|(id, at, _)| !has_namesake_near(id, *at, others))
     {
+        // The nearest click of the other with another name that is disputed as well.
         let near = others
             .iter()
             .filter(|(other, there, _)| other != id && !has_namesake_near(other, *there, ones))
@@ -222,7 +229,7 @@ fn disputed_names(
     found
 }
 
-/// Whether a camera shows two landmarks so near to each other that clicks do not tell them apart.
+/// Whether a camera projects two landmarks so close together that clicks do not separate them.
 fn lie_together(
     camera: &PtzCamera,
     field: &FieldModel,
@@ -241,11 +248,12 @@ fn lie_together(
         .is_some_and(|(a, b)| a.distance_px(b) <= 2.0 * SAME_SPOT_PX * scale)
 }
 
-/// How far from its place another camera has what a corner of the picture shows, px, at the worst
-/// corner.
+/// The distance, px, between a corner of the picture and the projection by the other camera of the
+/// ground point that the first one shows there, for the worst corner.
 fn worst_corner_px(one: &PtzCamera, other: &PtzCamera, size: ImageSize) -> f64 {
     let off = |corner: ImagePoint| {
         let position = one.base().position_m;
+        // The ground point at the corner, if it is near enough, else a point far along the ray.
         let on_ground = one
             .plane_from_image(corner, 0.0)
             .filter(|point| (point - position).norm() <= FAR_M);

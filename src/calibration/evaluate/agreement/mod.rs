@@ -1,9 +1,9 @@
-//! Two documents of the same frames: how far two annotators agree.
+//! Comparison of two documents of the same frames: how well two annotators agree.
 //!
-//! Neither is the truth. Compared are the clicks on the same landmarks (a click on a line may lie
-//! anywhere on it, so it takes no part), the names given to the same spots, and the cameras. All
-//! distances are px at 1920 px width, so that pictures of any size count alike; offsets go from the
-//! first document to the second.
+//! Neither is the truth. Compared are clicks on the same landmarks, the names given to the same
+//! points, and the cameras. Clicks on lines take no part, because they may lie anywhere on their
+//! line. All distances are px at 1920 px width, so that pictures of any size count alike; offsets
+//! point from the first document to the second.
 
 mod frame;
 
@@ -25,52 +25,53 @@ pub struct Agreement {
     pub frames: Vec<FrameAgreement>,
     /// The frames that only one of them has labelled.
     pub lone: Vec<LoneFrame>,
-    /// By landmark, those that lie farthest apart first.
+    /// By landmark, in descending order of the median distance.
     pub landmarks: Vec<LandmarkAgreement>,
-    /// The distances of the clicks on the same landmarks, px; none without any.
+    /// Distances of the clicks on the same landmarks, px; none without any.
     pub distances: Option<Summary>,
-    /// The click noise of either annotator, if both scatter alike, px; none where the clicks are
-    /// too few to tell. A spot that the two understand differently counts as scatter.
+    /// The click noise of one annotator, px, if both have the same; none if there are too few
+    /// clicks. A landmark that the two understand differently counts as noise.
     pub noise: Option<ClickScatter>,
-    /// The same to the right and downwards.
+    /// The same along x (right) and y (down).
     pub noise_by_axis: [Option<ClickScatter>; 2],
-    /// Clicks that lie at the same place to the last digit: one document took them from the other.
-    /// They take no part in distances and noise.
+    /// Number of clicks with equal positions to the last digit: one document copied them from the
+    /// other. They take no part in distances and noise.
     pub copies: usize,
 }
 
 /// A frame that only one of the two has labelled.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LoneFrame {
-    /// What messages call it.
+    /// Name of the frame in messages.
     pub name: String,
-    /// Its place in the first document and in the second; none where it is not there.
+    /// Its indices in the first and in the second document; none where it is missing.
     pub frames: [Option<usize>; 2],
-    /// Labelled in the first document, else in the second.
+    /// Whether it is labelled in the first document, else in the second.
     pub by_first: bool,
-    /// The other one has marked it as not calibratable.
+    /// Whether the other annotator marked it as not calibratable.
     pub rejected: bool,
 }
 
-/// How far apart the two click a landmark.
+/// The agreement of the two on a landmark.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LandmarkAgreement {
-    /// Which.
+    /// Id of the landmark.
     pub landmark: LandmarkId,
-    /// How many frames.
+    /// Number of frames.
     pub pairs: usize,
     /// The median distance, px.
     pub median_px: f64,
-    /// Nine of ten lie within, px.
+    /// 90th percentile of the distance, px.
     pub p90_px: f64,
-    /// The median way from the first to the second, px: a spot that the two understand differently.
+    /// Median offset from the first to the second, px: large if the two understand the landmark
+    /// differently.
     pub offset_px: Vec2,
-    /// One annotator's click noise, px; none where the frames are too few to tell.
+    /// Click noise of one annotator, px; none if there are too few frames.
     pub noise: Option<ClickScatter>,
 }
 
 impl Agreement {
-    /// One annotator's click noise, in a sentence.
+    /// Click noise of one annotator, as a sentence.
     #[must_use]
     pub fn describe_noise(&self) -> String {
         let copies = match self.copies {
@@ -96,7 +97,7 @@ impl Agreement {
         )
     }
 
-    /// Whether there is anything to compare but copies.
+    /// Whether there is anything to compare apart from copies.
     #[must_use]
     pub fn says_something(&self) -> bool {
         self.distances.is_some() || self.frames.iter().any(|frame| !frame.names.is_empty())
@@ -118,6 +119,7 @@ pub fn agreement(first: DocumentAt<'_>, second: DocumentAt<'_>) -> Result<Agreem
         if let Some(partner) = partner {
             met[*partner] = true;
         }
+        // Both labelled: compare. One only: list it.
         let labelled = (is_labelled(one), other.is_some_and(is_labelled));
         match (labelled, partner, other) {
             ((true, true), Some(partner), Some(other)) => {
@@ -143,6 +145,7 @@ pub fn agreement(first: DocumentAt<'_>, second: DocumentAt<'_>) -> Result<Agreem
             _ => {}
         }
     }
+    // Frames of the second document without a partner.
     for (index, other) in second
         .frames
         .iter()
@@ -154,7 +157,7 @@ pub fn agreement(first: DocumentAt<'_>, second: DocumentAt<'_>) -> Result<Agreem
     Ok(summed_up(frames, lone))
 }
 
-/// Whether an annotator has said anything about what the frame shows.
+/// Whether an annotator has labelled anything in the frame.
 fn is_labelled(frame: &Frame) -> bool {
     let named = frame.clicks.iter().any(|click| click.target.is_some());
     match frame.status {
@@ -179,6 +182,8 @@ fn lone_frame(
     }
 }
 
+/// Statistics over all frames and by landmark. Copies count for neither, because they are no second
+/// measurement.
 fn summed_up(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
     let pairs = || frames.iter().flat_map(|frame| &frame.clicks);
     let own = || pairs().filter(|pair| !pair.is_copy());

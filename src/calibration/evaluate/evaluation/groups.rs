@@ -1,9 +1,9 @@
-//! Frames taken together.
+//! Groups of frames.
 
 use super::{Evaluation, FrameResult, FrameScores, Measure};
 use touchline_core::score::{SigmaCoverage, Summary};
 
-/// What makes frames a group.
+/// The criterion of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum GroupKind {
@@ -30,27 +30,27 @@ impl GroupKind {
     }
 }
 
-/// Some frames and what they score together. Errors are those of the frames that have a camera:
-/// read them beside the completeness.
+/// A group of frames and its scores. Errors are those of frames with a camera: read them together
+/// with the completeness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameGroup {
-    /// What makes it a group.
+    /// Criterion of the group.
     pub kind: GroupKind,
-    /// Which one: the shot's or camera's name, the range of the field of view in degrees.
+    /// Name of the group: shot, camera, or range of the field of view in degrees.
     pub name: String,
-    /// Frames with a truth.
+    /// Number of frames with a truth.
     pub frames: usize,
-    /// Those of them that the estimate has a camera for.
+    /// Number of those that have a camera in the estimate.
     pub scored: usize,
-    /// Every measure that some frame gives, over the frames.
+    /// Summaries over the frames of every measure that some frame has.
     pub measures: Vec<(Measure, Summary)>,
-    /// All clicks that the estimates were made from, each by itself, px.
+    /// Distances of all clicks from which the estimates were made, px.
     pub clicks_px: Option<Summary>,
-    /// All clicks that they were not made from, px.
+    /// Distances of all other clicks, px.
     pub held_out_px: Option<Summary>,
-    /// The same on the ground, m.
+    /// Distances of these on the ground, m.
     pub held_out_m: Option<Summary>,
-    /// How the stated sigmas match the errors.
+    /// Calibration of the stated sigmas.
     pub coverage: Option<SigmaCoverage>,
 }
 
@@ -85,6 +85,8 @@ impl FrameGroup {
             .iter()
             .filter_map(|frame| frame.scores.as_ref().ok())
             .collect();
+        // Clicks are pooled over frames, so that frames with many clicks count for more; measures
+        // are one value per frame.
         let pooled = |of: fn(&FrameScores) -> &[f64]| {
             let values: Vec<f64> = scored
                 .iter()
@@ -103,6 +105,8 @@ impl FrameGroup {
             let summary = Summary::of(&values(measure), seed)?;
             Some((measure, summary))
         });
+        // The measure is the root mean square over three parameters; the coverage needs their sum,
+        // χ² with three degrees of freedom.
         let squared: Vec<f64> = values(Measure::Sigmas)
             .iter()
             .map(|sigmas| 3.0 * sigmas * sigmas)
@@ -122,8 +126,8 @@ impl FrameGroup {
 }
 
 impl Evaluation {
-    /// All frames together, then by shot, by camera and by field of view; of a kind with a single
-    /// group nothing is repeated. The seed decides the bootstrap intervals.
+    /// All frames together, then by shot, by camera and by field of view. A criterion with a single
+    /// group is left out. `seed` determines the bootstrap intervals.
     #[must_use]
     pub fn groups(&self, seed: u64) -> Vec<FrameGroup> {
         let all: Vec<&FrameResult> = self.frames.iter().collect();
@@ -144,6 +148,7 @@ impl Evaluation {
         seed: u64,
     ) {
         let mut names: Vec<String> = self.frames.iter().filter_map(name).collect();
+        // Natural order: shot 2 before shot 10.
         alphanumeric_sort::sort_str_slice(&mut names);
         names.dedup();
         if names.len() < 2 {

@@ -1,6 +1,6 @@
-//! The numbers by which a frame is judged.
+//! The measures of a frame.
 
-/// One number of a frame. Errors are magnitudes.
+/// A measure of a frame. Errors are absolute values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Measure {
@@ -18,32 +18,32 @@ pub enum Measure {
     Focal,
     /// Focal length, per cent.
     FocalPercent,
-    /// The distance of the centres of projection.
+    /// Distance of the centres of projection.
     Position,
-    /// The mean distance of the landmarks in the picture from where the estimate puts them.
+    /// Mean distance of the landmarks in the picture from their estimated projections.
     Landmarks,
-    /// The largest of these.
+    /// Largest of these distances.
     WorstLandmark,
-    /// The mean distance on the ground.
+    /// Mean distance of the landmarks on the ground.
     LandmarksOnGround,
-    /// The median distance of the clicks that the estimate was made from.
+    /// Median distance of the clicks from which the estimate was made.
     Clicks,
-    /// The median distance of the clicks that it was not made from.
+    /// Median distance of the clicks from which it was not made.
     HeldOutClicks,
-    /// The same on the ground.
+    /// Median distance of these on the ground.
     HeldOutOnGround,
-    /// The share of markings within 5 px at 960 px width.
+    /// Share of markings within 5 px at 960 px width.
     Jaccard5,
-    /// Within 10 px.
+    /// Share of markings within 10 px.
     Jaccard10,
-    /// Within 20 px.
+    /// Share of markings within 20 px.
     Jaccard20,
-    /// The error of pan, tilt and focal length in the estimate's own sigmas, a root mean square.
+    /// Root mean square error of pan, tilt and focal length in units of the estimate's own sigmas.
     Sigmas,
 }
 
 impl Measure {
-    /// All of them, in the order of tables.
+    /// All measures, in the order of tables.
     pub const ALL: [Self; 18] = [
         Self::IouPart,
         Self::IouWhole,
@@ -90,7 +90,7 @@ impl Measure {
         }
     }
 
-    /// What a person reads, with the unit.
+    /// Label for people, with the unit.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
@@ -115,7 +115,7 @@ impl Measure {
         }
     }
 
-    /// Shares of which more is better; everything else is an error.
+    /// Whether larger values are better; false for errors.
     #[must_use]
     pub const fn more_is_better(self) -> bool {
         matches!(

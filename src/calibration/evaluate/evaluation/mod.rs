@@ -1,8 +1,9 @@
-//! Two documents of the same frames: how far the cameras of one are from the truth of the other.
+//! Comparison of an estimate with the truth: the cameras of one document against those of another
+//! document of the same frames.
 //!
-//! The truth may hold cameras, clicks or both; what it does not hold is not measured. Clicks show
-//! what people can see, so a truth of clicks alone (real frames) says how far lines and landmarks
-//! are off, not how far pan, tilt and focal length are.
+//! The truth may hold cameras, clicks or both; what it lacks is not measured. A truth of clicks
+//! alone (real frames) measures errors of lines and landmarks in the picture, not those of pan,
+//! tilt and focal length.
 
 mod groups;
 mod measure;
@@ -24,21 +25,21 @@ use touchline_core::solve::ObservationError;
 use touchline_documents::document::{CameraId, Clip, Document, Frame, FrameStatus};
 use touchline_documents::document::{DocumentAt, Fields};
 
-/// How an estimate compares with a truth.
+/// The comparison of an estimate with a truth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Evaluation {
-    /// Every frame of which the truth knows something, in its order.
+    /// Every frame of which the truth holds a camera or clicks, in its order.
     pub frames: Vec<FrameResult>,
-    /// Frames of the estimate that the truth lacks or knows nothing of, by name.
+    /// Names of the estimate's frames without a truth.
     pub without_truth: Vec<String>,
 }
 
-/// One frame.
+/// The result of one frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrameResult {
-    /// What messages call it.
+    /// Name of the frame in messages.
     pub name: String,
-    /// Its number in the truth.
+    /// Index of the frame in the truth.
     pub index: usize,
     /// Its shot.
     pub clip: Option<Clip>,
@@ -47,7 +48,7 @@ pub struct FrameResult {
     /// The horizontal field of view: the true camera's, else the estimate's.
     #[serde(rename = "view_deg")]
     pub view: Option<Angle>,
-    /// What it scores, or why it has no score.
+    /// Its scores, or why it has none.
     #[serde(serialize_with = "scores_or_reason")]
     pub scores: Result<FrameScores, Unscored>,
 }
@@ -70,10 +71,10 @@ pub enum Unscored {
     /// No frame of the estimate shows this picture.
     #[error("the estimate has no such frame")]
     Absent,
-    /// The frame is there without a camera.
+    /// The estimate has the frame, without a camera.
     #[error("the estimate has no camera for it{}", reason.as_ref().map(|reason| format!(": {reason}")).unwrap_or_default())]
     NoCamera {
-        /// The warning that says why.
+        /// The warning with the reason.
         reason: Option<String>,
     },
     /// The pictures differ in size: px of one are not px of the other.
@@ -81,12 +82,12 @@ pub enum Unscored {
         "the truth's picture is {} × {} px, the estimate's {} × {} px", truth.width, truth.height, estimate.width, estimate.height
     )]
     SizeDiffers {
-        /// The truth's.
+        /// Size in the truth.
         truth: ImageSize,
-        /// The estimate's.
+        /// Size in the estimate.
         estimate: ImageSize,
     },
-    /// A click of the truth names what the estimate's field lacks.
+    /// A click of the truth is on a target that the estimate's field lacks.
     #[error("the fields differ: {0}")]
     Field(#[from] ObservationError),
 }
@@ -100,7 +101,7 @@ pub enum EvaluationError {
     Field {
         /// "truth" or "estimate".
         which: &'static str,
-        /// What is wrong with it.
+        /// The error of the field.
         source: FieldError,
     },
     /// No frame of the truth has a camera or a named click.
@@ -125,6 +126,7 @@ pub fn evaluate(
     let true_fields = fields(truth, "truth")?;
     let estimated_fields = fields(estimate, "estimate")?;
     let partners = matched(truth, estimate);
+    // Frames of which the truth knows something; without any there is nothing to evaluate.
     let known: Vec<usize> = (0..truth.frames.len())
         .filter(|&index| is_known(&truth, &truth.frames[index]))
         .collect();
@@ -154,6 +156,7 @@ pub fn evaluate(
         }
     };
     let frames: Vec<FrameResult> = known.par_iter().map(one).collect();
+    // The estimate's frames that no known frame was matched to.
     let mut has_truth = vec![false; estimate.frames.len()];
     for partner in known.iter().filter_map(|&index| partners[index]) {
         has_truth[partner] = true;

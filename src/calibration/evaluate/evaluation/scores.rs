@@ -1,4 +1,4 @@
-//! One frame: the truth's clicks and camera against the estimate's camera.
+//! The scores of one frame: clicks and camera of the truth against the camera of the estimate.
 
 use super::Measure;
 use crate::calibrate::observations;
@@ -14,21 +14,21 @@ use touchline_core::score::{
 use touchline_core::solve::{Observation, ObservationError};
 use touchline_documents::document::{Frame, Target};
 
-/// What a frame scores.
+/// The scores of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameScores {
     values: [Option<f64>; Measure::ALL.len()],
-    /// The distance of each click that the estimate was made from, px; infinite where the estimate
-    /// does not show its target.
+    /// Distance of each click from which the estimate was made, px; infinite if the estimate does
+    /// not show its target.
     pub clicks_px: Vec<f64>,
-    /// The same of the clicks that it was not made from.
+    /// Distance of each click from which it was not made, px.
     pub held_out_px: Vec<f64>,
-    /// The distances on the ground of those that show landmarks on the ground, m.
+    /// Distances on the ground of those of them that are on ground landmarks, m.
     pub held_out_m: Vec<f64>,
 }
 
 impl FrameScores {
-    /// A number; none where the frame does not give it.
+    /// The value of a measure; none if the frame does not give it.
     #[must_use]
     pub fn get(&self, measure: Measure) -> Option<f64> {
         self.values[measure as usize]
@@ -39,7 +39,7 @@ impl FrameScores {
     }
 }
 
-/// The measures that the frame gives by their keys, and the clicks' distances.
+/// The measures of the frame by their keys, and the distances of the clicks.
 impl Serialize for FrameScores {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
@@ -62,7 +62,7 @@ pub(super) struct TrueFrame<'a> {
     pub camera: Option<PtzCamera>,
 }
 
-/// Compares a frame with what the estimate's frame shows.
+/// Scores the estimate's camera in a frame of the truth.
 ///
 /// # Errors
 /// A click of the truth names something that the estimate's field lacks.
@@ -74,6 +74,8 @@ pub(super) fn scores(
     let mut scores = FrameScores::default();
     let size = truth.frame.image_size;
     add_clicks(&mut scores, truth.frame, estimate, shown)?;
+    // The lines for JaC: projected by the true camera if there is one, else those that were
+    // clicked.
     let annotated = match &truth.camera {
         Some(true_camera) => {
             add_camera(
@@ -100,6 +102,7 @@ pub(super) fn scores(
 }
 
 fn add_camera(scores: &mut FrameScores, truth: FieldView, estimate: FieldView, size: ImageSize) {
+    // The errors of the parameters, then those of the field in the picture and on the ground.
     let error = camera_error(truth.camera, estimate.camera);
     scores.set(
         Measure::IouPart,
@@ -115,6 +118,7 @@ fn add_camera(scores: &mut FrameScores, truth: FieldView, estimate: FieldView, s
     scores.set(Measure::Focal, Some(error.focal_px.abs()));
     scores.set(Measure::FocalPercent, Some(error.focal_percent.abs()));
     scores.set(Measure::Position, Some(error.position_m));
+    // A landmark that the estimate cannot project has an infinite error in the picture.
     let landmarks = landmark_errors(truth, estimate, size);
     let in_image: Vec<f64> = landmarks
         .iter()
@@ -138,6 +142,7 @@ fn add_sigmas(scores: &mut FrameScores, truth: &PtzCamera, estimate: &PtzCamera,
         .solution
         .as_ref()
         .and_then(|solution| solution.covariance);
+    // Squared Mahalanobis distance of the error, divided by three parameters.
     let squared = stated.and_then(|covariance| squared_sigmas(error, &covariance));
     scores.set(
         Measure::Sigmas,
@@ -145,10 +150,10 @@ fn add_sigmas(scores: &mut FrameScores, truth: &PtzCamera, estimate: &PtzCamera,
     );
 }
 
-/// How far an estimate's pan (deg), tilt (deg) and focal length (px) are from the truth's, each in
-/// its own base: that is what the stated covariance is of. It has the base's error in it as far as
-/// pan and tilt follow that; in the truth's base they would err by the base's rotation as well. The
-/// pan gauge, which says nothing, is the same for both.
+/// The error of the estimate in pan (deg), tilt (deg) and focal length (px), each camera relative
+/// to its own base, as the stated covariance is. The error includes the part of the base's error
+/// that pan and tilt compensate. Relative to the true base, it would include the rotation between
+/// the bases as well. Both pans are relative to the pan gauge, which is arbitrary.
 fn error_in_own_bases(truth: &PtzCamera, estimate: &PtzCamera) -> Vec3 {
     let [true_pan, pan] =
         [truth, estimate].map(|camera| camera.ptz().pan + camera.base().in_pan_gauge().1);
@@ -160,8 +165,8 @@ fn error_in_own_bases(truth: &PtzCamera, estimate: &PtzCamera) -> Vec3 {
     )
 }
 
-/// A click of the truth was used where the estimate's frame holds a click on the same target that
-/// takes part in its solve.
+/// Adds the distances of the truth's clicks. A click counts as used if the estimate's frame has a
+/// click on the same target that takes part in its solve; all others are held out.
 fn add_clicks(
     scores: &mut FrameScores,
     truth: &Frame,
@@ -186,6 +191,7 @@ fn add_clicks(
                 .extend(on_ground_m(shown, target, &observation));
         }
     }
+    // The measures of the frame are medians over its clicks.
     let medians = [&scores.clicks_px, &scores.held_out_px, &scores.held_out_m]
         .map(|values| median(&mut values.clone()));
     for (measure, median) in [
@@ -215,7 +221,7 @@ fn on_ground_m(
     }
 }
 
-/// What people clicked on lines, line by line.
+/// The clicks on lines, by line.
 fn clicked_lines(truth: &TrueFrame) -> Vec<AnnotatedLine> {
     let mut annotated: Vec<AnnotatedLine> = Vec::new();
     for click in &truth.frame.clicks {

@@ -1,4 +1,4 @@
-//! What people did and what is suggested, against what is shown, journalled and undone.
+//! The user's edits and the suggestions, against what is shown, journalled and undone.
 
 use super::super::suggestions::KEPT_BASES;
 use super::*;
@@ -34,7 +34,7 @@ fn document(frames: usize) -> Document {
     document
 }
 
-/// What the forest says of a frame as it is now: a camera, or none.
+/// The forest's proposal for the present state of a frame: a camera, or none.
 fn proposal(document: &Document, position: usize, pan_deg: Option<f64>) -> Proposal {
     let answer = |pan_deg| Answer::at_pan(pan_deg, 0.9);
     let outcome = pan_deg.map(answer).ok_or(
@@ -72,7 +72,7 @@ struct Desk {
     now: Document,
     history: History<Document>,
     journal: Vec<Edit>,
-    /// The forest that answers.
+    /// Generation of the forest that answers.
     generation: u64,
 }
 
@@ -115,7 +115,7 @@ impl Desk {
             .extend(self.project.suggest(&mut self.now, batch, &offers));
     }
 
-    /// Carries cameras to frames: their positions and pans.
+    /// Tracks cameras to frames: their positions and pans.
     fn carry(&mut self, cameras: &[(usize, f64)]) -> BatchId {
         let offer = |(position, pan_deg): &(usize, f64)| {
             let record =
@@ -464,16 +464,16 @@ fn a_forest_whose_answers_were_discarded_is_not_listened_to_again() {
     desk.check();
 }
 
-/// Something that happens to a project.
+/// An event of a project.
 #[derive(Clone, Copy, Debug)]
 enum Happening {
     /// The forest answers for a frame: a pan, or nothing found.
     Answer(usize, Option<f64>),
     /// Another forest is trained.
     Learn,
-    /// Cameras are carried from a frame on.
+    /// Cameras are tracked from a frame on.
     Carry(usize, f64),
-    /// The camera is found without a click at a height, and its frames with it.
+    /// The camera is found by autocalibration at a height, with its frames.
     Find(f64, f64),
     /// The batch that a frame shows is discarded.
     Discard(usize),
