@@ -41,22 +41,22 @@ pub enum BaseEstimationError {
     Observation {
         /// The frame.
         frame: String,
-        /// What is wrong with the name.
+        /// The error of the name.
         source: ObservationError,
     },
-    /// The clicks give no base.
+    /// The clicks do not determine a base.
     #[error(transparent)]
     Base(#[from] BaseError),
 }
 
-/// All that the frames of a camera say about its base.
+/// The input for estimating the base of a camera: its frames with their clicks.
 #[derive(Clone, Debug)]
 pub struct BaseProblem {
     /// The camera.
     pub camera: CameraId,
-    /// The field it looks at.
+    /// The field that it shows.
     pub field: FieldModel,
-    /// Which frames of the document take part.
+    /// Indices in the document of the frames that take part.
     pub frames: Vec<usize>,
     /// Their clicks, in the same order.
     pub clicks: Vec<FrameClicks>,
@@ -65,20 +65,21 @@ pub struct BaseProblem {
     pub(super) previous: Option<CameraBase>,
 }
 
-/// An estimated base and where it comes from. Frames are numbered as in the document.
+/// An estimated base with its inputs. Frames are numbered as in the document.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EstimatedBase {
     /// The camera.
     pub camera: CameraId,
-    /// Which frames of the document took part: one for each of [`BaseEstimate::frames`].
+    /// Indices in the document of the frames that took part, one for each of
+    /// [`BaseEstimate::frames`].
     pub frames: Vec<usize>,
-    /// The estimate; its disputed clicks and mirrored frames bear the document's frame numbers.
+    /// The estimate; its disputed clicks and mirrored frames have the document's frame indices.
     pub estimate: BaseEstimate,
-    /// How well each landmark is hit, the worst first.
+    /// The residuals of each landmark, the worst landmark first.
     pub landmarks: Vec<LandmarkFit>,
-    /// The field's size, where it was fitted as well; empty: as assumed.
+    /// The fitted lengths of the field; empty if its size was not fitted.
     pub sizes: Vec<FittedSize>,
-    /// What the painted lines said, where they took part.
+    /// The evidence from painted lines, where they took part.
     pub on_paint: Option<Arc<OnPaint>>,
 }
 
@@ -89,29 +90,28 @@ pub struct LandmarkFit {
     pub id: LandmarkId,
     /// Median distance, px.
     pub median_px: f64,
-    /// How many clicks.
+    /// Number of clicks.
     pub clicks: usize,
-    /// The farthest of them: frame of the document and click, both from 0.
+    /// The click with the largest residual: its frame's index in the document, and its index in the
+    /// frame.
     pub worst: (usize, usize),
-    /// How far that one is off, px.
+    /// The residual of that click, px.
     pub worst_px: f64,
 }
 
 impl BaseProblem {
-    /// Gathers the clicks of a camera's frames: of all but the rejected ones and those left out.
-    /// `folder` is the document's.
+    /// Gathers the clicks of a camera's frames, except rejected frames and those excluded from the
+    /// base. `folder` is the document's.
     ///
-    /// # Errors
-    /// The document lacks the camera, its field is not valid, or a click names something that the
-    /// field lacks.
+    /// # Errors The document lacks the camera, its field is not valid, or a click names something
+    /// that the field lacks.
     pub fn of(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, BaseEstimationError> {
         Self::gathered(document, camera, |_| false)
     }
 
-    /// The same with the solved frames that nobody has clicked: their paint may say something.
+    /// The same, with solved frames that have no clicks: their paint may contribute.
     ///
-    /// # Errors
-    /// Those of [`Self::of`].
+    /// # Errors Those of [`Self::of`].
     pub(super) fn with_solved(
         document: DocumentAt<'_>,
         camera: &CameraId,
@@ -119,7 +119,7 @@ impl BaseProblem {
         Self::gathered(document, camera, |frame| frame.ptz.is_some())
     }
 
-    /// Frames of a camera on a field, by their indices, of which no click is known.
+    /// Frames of a camera, by their indices in the document, without any clicks.
     pub(crate) fn without_clicks(
         camera: &Camera,
         field: FieldModel,
@@ -144,7 +144,7 @@ impl BaseProblem {
         }
     }
 
-    /// Gathers the frames with clicks, and those without that are wanted all the same.
+    /// Gathers the frames with clicks, and those without clicks that satisfy `is_wanted`.
     fn gathered(
         document: DocumentAt<'_>,
         camera: &CameraId,
@@ -157,6 +157,7 @@ impl BaseProblem {
             })?;
         let field = document.model_of(document.field_of_camera(camera))?;
         let (mut frames, mut clicks) = (Vec::new(), Vec::new());
+        // Frames of another picture size cannot share the camera's lens and principal point.
         let of_camera =
             |frame: &Frame| frame.camera == *camera && frame.image_size == known.image_size;
         for (index, frame) in document
@@ -190,7 +191,7 @@ impl BaseProblem {
         })
     }
 
-    /// How many clicks take part.
+    /// Number of clicks that take part.
     #[must_use]
     pub fn click_count(&self) -> usize {
         self.clicks
@@ -219,7 +220,7 @@ impl BaseProblem {
         Ok(self.estimated(document, estimate))
     }
 
-    /// The clicks, ready for an adjustment.
+    /// The clicks as the input of an adjustment.
     pub(super) fn camera_clicks(&self) -> CameraClicks<'_> {
         CameraClicks {
             field: &self.field,
@@ -229,7 +230,7 @@ impl BaseProblem {
         }
     }
 
-    /// An estimate from these frames, as one of the document's.
+    /// An estimate from these frames, with the document's frame indices.
     pub(super) fn estimated(
         &self,
         document: &Document,
@@ -253,6 +254,8 @@ impl BaseProblem {
         }
     }
 
+    /// The distance of the clicks on each landmark from its projection with the new base, crown and
+    /// frame cameras. Landmarks are sorted by their median, the worst first.
     fn landmark_fits(&self, document: &Document, estimate: &BaseEstimate) -> Vec<LandmarkFit> {
         let field = FieldModel {
             crown_m: estimate.crown_m,
@@ -282,6 +285,7 @@ impl BaseProblem {
                 }
             }
         }
+        // The median is robust against a single wrong click, which `worst` names.
         let fit = |(id, mut errors): (&LandmarkId, Vec<(f64, usize, usize)>)| {
             errors.sort_by(|a, b| a.0.total_cmp(&b.0));
             let (worst_px, frame, click) = *errors.last()?;
@@ -301,9 +305,11 @@ impl BaseProblem {
 }
 
 impl EstimatedBase {
-    /// Writes position, rotation, lens and sigma into the camera, the crown and a fitted size into
-    /// its field; frames stay. Where there are several cameras, each gets a field of its own with
-    /// its crown: they may stand at different venues.
+    /// Writes position, rotation, lens and σ into the camera, and the crown and a fitted size into
+    /// its field. Frames are not changed.
+    ///
+    /// With several cameras, each gets a field of its own with its crown: they may be at different
+    /// venues.
     pub fn write_camera(&self, document: &mut Document) {
         set_field_size(document, &self.camera, &self.sizes);
         let base = &self.estimate.base;
@@ -327,14 +333,14 @@ impl EstimatedBase {
         }
     }
 
-    /// Marks the clicks that disagree and the frames named from the wrong side in the frames'
-    /// solutions; to be called after they have been solved with the new base.
+    /// Marks the clicks that disagree with the base and the frames with mirrored names in the
+    /// solutions of these frames. Call it after the frames have been solved with the new base.
     pub fn mark_disputes(&self, document: &mut Document) {
         let places: Vec<usize> = (0..document.frames.len()).collect();
         self.mark_disputes_in(document, &places);
     }
 
-    /// The same in some frames: by their places, ascending.
+    /// The same for some frames only, by their indices in the document, ascending.
     fn mark_disputes_in(&self, document: &mut Document, places: &[usize]) {
         let is_concerned = |index: usize| places.binary_search(&index).is_ok();
         for disputed in self
@@ -346,6 +352,8 @@ impl EstimatedBase {
             let Some(frame) = document.frames.get_mut(disputed.frame) else {
                 continue;
             };
+            // A click that fits another name clearly better gets a warning with that name, unless
+            // one of the frame's warnings suggests a name for it already.
             let named = frame
                 .clicks
                 .get(disputed.click)
@@ -383,6 +391,8 @@ impl EstimatedBase {
             .iter()
             .filter(|mirrored| is_concerned(mirrored.frame))
         {
+            // A mirrored frame is consistent in itself, so that no residual shows the error: set
+            // the verdict.
             let solution = document
                 .frames
                 .get_mut(mirrored.frame)
@@ -400,12 +410,11 @@ impl EstimatedBase {
         }
     }
 
-    /// Writes the base into the document: the camera, the crown, and every frame of the camera
-    /// solved anew from its clicks; what the estimate disputes is marked. Frames by hand or from
-    /// elsewhere keep their direction.
+    /// Writes the base into the document: the camera, the crown, and all frames of the camera,
+    /// solved again from their clicks. Clicks that disagree with the estimate are marked. Frames
+    /// whose camera was set manually or imported keep their direction.
     ///
-    /// # Errors
-    /// The camera's field is not valid with the crown.
+    /// # Errors The camera's field is not valid with the crown.
     pub fn write_to(
         &self,
         document: &mut Document,
@@ -417,9 +426,11 @@ impl EstimatedBase {
         Ok(self.write_frames(document, &before, folder, &places, &Progress::default())?)
     }
 
-    /// The part of [`Self::write_to`] that lies in frames, for some of them: the document has the
-    /// base already, `before` is without it. Where `progress` cancels this, frames have changed:
-    /// the document is to be dropped.
+    /// The part of [`Self::write_to`] that changes frames, for some of them by their indices.
+    /// `document` has the base already, `before` does not. If `progress` cancels this, some frames
+    /// have been changed and the document must be discarded. #R let turned_deg = before Pan zero is
+    /// a gauge. If the heading of the base changed, shift every pan by the difference, so that a
+    /// frame which is not solved again still looks in the same direction of the world.
     pub(super) fn write_frames(
         &self,
         document: &mut Document,
@@ -442,6 +453,7 @@ impl EstimatedBase {
                 .turn_from(self.estimate.base.angles().heading)
                 .degrees()
         });
+        // Rejected frames have no camera to keep.
         let of_camera =
             |frame: &Frame| frame.camera == self.camera && frame.status != FrameStatus::Rejected;
         let mut clicked = Vec::new();
@@ -471,6 +483,7 @@ impl EstimatedBase {
         {
             return Ok(());
         }
+        // Frames that were aligned to paint take precedence over their solution from clicks alone.
         if let Some(on_paint) = &self.on_paint {
             on_paint.write_frames(document, places);
         }
@@ -479,7 +492,7 @@ impl EstimatedBase {
     }
 }
 
-/// A camera that the clicks do not give with the new base is no longer known.
+/// Records a solution; a camera that the clicks no longer determine on the new base is removed.
 fn record_or_drop(frame: &mut Frame, solved: Result<&FrameSolution, &CalibrationError>) {
     match solved {
         Ok(solved) => frame.record(solved),
@@ -491,8 +504,11 @@ fn record_or_drop(frame: &mut Frame, solved: Result<&FrameSolution, &Calibration
     }
 }
 
-/// The camera that a frame's own clicks determine while no base is known: four or more landmarks on
-/// the ground. None where they do not.
+/// The camera that a frame's own clicks determine without a known base, from four or more landmarks
+/// on the ground; none if they do not.
+///
+/// A homography gives position, rotation and focal length. They are refined with a pinhole lens and
+/// the field's crown: one frame does not determine a lens.
 #[must_use]
 pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> Option<PtzCamera> {
     let camera = document.camera_of(frame)?;
@@ -521,7 +537,7 @@ pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> O
     let adjusted = adjust_base(&clicks, &start.base, &start.ptz, &model, &options);
     Some(PtzCamera::new(adjusted.base, (*adjusted.ptz.first()?)?))
 }
-/// What a frame named from the wrong side looks like, in numbers.
+/// Describes the residuals of a frame with mirrored names.
 #[must_use]
 pub fn describe_mirrored(mirrored: &MirroredFrame) -> String {
     let exchanged = match mirrored.symmetry {
