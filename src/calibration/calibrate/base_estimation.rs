@@ -27,7 +27,7 @@ use touchline_documents::document::{
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BaseEstimationError {
-    /// The document lacks the camera.
+    /// The camera is not in the document.
     #[error("camera {camera:?} is not in the document")]
     UnknownCamera {
         /// Its name.
@@ -36,7 +36,7 @@ pub enum BaseEstimationError {
     /// The field is not valid.
     #[error(transparent)]
     Field(#[from] FieldError),
-    /// A click names something that the field lacks.
+    /// A click names a landmark or line that the field does not have.
     #[error("{frame}: {source}")]
     Observation {
         /// The frame.
@@ -412,7 +412,7 @@ impl EstimatedBase {
 
     /// Writes the base into the document: the camera, the crown, and all frames of the camera,
     /// solved again from their clicks. Clicks that disagree with the estimate are marked. Frames
-    /// whose camera was set manually or imported keep their direction.
+    /// whose camera does not come from clicks keep their direction.
     ///
     /// # Errors The camera's field is not valid with the crown.
     pub fn write_to(
@@ -428,9 +428,7 @@ impl EstimatedBase {
 
     /// The part of [`Self::write_to`] that changes frames, for some of them by their indices.
     /// `document` has the base already, `before` does not. If `progress` cancels this, some frames
-    /// have been changed and the document must be discarded. #R let turned_deg = before Pan zero is
-    /// a gauge. If the heading of the base changed, shift every pan by the difference, so that a
-    /// frame which is not solved again still looks in the same direction of the world.
+    /// have been changed and the document must be discarded.
     pub(super) fn write_frames(
         &self,
         document: &mut Document,
@@ -446,6 +444,9 @@ impl EstimatedBase {
             .at(folder)
             .model_of(camera.field.as_ref().unwrap_or(&document.field))?;
         let before = before.camera(&self.camera).and_then(Camera::base);
+        // Pan zero is a gauge. If the heading of the base changed, shift every pan by the
+        // difference, so that a frame which is not solved again still looks in the same direction
+        // of the world.
         let turned_deg = before.map_or(0.0, |before| {
             before
                 .angles()
@@ -453,7 +454,6 @@ impl EstimatedBase {
                 .turn_from(self.estimate.base.angles().heading)
                 .degrees()
         });
-        // Rejected frames have no camera to keep.
         let of_camera =
             |frame: &Frame| frame.camera == self.camera && frame.status != FrameStatus::Rejected;
         let mut clicked = Vec::new();

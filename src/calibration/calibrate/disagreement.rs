@@ -20,8 +20,8 @@ const WITHIN: f64 = 50.0;
 /// The displacement of a corner that another camera has behind it, px.
 const BEHIND_PX: f64 = 20_000.0;
 
-/// How a frame lies to the solved frames before and after it, px at 1920 px width: root mean square
-/// over the picture's corners.
+/// Position of a frame relative to the solved frames before and after it, px at 1920 px width: root
+/// mean square over the corners of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disagreement {
     /// Distance from the straight way between the two neighbours, at whatever point of it the frame
@@ -57,9 +57,10 @@ pub fn disagreements(document: &Document) -> Vec<Option<Disagreement>> {
 pub struct Disagreements {
     cameras: Vec<Shared<Camera>>,
     frames: Frames,
-    /// The places of the solved frames of each shot.
+    /// The indices of the solved frames of each shot.
     shots: BTreeMap<ShotKey, BTreeSet<usize>>,
     found: Vec<Option<Disagreement>>,
+    /// Number of changes so far.
     edition: u64,
     /// The frames of the last changes, in order; the last one belongs to `edition`.
     changed: Vec<usize>,
@@ -150,7 +151,8 @@ impl Disagreements {
 
     fn change(&mut self, document: &Document, changed: &[usize]) {
         let before = std::mem::replace(&mut self.frames, document.frames.clone());
-        // Whoever last looked before this point is told to look at everything.
+        // After this, `changed_since` returns none for older editions, and callers have to look at
+        // all frames.
         if self.changed.len() >= REMEMBERED {
             self.changed.clear();
         }
@@ -177,8 +179,7 @@ impl Disagreements {
                 _ => None,
             };
             let found = three.and_then(|three| compare(document, three));
-            // Edition and list grow together, so that [`Self::changed_since`] can count from the
-            // end.
+            // Edition and list grow together, so that `changed_since` can count from the end.
             if found != self.found[index] {
                 self.edition += 1;
                 self.changed.push(index);
@@ -252,16 +253,14 @@ fn way(from: &Frame, from_index: usize, to: &Frame, to_index: usize) -> Option<f
 }
 
 /// The disagreement in R⁸, the displacements (x, y) of the four corners. In the middle frame's own
-/// picture they are 0, so its distance from the way is that of the origin from a segment. #R let
-/// apart Between neighbours the corners move along nearly straight lines. #R let scale The norm
-/// over four corners is √4 times their root mean square; convert to 1920 px width.
+/// picture they are 0, so its distance from the way is that of the origin from a segment.
 fn disagreement(own: &PtzCamera, from: Ptz, to: Ptz, image_size: ImageSize) -> Disagreement {
     let [from, to] =
         [from, to].map(|ptz| corners_off_px(own, &PtzCamera::new(*own.base(), ptz), image_size));
     let way = to - from;
-    // Between neighbours the corners move on lines that are nearly straight.
+    // Between neighbours the corners move along nearly straight lines.
     let apart = distance_from_segment(SVector::zeros(), [from, to]);
-    // Over four corners, at 1920 px width.
+    // The norm over four corners is √4 times their root mean square; convert to 1920 px width.
     let scale = 0.5 / image_size.scale_from_1920();
     Disagreement {
         apart_px: scale * apart,

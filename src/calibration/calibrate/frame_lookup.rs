@@ -4,10 +4,7 @@
 //! document quadratic in its length. The lookup therefore keeps, for each camera, the sorted values
 //! of its accepted frames and which frames have clicks; for each shot, the solved frames in the
 //! order of the video and the sorted speeds between them. A changed frame changes a few entries of
-//! these lists, and a prior that leaves one frame out is read off them without a copy. #R let near
-//! = self The answer is the added value or an element of the list: that at index `place` − 1 if the
-//! insertion shifted it up, or up to `place` + 2 if both removals shifted it down. It is the one
-//! whose range of ranks contains `place`.
+//! these lists, and a prior that leaves one frame out is read off them without a copy.
 
 use super::BaseReadiness;
 use std::collections::{BTreeMap, BTreeSet};
@@ -390,15 +387,14 @@ impl Shot {
             broken.extend(after.and_then(|to| rates(at, to)));
             made = before.zip(after).and_then(|(from, to)| rates(from, to));
         }
-        // The number of moves without the frame. #R let usual = |which The 90th percentile of the
-        // speeds, times the number of frames. It assumes that the camera keeps one direction, so it
-        // is an upper estimate of the motion.
+        // The number of moves without the frame.
         let count = self.rates[0].len() + usize::from(made.is_some()) - broken.len();
         if count < MIN_MOVES {
             return None;
         }
         let (from, frames) = self.nearest(moment)?;
-        // Nine of ten moves stay within this.
+        // The 90th percentile of the speeds, times the number of frames. It assumes that the camera
+        // keeps one direction, so it is an upper estimate of the motion.
         let usual = |which: usize| {
             let broken: Vec<f64> = broken.iter().map(|rates| rates[which]).collect();
             let made = made.map(|rates| rates[which]);
@@ -417,11 +413,11 @@ impl Shot {
     }
 
     /// The solved frame nearest in the video, of two equally near ones the earlier, and its
-    /// distance in frames, at least 1. None within [`WITHIN_FRAMES`]. #R let first_of Frames with
-    /// the same number are represented by the first of them, the frame itself excluded.
+    /// distance in frames, at least 1. None within [`WITHIN_FRAMES`].
     fn nearest(&self, moment: Moment) -> Option<(Ptz, u64)> {
         let number = moment.0;
-        // Of several with one number the first stands for all.
+        // Frames with the same number are represented by the first of them, the frame itself
+        // excluded.
         let first_of = |at: u64| {
             let mut of_number = self.solved.range((at, 0)..=(at, usize::MAX));
             of_number
@@ -509,9 +505,6 @@ impl Sorted {
     /// changing the list. Zero if the index is out of range.
     fn nth_of_changed(&self, place: usize, removed: &[f64], added: Option<f64>) -> f64 {
         // The number of values below (`is_lt`) or not above (`is_le`) a value in the changed list.
-        // #R let near = self Two removals and one insertion shift an index by at most two up and
-        // one down, so the answer is the added value or one of these four. It is the one whose
-        // range of ranks contains `place`.
         let rank = |value: f64, counts: fn(std::cmp::Ordering) -> bool| {
             let counts_value = |known: &f64| counts(known.total_cmp(&value));
             let before = self.0.partition_point(counts_value)
@@ -522,7 +515,9 @@ impl Sorted {
                     .filter(|removed| counts_value(removed))
                     .count()
         };
-        // As many places as it may be off.
+        // The answer is the added value or an element of the list: that at index `place` − 1 if the
+        // insertion shifted it up, or up to `place` + 2 if both removals shifted it down. It is the
+        // one whose range of ranks contains `place`.
         let near = self.0.iter().skip(place.saturating_sub(1)).take(4);
         let found = near.copied().chain(added).find(|value| {
             let (below, upto) = (

@@ -155,12 +155,7 @@ impl KnownFrames<'_> {
             problem = problem.on_field(open.of_size(&sizes).map_err(BaseEstimationError::from)?);
         }
         // Step 3: measure again from the adjusted cameras. Frames that failed at first may align
-        // now, and paint that was assigned to the wrong line may find its own. #R let half = The
-        // click and paint estimates share their systematic errors, such as lines painted off their
-        // nominal places, and no residual shows these. Take half of the difference of the positions
-        // as that error; rotation and lens follow it by their correlation. It raises the covariance
-        // along that direction only. #R let as_first: Vec<FrameClicks> For comparison, the errors
-        // of the initial base at the same paint, on the field size that it was estimated with.
+        // now, and paint that was assigned to the wrong line may find its own.
         let seen = Seen::of(&problem, &start, &masks, picture)?;
         start.ptz.clone_from(&seen.ptz);
         let clicks = problem.camera_clicks();
@@ -169,14 +164,18 @@ impl KnownFrames<'_> {
             .map_err(BaseEstimationError::from)?;
         let sigma = estimate.base.sigma;
         estimate.base.sigma = if first.by_clicks {
-            // What both have in common errs by about half of what they differ by.
+            // The click and paint estimates share their systematic errors, such as lines painted
+            // off their nominal places, and no residual shows these. Take half of the difference of
+            // the positions as that error; rotation and lens follow it by their correlation. It
+            // raises the covariance along that direction only.
             let half =
                 sigma.following_position((estimate.base.position_m - first.base.position_m) * 0.5);
             sigma.covering(&(half * half.transpose()))
         } else {
             sigma.with_position_error_of(ALONE_SIGMA_M)
         };
-        // The first base is judged by the same paint, on the field that it was found with.
+        // For comparison, the errors of the initial base at the same paint, on the field size that
+        // it was estimated with.
         let as_first: Vec<FrameClicks> = seen
             .painted
             .iter()

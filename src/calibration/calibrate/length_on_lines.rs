@@ -84,9 +84,7 @@ pub fn length_on_lines(
     at: DocumentAt<'_>,
     picture: PictureOf<'_>,
 ) -> Result<Option<LengthOnLines>, FieldError> {
-    // Each camera measures the length by itself; the one with most suspect frames decides. #R for
-    // camera in &at.document.cameras {@@2 The other cameras of the stadium see the same field. Each
-    // moves with the end that it has seen itself.
+    // Each camera measures the length by itself; the one with most suspect frames decides.
     let mut best: Option<(LengthOnLines, &FieldSpec)> = None;
     for camera in &at.document.cameras {
         let spec = at.document.field_of_camera(&camera.id);
@@ -104,7 +102,8 @@ pub fn length_on_lines(
     let Some((mut found, spec)) = best else {
         return Ok(None);
     };
-    // The other cameras of the stadium stand at the same field.
+    // The other cameras of the stadium see the same field. Each moves with the end that it has seen
+    // itself.
     for camera in &at.document.cameras {
         let other = at.document.field_of_camera(&camera.id);
         let is_same_length =
@@ -153,8 +152,8 @@ fn length_by_camera(
     let Some(&(best, best_m)) = rated.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else {
         return Ok(None);
     };
-    // Accept only a clear peak: parallel lines of the field give lesser ones at wrong lengths.
-    // Lengths near the best belong to the same peak.
+    // Accept only a clear peak. Lengths near the best belong to the same peak; the assumed length
+    // always counts as another one.
     let elsewhere = rated
         .iter()
         .filter(|(_, length_m)| (length_m - best_m).abs() > PEAK_M)
@@ -277,9 +276,7 @@ fn looks<'a>(at: DocumentAt<'_>, frames: &[&'a Frame], picture: PictureOf<'_>) -
 
 /// The score of a length in each frame: the agreement of its lines with paint, times the share of
 /// its paint that lies on lines. Neither factor suffices alone: each is highest at a length at
-/// which the lines in question leave the picture. #R let elsewhere = rated Accept only a clear
-/// peak. Lengths near the best belong to the same peak; the assumed length always counts as another
-/// one.
+/// which the lines in question leave the picture.
 fn worths(unseen: &UnseenLength, looks: &[Look<'_>], length_m: f64) -> Vec<f64> {
     let Some((field, base)) = unseen.at_length(length_m) else {
         return vec![0.0; looks.len()];

@@ -131,25 +131,22 @@ impl ClipFit<'_> {
     }
 
     /// Adjusts all frames to the points, the known cameras and the cameras that were aligned to
-    /// paint. #R let known = self@@2 The verdict of the last round is reused if the frame has
-    /// hardly moved since. It is not where the field's size was not fitted: only a full check shows
-    /// that the paint fits a field of another length. #R share_alike(&mut anchors Frames with the
-    /// same view share the errors of their paint (and those of a forest's proposals), so their
-    /// weight is reduced.
+    /// paint.
     fn adjust(
         &self,
         aligned: &BTreeMap<usize, PosePrior>,
         progress: &Progress<'_, ClipProgress>,
     ) -> Result<AdjustedClip, TrackClipError> {
         report(progress, ClipProgress::Adjusting)?;
-        // Paint of one picture counts once, however often it was asked.
+        // A known camera that was itself aligned to paint repeats the evidence of the new alignment
+        // of that picture. Only the new one is used, so that no paint counts twice.
         let is_same_paint = |anchor: &PosePrior| {
             anchor.source == PriorSource::Paint && aligned.contains_key(&anchor.frame)
         };
         let known = self.known.iter().filter(|anchor| !is_same_paint(anchor));
         let mut anchors: Vec<PosePrior> = known.chain(aligned.values()).copied().collect();
-        // Paint errors are common to frames that see the same lines; reduce their weight
-        // accordingly.
+        // Frames with the same view share the errors of their paint (and those of a forest's
+        // proposals), so their weight is reduced.
         share_alike(&mut anchors, self.pictures.size);
         let undetermined = TrackClipError::Undetermined {
             frames: self.pictures.clip.frames.len(),
@@ -220,10 +217,7 @@ impl ClipFit<'_> {
         if self.options.paint_every == 0 {
             return Ok(judged);
         }
-        // First pass: every n-th frame. #R let is_off = |verdict Second pass: where the verdict
-        // changes between two searched frames, whatever spoilt the clip (a dissolve, a graphic that
-        // wipes over it) began or ended at a frame between the two. Check each of these frames, so
-        // that the boundary is exact.
+        // First pass: every n-th frame.
         let asked = self.frames_to_ask(adjusted);
         let mut verdicts = Vec::with_capacity(asked.len());
         for (done, &(frame, ptz)) in asked.iter().enumerate() {
@@ -233,8 +227,9 @@ impl ClipFit<'_> {
                 self.judge_frame(reader, evidence, (frame, ptz), &mut judged)?,
             ));
         }
-        // Where one frame lies on its paint and the next that was asked does not, what spoilt the
-        // clip (a dissolve, a graphic that wipes over it) happened at a frame between the two.
+        // Second pass: where the verdict changes between two searched frames, whatever spoilt the
+        // clip (a dissolve, a graphic that wipes over it) began or ended at a frame between the
+        // two. Check each of these frames, so that the boundary is exact.
         let is_off = |verdict: PaintVerdict| verdict == PaintVerdict::Contradicts;
         let changes: Vec<_> = verdicts
             .windows(2)
@@ -280,6 +275,9 @@ impl ClipFit<'_> {
             .find(|anchor| anchor.frame == frame)
             .map(|anchor| anchor.ptz);
         let other = earlier.filter(|earlier| self.apart(*earlier, ptz) > ALIKE_PX);
+        // The verdict of the last round is reused if the frame has hardly moved since. It is not
+        // where the field's size was not fitted: only a full check shows that the paint fits a
+        // field of another length.
         let known = self
             .verdict_by_evidence(evidence, frame, ptz)
             .filter(|_| self.is_size_fitted);

@@ -269,26 +269,25 @@ pub fn track_clip(
                 .extend(document_frame.ptz.is_none().then_some(place));
             continue;
         };
-        // The confidence is a product of independent probabilities. Where the paint agrees, a
-        // disagreement between the two directions of propagation is settled. #R let of_frame =
-        // unseen A wrong length shows as unexplained paint, because its lines lie beside their
-        // paint. Frames without such paint are not affected. #R PaintVerdict::Contradicts => 1.0
-        // The confidence is already reduced for the contradiction, whatever its cause.
+        // The confidence is a product of three factors: of the best prior, of this camera's
+        // overlay, and of the field's length. Where the paint agrees, a disagreement between the
+        // two directions of propagation is settled.
         let apart_px = carried.apart_px[frame].filter(|_| paint[frame] != PaintVerdict::Agrees);
-        // A line that lies beside its paint leaves that paint unexplained.
+        // A wrong length shows as unexplained paint, because its lines lie beside their paint.
+        // Frames without such paint are not affected.
         let of_frame = unseen
             .as_ref()
             .filter(|_| unexplained[frame] > RIGHT_UNEXPLAINED);
         let by_length_px = of_frame.map_or(0.0, |unseen| unseen.sigma_px(camera.ptz(), size));
         let of_length = match paint[frame] {
-            // It lies beside its paint for that reason already.
+            // The confidence is already reduced for the contradiction, whatever its cause.
             PaintVerdict::Contradicts => 1.0,
             PaintVerdict::Agrees | PaintVerdict::Silent => {
                 certainty_under_length(by_length_px, size)
             }
         };
         // Paint that agrees here, or in a frame that shows nearly the same, confirms the base in
-        // this direction: its σ then does not count. #R tracked A camera that it had before stays.
+        // this direction: its σ then does not count.
         let is_base_shown = paint[frame] == PaintVerdict::Agrees || witnesses.show(camera.ptz());
         let of_camera = if is_base_shown {
             uncertainty.with_exact_base()
