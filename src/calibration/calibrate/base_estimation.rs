@@ -352,8 +352,8 @@ impl EstimatedBase {
             let Some(frame) = document.frames.get_mut(disputed.frame) else {
                 continue;
             };
-            // A click that fits another name clearly better gets a warning with that name, unless
-            // one of the frame's warnings suggests a name for it already.
+            // A click that fits another name gets a warning with that name, unless one of the
+            // frame's warnings suggests a name for it already.
             let named = frame
                 .clicks
                 .get(disputed.click)
@@ -391,8 +391,8 @@ impl EstimatedBase {
             .iter()
             .filter(|mirrored| is_concerned(mirrored.frame))
         {
-            // A mirrored frame is consistent in itself, so that no residual shows the error: set
-            // the verdict.
+            // A frame that fits the base with mirrored names gets a warning, once, and its verdict
+            // is `Wrong`.
             let solution = document
                 .frames
                 .get_mut(mirrored.frame)

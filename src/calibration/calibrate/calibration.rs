@@ -1,4 +1,4 @@
-//! From a frame's clicks to its camera: the document's side of the solve.
+//! From a frame's clicks to its camera: collects what a document contributes to a solve.
 
 use super::FrameLookup;
 use super::from_proposal::inform;
@@ -12,39 +12,39 @@ use touchline_core::solve::{
 };
 use touchline_documents::document::{Document, Frame, Target};
 
-/// How many solved neighbours tell a solve where the camera has just been.
+/// Maximum number of solved neighbours that a solve gets.
 const NEIGHBOURS: usize = 4;
 
 /// Why a frame's clicks give no camera.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CalibrationError {
-    /// The frame names a camera that the document lacks.
+    /// The frame's camera is not in the document.
     #[error("camera {camera:?} is not in the document")]
     UnknownCamera {
-        /// The frame's camera.
+        /// The camera's name.
         camera: String,
     },
     /// Position and base rotation are not known yet.
     #[error(
         "camera {camera:?} has no position or base rotation: estimate them from clicks on a few wide frames, or load a camera (F2)"
     )]
+    /// The position and base rotation of the camera are not known yet.
     NoBase {
-        /// The frame's camera.
+        /// The camera's name.
         camera: String,
     },
-    /// A click names something that the field lacks.
+    /// A click names a landmark or line that the field does not have.
     #[error(transparent)]
     Observation(#[from] ObservationError),
-    /// The clicks do not give a camera.
+    /// The clicks do not determine a camera.
     #[error(transparent)]
     Solve(#[from] SolveError),
 }
 
-/// The named clicks of a frame as observations, check clicks held out.
+/// The named clicks of a frame as observations; check clicks are held out.
 ///
-/// # Errors
-/// A click names a landmark or line that the field lacks.
+/// # Errors A click names a landmark or line that the field lacks.
 pub fn observations(
     frame: &Frame,
     field: &FieldModel,
@@ -82,8 +82,9 @@ pub fn observations(
         .collect()
 }
 
-/// A click that was moved onto the paint: what is left of its noise is how well the paint was
-/// found, and that the place itself is not quite where the rules put it.
+/// The observation of a click that was aligned to paint. Its variance has two parts: of the
+/// alignment, in place of the annotator's click noise, and of the landmark's position on the real
+/// field, which no click avoids.
 fn of_snapped(
     observation: Observation,
     field: &FieldModel,
@@ -100,14 +101,13 @@ fn of_snapped(
     }
 }
 
-/// The camera of a frame from its clicks and its camera's base, and where they are too few from
-/// what was proposed. `index` is its place in the document (`frame` may be a changed copy): the
-/// frames around it, and with `lookup` all others of the document, decide where its clicks cannot.
-/// Names that fit better come first among its warnings.
+/// Solves the camera of a frame from its clicks and its camera's base, with a proposal as prior if
+/// there are too few clicks. `index` is the frame's index in the document (`frame` may be an edited
+/// copy). Where the clicks fit several cameras, the neighbouring frames and the `lookup` of the
+/// document decide. Warnings that suggest better names come first.
 ///
-/// # Errors
-/// The camera is unknown or has no base, a click names something that the field lacks, or the
-/// clicks give no camera.
+/// # Errors The camera is unknown or has no base, a click names something that the field lacks, or
+/// the clicks give no camera.
 pub fn calibrate(
     document: &Document,
     lookup: &FrameLookup,
@@ -136,17 +136,18 @@ pub fn calibrate(
     }
     let solution = solve_frame(&base, &observations, &context)?;
     if context.prior.is_some() {
-        // Too few clicks to say anything about each other.
+        // So few clicks cannot contradict each other's names.
         return Ok(solution);
     }
     let finding = check_identity(&base, field, &observations, &solution, &context);
     Ok(solution.with_identity(finding))
 }
 
-/// Where the camera was in the nearest solved frames of the same camera and shot, nearest first.
+/// Pan, tilt and focal length of the nearest solved frames of the same camera and shot, nearest
+/// first, at most [`NEIGHBOURS`].
 #[must_use]
 pub fn solved_neighbours(document: &Document, index: usize) -> Vec<Ptz> {
-    /// Farther away a camera has had time to go anywhere.
+    /// Frames farther away are not used: in that time a camera can go anywhere.
     const WITHIN: usize = 50;
     let Some(frame) = document.frames.get(index) else {
         return Vec::new();

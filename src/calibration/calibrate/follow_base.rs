@@ -105,7 +105,6 @@ pub(crate) fn follow_base(document: &mut Document, index: usize, before: &Docume
         refit(document, index, before);
         forget_certainty(&mut document.frames[index]);
     }
-    // A later correction must not start from what was proposed for the old place.
     // A later correction must not start from what was proposed with the old base.
     if keeps_proposal(&document.frames[index])
         && let Some(solution) = &mut document.frames[index].solution

@@ -136,9 +136,9 @@ impl KnownFrames<'_> {
             picture,
             open_field,
         } = self;
-        // Steps 1 and 2: measure paint from the initial cameras and adjust with the richest lens
-        // model that the data allow. The size needs a good base and the base a good size, so this
-        // base is only the start for both.
+        // Steps 1 and 2: measure paint from the initial cameras and adjust with the richest model
+        // of the base that the data allow. The result is only the start for the size and for step
+        // 3.
         let first_field = problem.field.clone();
         let seen = Seen::of(&problem, &first, &masks, picture)?;
         let model = options.richest(&problem.camera_clicks());
@@ -164,10 +164,10 @@ impl KnownFrames<'_> {
             .map_err(BaseEstimationError::from)?;
         let sigma = estimate.base.sigma;
         estimate.base.sigma = if first.by_clicks {
-            // The click and paint estimates share their systematic errors, such as lines painted
-            // off their nominal places, and no residual shows these. Take half of the difference of
-            // the positions as that error; rotation and lens follow it by their correlation. It
-            // raises the covariance along that direction only.
+            // Errors that the estimates from clicks and from paint have in common show in no
+            // residual. They are about half of the difference of the two positions; rotation and
+            // lens follow by their correlation with the position. The covariance is raised along
+            // that direction only.
             let half =
                 sigma.following_position((estimate.base.position_m - first.base.position_m) * 0.5);
             sigma.covering(&(half * half.transpose()))
@@ -316,9 +316,8 @@ impl Seen {
         masks: &[Vec<PixelBox>],
         picture: &mut dyn FnMut(usize) -> Option<Picture>,
     ) -> Result<Self, BaseOnPaintError> {
-        // All frames would take long and add little: a subsample spread over the sequence sees the
-        // same lines.
         let field = cameras.field(problem);
+        // A subsample, spread evenly over all frames with a camera, limits the time.
         let solved: Vec<usize> = (0..problem.frames.len())
             .filter(|place| cameras.ptz[*place].is_some())
             .collect();

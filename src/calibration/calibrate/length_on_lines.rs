@@ -126,8 +126,8 @@ fn length_by_camera(
     picture: PictureOf<'_>,
 ) -> Result<Option<LengthOnLines>, FieldError> {
     let document = at.document;
-    // Suspect frames are those that show the field's middle at a wrong length. Frames that are
-    // certain must stay so at the new length.
+    // Frames with little confidence whose paint is off its lines suggest another length. Certain
+    // frames must fit at that length as well as before.
     let doubted = frames_of(document, &camera.id, |frame, confidence| {
         confidence < DOUBTED && is_off_paint(frame)
     });

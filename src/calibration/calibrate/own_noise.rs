@@ -139,7 +139,7 @@ impl OwnNoise {
                         landmark: repeated.landmark.clone(),
                         offset_px: click.offset_from(first) / scale,
                     }));
-                // A landmark without a stated σ has noise in px but cannot be normalised.
+                // A landmark that the field lacks has no stated σ to normalise by.
                 let stated = field
                     .landmark(repeated.landmark.as_str())
                     .map(|landmark| landmark.click_sigma_px);

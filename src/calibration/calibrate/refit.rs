@@ -65,9 +65,8 @@ fn tell(frame: &mut Frame, off_px: f64) {
 /// The camera on a new base that keeps the ground in place on the picture, and its largest
 /// residual, px.
 fn refitted(before: &PtzCamera, base: &CameraBase, image_size: ImageSize) -> Option<(Ptz, f64)> {
-    // The old camera maps pixels of a grid to the ground (z = 0); the pairs serve as clicks for the
-    // new base. They cover the ground evenly over the picture, as lines alone would not in a
-    // close-up.
+    // The old camera maps the pixels of a grid to the ground (z = 0). These pairs serve as landmark
+    // clicks for the new base.
     let observations: Vec<Observation> = grid(image_size)
         .filter_map(|image| Some((image, before.plane_from_image(image, 0.0)?)))
         .filter(|(_, ground)| ground.norm() <= REACH_M)
@@ -84,7 +83,7 @@ fn refitted(before: &PtzCamera, base: &CameraBase, image_size: ImageSize) -> Opt
     if observations.len() < FEWEST {
         return None;
     }
-    // The old camera selects the solution among several.
+    // Start at the old camera: the new one should look nearly the same way.
     let context = SolveContext {
         start: Some(before.ptz()),
         ..SolveContext::new(image_size)

@@ -104,7 +104,7 @@ pub(super) fn confidence(
     // The root of the covariance's trace is √2 times the 1-σ of each coordinate.
     let sigma_px = uncertainty.worst_corner_sigma_px(camera, size) / 2f64.sqrt();
     let right = right_within(RIGHT_PX * px, sigma_px);
-    // Propagation from both sides to nearly the same camera needs no confirmation by paint.
+    // Without paint, the two directions of propagation must not contradict each other.
     let both_sides = apart_px.is_none_or(|apart_px| apart_px <= RIGHT_PX * px);
     let is_contradicted = match paint {
         PaintVerdict::Agrees => false,

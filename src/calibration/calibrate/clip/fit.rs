@@ -110,7 +110,7 @@ impl ClipFit<'_> {
                     }
                 })
                 .collect();
-            // Frames that could not be aligned contribute no prior; they are interpolated by the
+            // Frames that could not be aligned contribute no prior; their cameras follow from the
             // points.
             painted = aligned.len();
             if aligned.is_empty() {
@@ -217,7 +217,7 @@ impl ClipFit<'_> {
         if self.options.paint_every == 0 {
             return Ok(judged);
         }
-        // First pass: every n-th frame.
+        // First pass: every n-th frame, and those that had a camera before.
         let asked = self.frames_to_ask(adjusted);
         let mut verdicts = Vec::with_capacity(asked.len());
         for (done, &(frame, ptz)) in asked.iter().enumerate() {

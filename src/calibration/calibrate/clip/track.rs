@@ -192,13 +192,13 @@ pub fn track_clip(
         .collect();
     let unseen = open.and_then(|open| UnseenLength::new(open, field, &base, &shown));
 
-    // Smoothing changes the focal length of all frames; a frame that states its lens gets its own
-    // back.
     let raw: Vec<Option<Ptz>> = adjusted
         .frames
         .iter()
         .map(|frame| frame.map(|frame| frame.ptz))
         .collect();
+    // Smoothing changes the focal length of all frames; a frame that states its lens gets its own
+    // back.
     let mut smoothed = if options.smooth {
         smoothed(at, clip, &adjusted)
     } else {
@@ -220,8 +220,8 @@ pub fn track_clip(
         jitter: Jitter::of(&smoothed),
         raw_jitter: Jitter::of(&raw).filter(|_| options.smooth),
     };
-    // No tracked frame is more certain than the most certain prior.
     let witnesses = BaseWitnesses::new(raw.iter().copied().zip(&paint), size);
+    // No tracked frame is more certain than the most certain prior.
     let certain = known
         .iter()
         .map(|(_, confidence)| *confidence)
