@@ -29,7 +29,8 @@ pub struct SolvedAfterMerge {
 /// frame that is on no side was solved for an unknown base, so it is solved again. `folder` is the
 /// document's.
 ///
-/// # Errors A field of the document is not valid; no clicked frame is solved then.
+/// # Errors
+/// A field of the document is not valid; no clicked frame is solved then.
 pub fn solve_after_merge(
     document: &mut Document,
     sides: &[&Document],

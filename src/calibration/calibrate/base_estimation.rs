@@ -103,15 +103,17 @@ impl BaseProblem {
     /// Gathers the clicks of a camera's frames, except rejected frames and those excluded from the
     /// base. `folder` is the document's.
     ///
-    /// # Errors The document lacks the camera, its field is not valid, or a click names something
-    /// that the field lacks.
+    /// # Errors
+    /// The document lacks the camera, its field is not valid, or a click names something that the
+    /// field lacks.
     pub fn of(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, BaseEstimationError> {
         Self::gathered(document, camera, |_| false)
     }
 
     /// The same, with solved frames that have no clicks: their paint may contribute.
     ///
-    /// # Errors Those of [`Self::of`].
+    /// # Errors
+    /// Those of [`Self::of`].
     pub(super) fn with_solved(
         document: DocumentAt<'_>,
         camera: &CameraId,
@@ -414,7 +416,8 @@ impl EstimatedBase {
     /// solved again from their clicks. Clicks that disagree with the estimate are marked. Frames
     /// whose camera does not come from clicks keep their direction.
     ///
-    /// # Errors The camera's field is not valid with the crown.
+    /// # Errors
+    /// The camera's field is not valid with the crown.
     pub fn write_to(
         &self,
         document: &mut Document,

@@ -59,7 +59,8 @@ impl BaseOnPaint {
     /// The estimate together with the aligned frames, for writing them later without the pictures.
     /// `document` is the one that it was estimated from.
     ///
-    /// # Errors The camera's field is not valid with the crown.
+    /// # Errors
+    /// The camera's field is not valid with the crown.
     pub fn with_pulled_frames(
         self,
         document: DocumentAt<'_>,
@@ -158,7 +159,8 @@ pub struct PulledFrames {
 /// Estimates the base of a camera from clicks and paint; with `size`, also the field's length and
 /// width.
 ///
-/// # Errors There is no initial base, too few lines are visible, or the adjustment gives no base.
+/// # Errors
+/// There is no initial base, too few lines are visible, or the adjustment gives no base.
 pub fn estimate_on_paint(
     document: DocumentAt<'_>,
     camera: &CameraId,

@@ -113,7 +113,8 @@ impl BulkSolve {
 
     /// Computes the change. `progress` counts frames.
     ///
-    /// # Errors The change cannot be made, or `progress` cancelled it.
+    /// # Errors
+    /// The change cannot be made, or `progress` cancelled it.
     pub fn run(self, progress: &Progress<'_, Share>) -> Result<BulkSolved, BulkError> {
         let mut after = self.document.clone();
         self.change.make_beside_frames(&mut after)?;
@@ -162,7 +163,8 @@ impl BulkSolved {
     /// are solved again if the change concerns them. None if cameras, field or the order of frames
     /// have changed meanwhile: compute the change again then.
     ///
-    /// # Errors The change cannot be made in the frames that were edited.
+    /// # Errors
+    /// The change cannot be made in the frames that were edited.
     pub fn join(&self, now: &Document) -> Result<Option<Joined>, BulkError> {
         let before = &self.work.document;
         if !now.same_beside_frames(before) {

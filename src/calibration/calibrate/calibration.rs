@@ -25,11 +25,10 @@ pub enum CalibrationError {
         /// The camera's name.
         camera: String,
     },
-    /// Position and base rotation are not known yet.
+    /// The position and base rotation of the camera are not known yet.
     #[error(
         "camera {camera:?} has no position or base rotation: estimate them from clicks on a few wide frames, or load a camera (F2)"
     )]
-    /// The position and base rotation of the camera are not known yet.
     NoBase {
         /// The camera's name.
         camera: String,
@@ -44,7 +43,8 @@ pub enum CalibrationError {
 
 /// The named clicks of a frame as observations; check clicks are held out.
 ///
-/// # Errors A click names a landmark or line that the field lacks.
+/// # Errors
+/// A click names a landmark or line that the field lacks.
 pub fn observations(
     frame: &Frame,
     field: &FieldModel,
@@ -106,8 +106,9 @@ fn of_snapped(
 /// copy). Where the clicks fit several cameras, the neighbouring frames and the `lookup` of the
 /// document decide. Warnings that suggest better names come first.
 ///
-/// # Errors The camera is unknown or has no base, a click names something that the field lacks, or
-/// the clicks give no camera.
+/// # Errors
+/// The camera is unknown or has no base, a click names something that the field lacks, or the
+/// clicks give no camera.
 pub fn calibrate(
     document: &Document,
     lookup: &FrameLookup,

@@ -16,7 +16,6 @@ pub(crate) fn set_field_size(document: &mut Document, camera: &CameraId, sizes: 
     if let Some(shared) = shared {
         known.field.get_or_insert(shared);
     }
-    // An undetermined length stays as assumed.
     let field = if known.field.is_some() {
         known.field.as_mut()
     } else {

@@ -56,9 +56,11 @@ pub(super) fn inform(
 /// If proposal and clicks were right, the sum of the squared residuals r of the clicks at the
 /// proposed camera would have the expectation (px²)
 ///
-/// E Σ|r|² = Σ σ² n + k² Σ trace(J Σ Jᵀ),   k = 1
+/// ```text
+/// E Σ|r|² = Σ n σ² + k² Σ trace(J C Jᵀ),   k = 1
+/// ```
 ///
-/// with n equations of a click of noise σ, the covariance Σ of the overlay at the clicked place and
+/// with n equations of a click of noise σ, the covariance C of the overlay at the clicked place and
 /// the Jacobian J of the residual by the image point. Solving for k gives the factor on the prior's
 /// σ, which is never reduced below the stated one.
 fn stated_prior(

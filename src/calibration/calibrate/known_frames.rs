@@ -123,7 +123,8 @@ pub(crate) struct PaintEstimate {
 impl KnownFrames<'_> {
     /// Estimates the base.
     ///
-    /// # Errors Too few lines are visible, the adjustment gives no base, or it was cancelled.
+    /// # Errors
+    /// Too few lines are visible, the adjustment gives no base, or it was cancelled.
     pub fn estimate_base(
         self,
         options: &BaseOptions,

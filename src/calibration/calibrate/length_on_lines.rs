@@ -79,7 +79,8 @@ struct Look<'a> {
 /// one is wrong. None where no frame does, where the length was fitted before, or where no length
 /// agrees with the paint.
 ///
-/// # Errors The field is not valid. Frames that cannot be read are left out.
+/// # Errors
+/// The field is not valid. Frames that cannot be read are left out.
 pub fn length_on_lines(
     at: DocumentAt<'_>,
     picture: PictureOf<'_>,

@@ -20,7 +20,7 @@ pub struct PaintSeen {
     pub after: OnPaintErrors,
 }
 
-/// What painted lines said about a base, and the frames that were pulled onto them with it.
+/// The evidence of painted lines for a base, and the frames that were aligned to them with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OnPaint {
     /// The evidence.

@@ -87,7 +87,8 @@ pub struct LandmarkNoise {
 impl OwnNoise {
     /// Estimates the noise from a document's repeats.
     ///
-    /// # Errors One of its fields is not valid.
+    /// # Errors
+    /// One of its fields is not valid.
     pub fn of(document: DocumentAt<'_>) -> Result<Self, FieldError> {
         let repeated =
             |(index, frame): (usize, &Shared<Frame>)| (!frame.repeats.is_empty()).then_some(index);

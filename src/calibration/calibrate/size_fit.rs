@@ -24,7 +24,8 @@ impl BaseProblem {
     /// then the size, then the base again. `document` is the one that the clicks were gathered
     /// from.
     ///
-    /// # Errors The clicks give no base, or it was cancelled.
+    /// # Errors
+    /// The clicks give no base, or it was cancelled.
     pub fn estimate_with_size(
         &self,
         document: DocumentAt<'_>,

@@ -15,7 +15,7 @@ const UNKNOWNS: usize = 3;
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum SolveOutcome {
-    /// The frame has its `ptz` and `solution` now.
+    /// The frame has its `ptz` and `solution`.
     Solved,
     /// It has too few clicks for a camera and was not changed.
     TooFewClicks,
@@ -31,7 +31,8 @@ pub enum SolveOutcome {
 /// A frame whose clicks fit two cameras equally well is decided by its neighbours, including those
 /// solved in the same run.
 ///
-/// # Errors The field of a frame is not valid.
+/// # Errors
+/// The field of a frame is not valid.
 pub fn solve_document(
     document: &mut Document,
     folder: &Path,

@@ -112,7 +112,8 @@ fn solve_one(
 /// base. Call it after a camera or a field has changed. `folder` is the document's. If `progress`
 /// cancels this, no frame is changed.
 ///
-/// # Errors A field of the document is not valid; no frame is solved then.
+/// # Errors
+/// A field of the document is not valid; no frame is solved then.
 pub(super) fn solve_by_clicks(
     document: &mut Document,
     folder: &Path,
@@ -143,13 +144,13 @@ pub fn is_by_clicks(frame: &Frame) -> bool {
 
 /// Writes the result of solving a frame into it.
 ///
-///  result | frame |
-/// ---|---|
-///  solved | gets the camera |
-///  camera unknown or without a base | stays |
-///  too few clicks, with a proposal | gets the proposal back |
-///  too few clicks, no proposal | loses a camera from clicks, keeps any other |
-///  other errors | loses its camera |
+/// | result | frame |
+/// |---|---|
+/// | solved | gets the camera |
+/// | camera unknown or without a base | stays |
+/// | too few clicks, with a proposal | gets the proposal back |
+/// | too few clicks, no proposal | loses a camera from clicks, keeps any other |
+/// | other errors | loses its camera |
 pub fn record_outcome(frame: &mut Frame, solved: Result<&FrameSolution, &CalibrationError>) {
     match solved {
         Ok(solved) => frame.record(solved),

@@ -16,12 +16,11 @@ pub enum AssignError {
         /// Its name.
         camera: String,
     },
-    /// A frame's picture is of another size.
+    /// A frame's picture has another size than the camera's.
     #[error(
         "{frame} is {} × {} px, the pictures of {camera:?} are {} × {} px: assign it to a camera of its size",
         .size.width, .size.height, .of_camera.width, .of_camera.height
     )]
-    /// A frame's picture has another size than the camera's.
     OtherSize {
         /// The frame's name.
         frame: String,
@@ -32,11 +31,10 @@ pub enum AssignError {
         /// The size of the camera's pictures.
         of_camera: ImageSize,
     },
-    /// Two cameras would share a name.
+    /// Two cameras would have the same name.
     #[error(
         "a camera {camera:?} exists already: choose another name, or assign the frames to that one"
     )]
-    /// Two cameras would have the same name.
     NameTaken {
         /// The name.
         camera: String,
@@ -49,7 +47,8 @@ pub enum AssignError {
 /// Adds a camera for pictures like those of another one, with its picture size, masks and field but
 /// without a base.
 ///
-/// # Errors The name is empty or taken, or the other camera is not in the document.
+/// # Errors
+/// The name is empty or taken, or the other camera is not in the document.
 pub fn add_camera_like(
     document: &mut Document,
     name: &CameraId,
@@ -82,7 +81,8 @@ pub fn add_camera_like(
 /// was found otherwise (by the forest, by tracking, manually) relies on the old base and is
 /// removed, unless both bases are the same. If an error is returned, the document has not changed.
 ///
-/// # Errors The camera is not in the document, or a frame's picture has another size.
+/// # Errors
+/// The camera is not in the document, or a frame's picture has another size.
 pub fn assign_to_camera(
     document: &mut Document,
     frames: &[usize],

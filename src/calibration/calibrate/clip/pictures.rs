@@ -167,7 +167,8 @@ impl ClipPictures<'_> {
 
 /// Reports the progress of a clip.
 ///
-/// # Errors [`TrackClipError::Stopped`] if the receiver cancels the tracking.
+/// # Errors
+/// [`TrackClipError::Stopped`] if the receiver cancels the tracking.
 pub(super) fn report(
     progress: &Progress<'_, ClipProgress>,
     step: ClipProgress,

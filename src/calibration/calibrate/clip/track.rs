@@ -111,8 +111,9 @@ pub struct TrackedClip {
 /// cameras. Tracked points and paint are added to `evidence`; what it already contains for the same
 /// pictures is not computed again.
 ///
-/// # Errors [`TrackClipError`]: its camera has no base, no frame has a camera, a picture cannot be
-/// read, or it was stopped.
+/// # Errors
+/// [`TrackClipError`]: its camera has no base, no frame has a camera, a picture cannot be read, or
+/// it was stopped.
 pub fn track_clip(
     at: DocumentAt<'_>,
     clip: &ClipFrames,
