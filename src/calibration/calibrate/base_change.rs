@@ -20,9 +20,9 @@ pub struct CameraChange {
     pub before_px: f64,
     /// Median residual of the clicks from it on, px.
     pub after_px: f64,
-    /// The same with a base of their own, px.
+    /// Median residual of the same clicks with a base of their own, px.
     pub own_px: f64,
-    /// That base.
+    /// The base that fits the frames from the change on.
     pub base: CameraBase,
 }
 

@@ -30,7 +30,7 @@ pub enum BaseEstimationError {
     /// The camera is not in the document.
     #[error("camera {camera:?} is not in the document")]
     UnknownCamera {
-        /// Its name.
+        /// The camera's name.
         camera: String,
     },
     /// The field is not valid.
@@ -39,7 +39,7 @@ pub enum BaseEstimationError {
     /// A click names a landmark or line that the field does not have.
     #[error("{frame}: {source}")]
     Observation {
-        /// The frame.
+        /// The frame's name.
         frame: String,
         /// The error of the name.
         source: ObservationError,
@@ -83,12 +83,12 @@ pub struct EstimatedBase {
     pub on_paint: Option<Arc<OnPaint>>,
 }
 
-/// How well the clicks on one landmark fit, over all frames.
+/// The residuals of the clicks on one landmark, over all frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LandmarkFit {
     /// The landmark.
     pub id: LandmarkId,
-    /// Median distance, px.
+    /// Median residual, px.
     pub median_px: f64,
     /// Number of clicks.
     pub clicks: usize,
@@ -173,6 +173,7 @@ impl BaseProblem {
                     frame: frame.name(),
                     source,
                 })?;
+            // Check clicks alone contribute nothing to a base.
             let has_clicks = observations.iter().any(|observation| !observation.check);
             if frame.is_used_for_base() && (has_clicks || is_wanted(frame)) {
                 frames.push(index);
@@ -263,6 +264,8 @@ impl BaseProblem {
             crown_m: estimate.crown_m,
             ..self.field.clone()
         };
+        // Residuals in px by landmark, with the indices of frame and click. Check clicks count for
+        // nothing.
         let mut errors: BTreeMap<&LandmarkId, Vec<(f64, usize, usize)>> = BTreeMap::new();
         for (index, fit) in self.frames.iter().zip(&estimate.frames) {
             let (Some(fit), Some(frame)) = (fit, document.frames.get(*index)) else {
@@ -315,6 +318,7 @@ impl EstimatedBase {
     pub fn write_camera(&self, document: &mut Document) {
         set_field_size(document, &self.camera, &self.sizes);
         let base = &self.estimate.base;
+        // The shared field is copied to this camera only if its crown changes.
         let shared = (document.cameras.len() > 1).then(|| document.field.clone());
         let Some(camera) = document.camera_mut(&self.camera) else {
             return;
@@ -459,6 +463,7 @@ impl EstimatedBase {
         });
         let of_camera =
             |frame: &Frame| frame.camera == self.camera && frame.status != FrameStatus::Rejected;
+        // Every frame of the camera follows the gauge; only frames from clicks are solved again.
         let mut clicked = Vec::new();
         for &index in places {
             if !of_camera(&document.frames[index]) {
@@ -529,6 +534,8 @@ pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> O
         image_size,
         principal_point,
     };
+    // The linear start, then the nonlinear refinement of position, rotation, pan, tilt and focal
+    // length.
     let start = start_base(&clicks).ok()?;
     let crown = CrownModel::Fixed(field.crown_m);
     let model = BaseModel {

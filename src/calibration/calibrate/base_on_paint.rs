@@ -122,6 +122,7 @@ impl BaseOnPaint {
                 forget_certainty(&mut carried_over.frames[index]);
             }
             counts.solved += 1;
+            // The picture decides, where it can be read and its paint is decisive.
             let mut pulled = Frame::clone(&carried_over.frames[index]);
             let picture = pictures(&pulled);
             let snapped = picture.and_then(|picture| {

@@ -17,7 +17,7 @@ pub const WIDE_FRAMES: usize = 3;
 pub struct BaseReadiness {
     /// Frames that take part: those with at least one named click.
     pub frames: usize,
-    /// Their clicks.
+    /// Number of named clicks in these frames.
     pub clicks: usize,
     /// Frames with four or more landmarks, which determine a camera by themselves.
     pub wide: usize,

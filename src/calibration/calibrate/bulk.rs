@@ -35,7 +35,7 @@ pub enum BulkChange {
 /// Frames that are to be assigned to a camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AssignedFrames {
-    /// The frames.
+    /// The ids of the frames.
     pub frames: Vec<FrameId>,
     /// The camera.
     pub camera: CameraId,
@@ -48,7 +48,7 @@ pub struct AssignedFrames {
 pub struct NewCamera {
     /// The camera whose picture size, masks and field it gets.
     pub like: CameraId,
-    /// Its base, if known.
+    /// The camera's base, if known.
     pub base: Option<CameraBase>,
 }
 
@@ -69,11 +69,11 @@ pub enum BulkError {
 /// A change that is to be computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BulkSolve {
-    /// The document.
+    /// The document before the change.
     pub document: Document,
-    /// Its folder.
+    /// The document's folder.
     pub folder: PathBuf,
-    /// What changes.
+    /// The change.
     pub change: BulkChange,
 }
 
@@ -170,6 +170,7 @@ impl BulkSolved {
         if !now.same_beside_frames(before) {
             return Ok(None);
         }
+        // Frames correspond by index, so their order must be the same.
         let Some(edited) = now.frames.changed_in_place(&before.frames) else {
             return Ok(None);
         };
@@ -207,6 +208,8 @@ fn rebase_numbers(numbers: &Document, before: &Document, now: &Document) -> Docu
         if set == known {
             continue;
         }
+        // The camera as the change sets it, with the masks of now unless the change itself set
+        // masks.
         let mut with_numbers = set.clone();
         if set.masks == known.masks {
             with_numbers.masks.clone_from(&camera.masks);
@@ -293,6 +296,7 @@ impl BulkChange {
                 assign_frames(document, places, &given.camera, &fields, progress);
             }
         }
+        // Frames without clicks follow the new bases after the clicked ones are solved.
         let withdrawn = follow_bases(document, before, places, progress);
         if progress.is_cancelled() {
             Err(BulkError::Stopped)

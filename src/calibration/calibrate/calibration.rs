@@ -67,6 +67,7 @@ pub fn observations(
                     Observation::of_line(field, id.as_str(), click.image, frame.image_size, index)
                 }
             }?;
+            // A click that was aligned to paint has another σ.
             let observation = match (target, click.snapped_sigma_px) {
                 (Target::Landmark(id), Some(sigma_px)) => {
                     of_snapped(observation, field, id, frame.image_size, sigma_px)
@@ -127,6 +128,8 @@ pub fn calibrate(
             camera: frame.camera.as_str().to_owned(),
         })?;
     let observations = observations(frame, field)?;
+    // What decides between several cameras that fit the clicks: the neighbours and the usual
+    // motion.
     let mut context = SolveContext {
         neighbours: solved_neighbours(document, index),
         motion: lookup.prior(index),
@@ -144,8 +147,8 @@ pub fn calibrate(
     Ok(solution.with_identity(finding))
 }
 
-/// Pan, tilt and focal length of the nearest solved frames of the same camera and shot, nearest
-/// first, at most [`NEIGHBOURS`].
+/// Pan, tilt and focal length of at most four solved frames of the same camera and shot, nearest
+/// first.
 #[must_use]
 pub fn solved_neighbours(document: &Document, index: usize) -> Vec<Ptz> {
     /// Frames farther away are not used: in that time a camera can go anywhere.
@@ -155,6 +158,7 @@ pub fn solved_neighbours(document: &Document, index: usize) -> Vec<Ptz> {
     };
     let mut found = Vec::with_capacity(NEIGHBOURS);
     for distance in 1..=WITHIN {
+        // By growing distance in the document, the earlier frame first.
         let both = [index.checked_sub(distance), index.checked_add(distance)];
         for other in both
             .into_iter()

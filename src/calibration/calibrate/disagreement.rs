@@ -173,6 +173,7 @@ impl Disagreements {
                 self.shots.entry(key).or_default().insert(index);
             }
         }
+        // Compare again once all shots are updated.
         for index in concerned {
             let three = match self.beside(&document.frames[index], index) {
                 [Some(before), Some(after)] => Some([before, index, after]),

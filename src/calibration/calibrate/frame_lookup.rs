@@ -242,9 +242,9 @@ fn solved_in_shot(frame: &Frame) -> Option<(ShotKey, u64, Ptz)> {
 #[derive(Clone, Debug, Default)]
 struct Accepted {
     pans: Directions,
-    /// rad
+    /// Tilts, rad.
     tilts: Sorted,
-    /// px
+    /// Focal lengths, px.
     focals: Sorted,
 }
 

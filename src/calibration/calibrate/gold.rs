@@ -9,8 +9,8 @@ use touchline_documents::document::{Document, Frame};
 /// noise.
 const CHOSEN: usize = 6;
 
-/// Chooses references as gold frames, by their indices, until there are [`CHOSEN`] with those that
-/// are gold already.
+/// Chooses references as gold frames, by their indices, until there are six with those that are
+/// gold already.
 ///
 /// Greedy: the next frame is the one that adds most landmarks not yet among the gold frames, and
 /// among equals the one whose pan is farthest from all their pans.
@@ -34,6 +34,8 @@ pub fn choose_gold(document: &Document) -> Vec<usize> {
     let mut chosen = Vec::new();
     while pans.len() < CHOSEN && !open.is_empty() {
         let rank = |frame: &Frame| {
+            // Rank by the number of new landmarks, then by the distance in pan from the nearest
+            // gold frame.
             let news: BTreeSet<&LandmarkId> = frame
                 .asked_again()
                 .filter(|id| !asked.contains(id))

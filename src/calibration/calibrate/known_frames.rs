@@ -48,22 +48,22 @@ pub(crate) fn as_paint_alone_gives(sizes: &mut [FittedSize]) {
     }
 }
 
-/// Why no base is found from clicks and paint.
+/// Why no base was found from clicks and paint.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BaseOnPaintError {
     /// There is neither a base nor enough clicks for one, or the adjustment gives none.
     #[error(transparent)]
     Base(#[from] BaseEstimationError),
-    /// Hardly any paint is seen where the cameras predict it.
+    /// Hardly any paint is visible where the cameras project the lines.
     #[error(
         "painted lines are seen in {frames} frames, {lines} different lines in all ({FRAMES_FOR_PAINT} frames and {FEWEST_LINES} lines are \
          needed): refine the base from clicks alone, or click frames that show more of the lines"
     )]
     TooFewLines {
-        /// Frames whose camera could be pulled onto its paint.
+        /// Number of frames whose camera could be aligned to its paint.
         frames: usize,
-        /// Different lines in them.
+        /// Number of different lines in them.
         lines: usize,
     },
 }

@@ -65,6 +65,8 @@ impl OnPaint {
                 continue;
             };
             let frame = &document.frames[index];
+            // The estimate is written later than it was computed, and the user may have edited the
+            // frame in between.
             let is_as_then = frame.clicks == pulled.clicks
                 && frame.camera == pulled.camera
                 && frame.status == pulled.status

@@ -46,6 +46,7 @@ pub fn record_found(document: &mut Document, camera: &CameraId, found: &Autocali
                 .map(|known| known.worst_corner_sigma_px(&camera, frame.image_size)),
             ..Solution::default()
         });
+        // The frame's own picture takes precedence over the adjustment of all frames.
         if let Some(snapped) = &of_found.snapped {
             record_snapped(frame, &found.base, snapped);
         }

@@ -131,6 +131,7 @@ impl OpenSize {
     /// The field at these lengths, in the order of `params`, clamped to what the rules allow. None
     /// if the template has no field of that size.
     pub fn sized(&self, values_m: &[f64]) -> Option<FieldModel> {
+        // Values outside the rules, which an optimiser may try, are clamped.
         let lengths = self.params.iter().zip(values_m);
         let allowed = lengths
             .map(|(param, value)| (param.name.clone(), value.clamp(param.min_m, param.max_m)));

@@ -41,6 +41,7 @@ pub fn solve_document(
     let fields = Fields::of(document.at(folder))?;
     let (enough, too_few): (Vec<usize>, Vec<usize>) = (0..document.frames.len())
         .partition(|&index| equations(&document.frames[index]) >= UNKNOWNS);
+    // Frames with too few clicks count as done at once.
     for _ in &too_few {
         if progress.report(()).is_break() {
             return Ok(Vec::new());

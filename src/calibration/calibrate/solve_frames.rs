@@ -61,6 +61,7 @@ pub(super) fn solve_frames(
             .map(solve_first)
             .collect::<Option<Vec<Solved>>>()
         else {
+            // Cancelled: undo the batches that are written.
             *document = given;
             return None;
         };

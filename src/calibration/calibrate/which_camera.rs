@@ -13,7 +13,7 @@ pub enum AssignError {
     /// The camera is not in the document.
     #[error("camera {camera:?} is not in the document")]
     UnknownCamera {
-        /// Its name.
+        /// The camera's name.
         camera: String,
     },
     /// A frame's picture has another size than the camera's.
@@ -152,6 +152,7 @@ pub(super) fn assign_frames(
         }
     }
     if base.is_some() {
+        // Without a base there is nothing to solve with: the frames wait for one.
         let clicked: Vec<usize> = given
             .iter()
             .copied()

@@ -37,7 +37,7 @@ pub enum Fault {
     /// A coefficient of the lens that this program does not use.
     #[error("distortion.{key} is not used by this program; overlays are computed without it")]
     UnusedDistortion {
-        /// The key.
+        /// The key in the document.
         key: String,
     },
     /// Position or rotation of the base is missing.
@@ -76,13 +76,13 @@ pub enum Fault {
     /// A number is NaN or infinite, or a focal length is not positive.
     #[error("{what} is not a finite number; enter it again")]
     NotFinite {
-        /// Which.
+        /// The quantity that is not finite.
         what: String,
     },
     /// A quantity that can only be above zero.
     #[error("{what} is {value}, expected a number above zero")]
     NotPositive {
-        /// The key.
+        /// The key in the document.
         what: &'static str,
         /// The value.
         value: f64,
@@ -99,7 +99,7 @@ pub enum Fault {
     /// A shot begins or ends at a frame that is not in the document.
     #[error("names the frame {id}, which the document does not have")]
     UnknownFrame {
-        /// Its id.
+        /// The id of that frame.
         id: String,
     },
     /// A box of pixels with no area, or outside the picture.
@@ -128,7 +128,7 @@ pub enum Fault {
         "its clicks are {own_rms_px:.1} px off with its camera, {rms_px:.1} px with {camera:?}; assign it to that one"
     )]
     OtherCamera {
-        /// The camera that fits.
+        /// The name of the camera that fits.
         camera: String,
         /// Root mean square residual with that camera, px.
         rms_px: f64,
@@ -140,7 +140,7 @@ pub enum Fault {
         "stopped fitting at {frame} ({before_px:.0} px before, {after_px:.0} px since); assign the frames from there on to a new camera"
     )]
     StoppedFitting {
-        /// The first frame that does not fit.
+        /// The name of the first frame that does not fit.
         frame: String,
         /// Median residual of the clicks before it, px.
         before_px: f64,
@@ -150,85 +150,85 @@ pub enum Fault {
     /// The frame and its camera disagree about the size of the picture.
     #[error("{} where its camera has {}; assign it to a camera of its own size", size(*frame), size(*camera))]
     CameraSize {
-        /// The frame's.
+        /// The size that the frame states, px.
         frame: ImageSize,
-        /// The camera's.
+        /// The size that the camera states, px.
         camera: ImageSize,
     },
     /// A landmark that the field does not have.
     #[error("click {} names the landmark {name:?}, which the field does not have; `touchline fields` lists them", .click + 1)]
     UnknownLandmark {
-        /// The click.
+        /// The index of the click in its frame, from 0.
         click: usize,
-        /// The name.
+        /// The name in the document.
         name: String,
     },
     /// A line that the field does not have.
     #[error("click {} names the line {name:?}, which the field does not have; `touchline fields` lists them", .click + 1)]
     UnknownLine {
-        /// The click.
+        /// The index of the click in its frame, from 0.
         click: usize,
-        /// The name.
+        /// The name in the document.
         name: String,
     },
     /// A click without a name.
     #[error("click {} has no name yet; name it or delete it", .click + 1)]
     UnnamedClick {
-        /// The click.
+        /// The index of the click in its frame, from 0.
         click: usize,
     },
     /// A landmark clicked twice in one frame.
     #[error("clicks {} and {} both name the landmark {name:?}; delete one", .first + 1, .second + 1)]
     DuplicateLandmark {
-        /// The first click.
+        /// The index of the first of them.
         first: usize,
-        /// The second.
+        /// The index of the second.
         second: usize,
-        /// The name.
+        /// The name in the document.
         name: String,
     },
     /// A click outside the picture.
     #[error("click {} at ({x:.2}, {y:.2}) lies outside the picture of {}", .click + 1, size(*picture))]
     ClickOutside {
-        /// The click.
+        /// The index of the click in its frame, from 0.
         click: usize,
         /// Its x, px.
         x: f64,
         /// Its y, px.
         y: f64,
-        /// The picture's size.
+        /// The size of the picture, px.
         picture: ImageSize,
     },
     /// The document's click noise is not readable or not plausible.
     #[error("click_noise: {message}; click the gold frames again or remove it")]
     ClickNoise {
-        /// What is wrong with it.
+        /// The reason.
         message: String,
     },
     /// A blind click on a landmark that the field does not have.
     #[error("repeat {} names the landmark {name:?}, which the field does not have; `touchline fields` lists them", .repeat + 1)]
     UnknownLandmarkAgain {
-        /// The repeat.
+        /// The index of the repeat, from 0.
         repeat: usize,
-        /// The name.
+        /// The name in the document.
         name: String,
     },
     /// A blind click outside the picture.
     #[error("repeat {} at ({x:.2}, {y:.2}) lies outside the picture of {}", .repeat + 1, size(*picture))]
     RepeatOutside {
-        /// The repeat.
+        /// The index of the repeat, from 0.
         repeat: usize,
         /// Its x, px.
         x: f64,
         /// Its y, px.
         y: f64,
-        /// The picture's size.
+        /// The size of the picture, px.
         picture: ImageSize,
     },
     /// The status requires a camera, but the frame has none.
     #[error("is {} but has no ptz; solve it", status.as_str())]
     Unsolved {
-        /// The status.
+        /// The status of the frame.
         status: FrameStatus,
     },
     /// A rejected frame without a reason.
@@ -278,7 +278,7 @@ pub enum Fault {
     /// The solution refers to a click that does not exist.
     #[error("its solution refers to click {}, but there are {clicks}; solve it again", .click + 1)]
     NoSuchClick {
-        /// The click.
+        /// The index of the click in its frame, from 0.
         click: usize,
         /// Number of clicks.
         clicks: usize,
@@ -291,12 +291,12 @@ pub enum Fault {
         /// Whether the file is missing.
         missing: bool,
     },
-    /// The picture has another size than the document says.
+    /// The picture has another size than the document states.
     #[error("the picture is {}, the document says {}; it is not the one that was labelled", size(*actual), size(*stated))]
     PictureSize {
-        /// The file's.
+        /// The size of the file, px.
         actual: ImageSize,
-        /// The document's.
+        /// The size that the document states, px.
         stated: ImageSize,
     },
     /// The file's contents have changed since it was labelled.
@@ -320,7 +320,7 @@ pub enum Fault {
         "from here to {last} ({frames} frames) the camera does not move although the picture does; check these frames"
     )]
     StillCamera {
-        /// The last of the frames.
+        /// The name of the last of these frames.
         last: String,
         /// Number of these frames.
         frames: usize,

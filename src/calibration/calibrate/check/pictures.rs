@@ -135,6 +135,7 @@ fn check_video(frame: &Frame, video: &VideoFrame, info: &VideoInfo, faults: &mut
         });
         return;
     };
+    // Number and time must name the same frame of the video.
     if let Some(stated) = video.pts_s
         && info.clock.index_at(stated) != Some(index)
     {

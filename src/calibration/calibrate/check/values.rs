@@ -27,6 +27,7 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
             fault,
         })
     };
+    // What the whole document shares: field, click noise and shots.
     if let Err(message) = fields.model(&document.field) {
         problem("field".to_owned(), Fault::Field { message });
     }
@@ -49,6 +50,7 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
             }
         }
     }
+    // Each camera by itself.
     for (index, camera) in document.cameras.iter().enumerate() {
         let place = || format!("camera {}", camera.id);
         if document.cameras[..index]
@@ -63,6 +65,7 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
         check_camera(camera, &mut |fault| problem(place(), fault));
         check_place(camera, &mut |fault| problem(place(), fault));
     }
+    // Each frame, with its clicks and its solution.
     let duplicates = duplicates(&document);
     for (index, frame) in document.frames.iter().enumerate() {
         let mut problem = |fault| {
@@ -171,6 +174,7 @@ fn check_camera(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
             problem(Fault::NotPositive { what, value });
         }
     }
+    // Masks for all frames and for ranges of frames.
     let masks: Vec<PixelBox> = camera
         .masks
         .iter()
@@ -181,6 +185,7 @@ fn check_camera(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
 }
 
 fn check_masks(masks: &[PixelBox], picture: ImageSize, problem: &mut dyn FnMut(Fault)) {
+    // A mask must have an area, part of it inside the picture.
     let covers = |mask: &PixelBox| {
         let (right, bottom) = (mask.x + mask.width, mask.y + mask.height);
         mask.width > 0.0
@@ -295,6 +300,8 @@ fn check_clicks(frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnM
                         name: name(),
                     });
                 }
+                // A landmark is one point, so that a second click on it contradicts the first. A
+                // line may have several clicks.
                 let before = frame.clicks[..click]
                     .iter()
                     .position(|other| other.target == here.target);
@@ -355,6 +362,7 @@ fn check_solution(frame: &Frame, problem: &mut dyn FnMut(Fault)) {
         return;
     };
     let clicks = frame.clicks.len();
+    // Warnings, suggested names and disputed clicks refer to clicks by index.
     let renamed = solution
         .warnings
         .iter()

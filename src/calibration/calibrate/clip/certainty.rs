@@ -55,7 +55,7 @@ pub(super) enum PaintVerdict {
     Agrees,
     /// They do not decide, or were not searched.
     Silent,
-    /// They are elsewhere.
+    /// They are not where the camera projects them.
     Contradicts,
 }
 

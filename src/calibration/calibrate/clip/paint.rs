@@ -21,7 +21,7 @@ pub(super) enum Painted {
     Snapped(PosePrior),
     /// The paint is not where the camera projects it.
     Contradicts,
-    /// Nothing certain.
+    /// The paint is not decisive.
     Open,
 }
 

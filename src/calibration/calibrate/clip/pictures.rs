@@ -92,6 +92,7 @@ impl ClipPictures<'_> {
         let masks: Vec<_> = (0..self.clip.frames.len())
             .map(|frame| self.masks(frame))
             .collect();
+        // The same pictures and options give the same points.
         if let Some(tracks) = evidence.tracks(&pictures, &masks) {
             return Ok(tracks);
         }

@@ -38,7 +38,7 @@ pub struct TrackedFrame {
     pub place: usize,
     /// Pan, tilt, focal length.
     pub ptz: Ptz,
-    /// The same before smoothing; none where nothing was smoothed.
+    /// Pan, tilt and focal length before smoothing; none where nothing was smoothed.
     pub raw: Option<Ptz>,
     /// The uncertainty of the camera.
     pub uncertainty: Uncertainty,
@@ -360,6 +360,7 @@ fn smoothed(at: DocumentAt<'_>, clip: &ClipFrames, adjusted: &AdjustedClip) -> V
     let mut smoothed = vec![None; adjusted.frames.len()];
     let mut frame = 0;
     while frame < smoothed.len() {
+        // A frame that was not reached ends a run: across the gap the motion is not known.
         let stretch: Vec<Unsmoothed> = adjusted.frames[frame..]
             .iter()
             .map_while(|adjusted| *adjusted)
