@@ -119,6 +119,7 @@ impl BulkSolve {
         let mut after = self.document.clone();
         self.change.make_beside_frames(&mut after)?;
         let places = self.change.places(&self.document);
+        // Threads finish frames in any order, so they share one counter.
         let (of, done) = (self.solved_again(&places), AtomicUsize::new(0));
         let counting = progress.part(|()| Share {
             done: done.fetch_add(1, Ordering::Relaxed) + 1,

@@ -140,9 +140,10 @@ pub fn calibrate(
     }
     let solution = solve_frame(&base, &observations, &context)?;
     if context.prior.is_some() {
-        // So few clicks cannot contradict each other's names.
+        // With a prior there are too few clicks to contradict each other's names.
         return Ok(solution);
     }
+    // Whether other names for the clicks would fit better.
     let finding = check_identity(&base, field, &observations, &solution, &context);
     Ok(solution.with_identity(finding))
 }

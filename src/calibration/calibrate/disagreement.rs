@@ -130,6 +130,7 @@ impl Disagreements {
             .values()
             .flat_map(|shot| threes(shot.iter().copied()))
             .collect();
+        // Comparisons are independent of each other; `par_iter` keeps their order.
         let compared: Vec<Option<Disagreement>> = threes
             .par_iter()
             .map(|three| compare(document, *three))
@@ -175,6 +176,7 @@ impl Disagreements {
         }
         // Compare again once all shots are updated.
         for index in concerned {
+            // A frame without neighbours on both sides has no disagreement.
             let three = match self.beside(&document.frames[index], index) {
                 [Some(before), Some(after)] => Some([before, index, after]),
                 _ => None,

@@ -97,10 +97,12 @@ pub(crate) fn follow_base(document: &mut Document, index: usize, before: &Docume
         .frames
         .get(index)
         .is_some_and(|known| known.ptz == frame.ptz);
+    // A proposal that no person has accepted.
     if is_of_old_base && frame.is_suggestion() && frame.status != FrameStatus::Reference {
         withdraw(&mut document.frames[index]);
         return true;
     }
+    // Any other camera that came from the picture.
     if is_of_old_base && follows_picture(frame) {
         refit(document, index, before);
         forget_certainty(&mut document.frames[index]);

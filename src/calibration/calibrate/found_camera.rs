@@ -49,6 +49,8 @@ impl FoundCamera {
     /// Writes base, crown and suggestions into a document. Frames that a person has clicked in or
     /// decided on do not change.
     pub(super) fn write(&self, document: &mut Document) {
+        // Frames are found again by id. Those that were deleted, assigned to another camera or
+        // decided on meanwhile are left out.
         let here = |(id, of_found): (&FrameId, &AutocalibratedFrame)| {
             let index = document.frames.position_of(id)?;
             let is_open =

@@ -111,8 +111,9 @@ impl OpenField<'_> {
 
 /// The base estimated from the paint of known frames.
 pub(crate) struct PaintEstimate {
-    /// The frames, on the field of fitted size.
+    /// The frames, with their clicks on the field of fitted size.
     pub problem: BaseProblem,
+    /// The base, with the frames numbered as in the problem.
     pub estimate: BaseEstimate,
     /// The fitted lengths of the field.
     pub sizes: Vec<FittedSize>,
@@ -189,8 +190,8 @@ impl KnownFrames<'_> {
         };
         let (paint, at_clicks) =
             held_out_on_paint(&as_first, &first.base, first.crown_m, &start.ptz);
-        // The errors of the new base come from its cross-validation: each frame was held out in
-        // turn.
+        // The errors of the new base come from the choice of its model, which evaluated each frame
+        // with a base estimated without it.
         let chosen = estimate
             .scores
             .iter()
@@ -230,7 +231,7 @@ impl KnownFrames<'_> {
 }
 
 impl BaseProblem {
-    /// The same frames on a field of another size.
+    /// The same frames with their clicks on a field of another size.
     fn on_field(self, field: FieldModel) -> Self {
         Self {
             clicks: self
@@ -268,7 +269,7 @@ pub(crate) struct KnownCameras {
 }
 
 impl KnownCameras {
-    /// The field with the crown.
+    /// The problem's field with the crown of these cameras.
     fn field(&self, problem: &BaseProblem) -> FieldModel {
         FieldModel {
             crown_m: self.crown_m,
@@ -349,6 +350,8 @@ impl Seen {
                     &lenient(),
                 )
                 .ok()?;
+                // Positions of paint are searched from the aligned camera, where the lines are
+                // nearest.
                 let camera = PtzCamera::new(cameras.base, snapped.ptz);
                 Some((*place, snapped.ptz, paint_places(&ground, &field, &camera)))
             });
@@ -373,6 +376,7 @@ impl Seen {
         self.frames += 1;
         self.places += paint.len();
         self.lines.extend(paint.iter().map(|seen| seen.line));
+        // Paint observations follow the frame's clicks and are numbered by themselves.
         let observed = paint.iter().enumerate().filter_map(|(number, seen)| {
             Observation::of_paint(&problem.field, seen.line, seen.image, seen.sigma_px, number)
         });

@@ -203,6 +203,7 @@ fn click_noise(
     let own = own.filter_map(|(id, [_, normalised])| {
         Some((id.as_str().to_owned(), own_factor(normalised)?))
     });
+    // The factors are for the solve; σ in px and its interval are for display.
     Some(ClickNoise {
         in_use: true,
         factor,

@@ -261,6 +261,8 @@ pub(crate) fn paint_evidence(check: &LineCheck) -> PaintEvidence {
 pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
     let camera = PtzCamera::new(*base, snapped.ptz);
     frame.point(snapped.ptz, camera.lens());
+    // The fields from clicks stay; uncertainty, residual, confidence and line check are replaced by
+    // the alignment's.
     let mut solution = frame.solution.take().unwrap_or_default();
     drop_paint_warnings(&mut solution);
     frame.solution = Some(Solution {

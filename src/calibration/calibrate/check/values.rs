@@ -233,6 +233,7 @@ fn check_frame(
     if frame.image.is_none() && frame.video.is_none() {
         problem(Fault::NoPicture);
     }
+    // Its camera: present, of the same picture size, with a plausible lens.
     match document.camera_of(frame) {
         None => problem(Fault::UnknownCamera {
             camera: frame.camera.as_str().to_owned(),
@@ -245,6 +246,7 @@ fn check_frame(
         }
         Some(camera) => check_lens(camera, frame, problem),
     }
+    // Its status: what it requires must be there.
     match frame.status {
         FrameStatus::Reference | FrameStatus::Suggested if frame.ptz.is_none() => {
             problem(Fault::Unsolved {

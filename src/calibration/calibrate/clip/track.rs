@@ -112,8 +112,9 @@ pub struct TrackedClip {
 /// pictures is not computed again.
 ///
 /// # Errors
-/// [`TrackClipError`]: its camera has no base, no frame has a camera, a picture cannot be read, or
-/// it was stopped.
+/// [`TrackClipError`]: the clip's camera has no base, no frame has a camera, a picture cannot be
+/// read or has another size, points cannot be tracked, the known cameras do not determine the
+/// others, or the tracking was cancelled.
 pub fn track_clip(
     at: DocumentAt<'_>,
     clip: &ClipFrames,
