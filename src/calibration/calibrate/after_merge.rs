@@ -1,9 +1,9 @@
-//! What becomes of frames that were solved on another base or field than the merged document has.
+//! Updates frames that were solved with another base or field than the merged document has.
 //!
 //! A merge takes a frame from one side and may take its camera from the other. The frame's clicks
-//! are as true as before, but its solution was computed for a camera that stands elsewhere. Clicked
-//! frames are solved again. Frames without clicks keep their lines on the picture as well as the
-//! new base allows, and what was only proposed is withdrawn.
+//! remain valid, but its solution was computed for another base. Clicked frames are solved again.
+//! Frames without clicks keep their lines in place on the picture as well as the new base allows,
+//! and mere proposals are withdrawn.
 
 use super::follow_base::follow_base;
 use super::refit::refit;
@@ -14,20 +14,20 @@ use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
 
-/// Frames that a merge put onto another base or field.
+/// Numbers of frames that a merge put onto another base or field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SolvedAfterMerge {
-    /// Frames that were solved again by their clicks.
+    /// Frames that were solved again from their clicks.
     pub solved: usize,
-    /// Frames without clicks whose lines were kept.
+    /// Frames without clicks whose lines were kept in place.
     pub refitted: usize,
     /// Proposals that were withdrawn.
     pub withdrawn: usize,
 }
 
-/// Solves the frames of a merged document that come from a side with another base or field. Of a
-/// frame that is on no side it is not known what it was solved for, so it is solved again. `folder`
-/// is the document's.
+/// Updates the frames of a merged document that come from a side with another base or field. A
+/// frame that is on no side was solved for an unknown base, so it is solved again. `folder` is the
+/// document's.
 ///
 /// # Errors
 /// A field of the document is not valid; no clicked frame is solved then.
@@ -40,6 +40,8 @@ pub fn solve_after_merge(
     let mut clicked = Vec::new();
     for index in 0..document.frames.len() {
         let frame = &document.frames[index];
+        // A frame is up to date if one of the sides with the same frame has the merged document's
+        // base and field.
         let origins: Vec<&Document> = sides
             .iter()
             .copied()
@@ -55,11 +57,12 @@ pub fn solve_after_merge(
         if is_by_clicks(frame) {
             clicked.push(index);
         } else if let (Some(origin), true) = (origins.first(), frame.ptz.is_some()) {
+            // The side's camera shows where the lines were on the picture.
             let before = with_cameras_of(document, origin);
             if follow_base(document, index, &before) {
                 done.withdrawn += 1;
             } else {
-                // An accepted proposal has followed already, and stays where it is.
+                // `follow_base` turns an accepted proposal as well; doing it again changes nothing.
                 refit(document, index, &before);
                 done.refitted += 1;
             }
@@ -72,7 +75,7 @@ pub fn solve_after_merge(
     Ok(done)
 }
 
-/// What a frame is solved on.
+/// The base and the field that a frame's solution depends on.
 #[derive(PartialEq)]
 struct Ground<'a> {
     base: Option<CameraBase>,
@@ -89,7 +92,7 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// Whether a document holds a frame with these contents.
+/// Whether a document contains a frame with the same contents.
 fn holds_frame(document: &Document, frame: &Frame) -> bool {
     document
         .frames
@@ -97,7 +100,7 @@ fn holds_frame(document: &Document, frame: &Frame) -> bool {
         .is_some_and(|known| known.has_content_of(frame))
 }
 
-/// The frames of one document with the cameras of another.
+/// A document's frames with the cameras of another.
 fn with_cameras_of(document: &Document, origin: &Document) -> Document {
     Document {
         cameras: origin.cameras.clone(),

@@ -1,4 +1,4 @@
-//! A camera that was found without clicks, and its frames.
+//! The result of autocalibration: a camera and its frames.
 
 use touchline_core::camera::{CameraBase, PanTilt, Ptz};
 use touchline_core::field::FieldModel;
@@ -6,29 +6,29 @@ use touchline_core::solve::Uncertainty;
 use touchline_core::solve::base::FittedSize;
 use touchline_vision::paint::Snapped;
 
-/// A camera that was found, and the frames that it was found from.
+/// A camera found by autocalibration, and the frames that it was found from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AutocalibratedCamera {
-    /// The base, in the pan gauge of the conventions.
+    /// The base, with pan zero as the conventions fix it.
     pub base: CameraBase,
-    /// The field, with the crown and the size that were found.
+    /// The field, with the estimated crown and size.
     pub field: FieldModel,
-    /// The lengths of the field that were fitted; none where its size is known, or where the one
-    /// assumed explains the paint as well.
+    /// The fitted lengths of the field; empty if its size is known, or if the assumed size explains
+    /// the paint equally well.
     pub sizes: Vec<FittedSize>,
-    /// The frames that hang together and whose camera is certain.
+    /// The frames that are linked by image matches and whose camera is certain.
     pub frames: Vec<AutocalibratedFrame>,
-    /// Frames that were looked at and hang together with none of these, by their places in the
-    /// document: another camera's.
+    /// Indices in the document of sampled frames that match none of these: they belong to another
+    /// camera.
     pub others: Vec<usize>,
-    /// Where paint stays while the camera turns: pan and tilt, evenly thinned.
+    /// Directions of persistent paint as pan and tilt, evenly subsampled.
     pub paint: Vec<PanTilt>,
-    /// What speaks for it.
+    /// The evidence for the base.
     pub evidence: AutocalibrationEvidence,
 }
 
 impl AutocalibratedCamera {
-    /// How many frames agree with the painted lines of their own picture.
+    /// Number of frames that agree with the painted lines of their own picture.
     #[must_use]
     pub fn snapped_count(&self) -> usize {
         self.frames
@@ -38,22 +38,22 @@ impl AutocalibratedCamera {
     }
 }
 
-/// A frame of a camera that was found.
+/// A frame of a camera found by autocalibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AutocalibratedFrame {
-    /// Its place in the document.
+    /// Its index in the document.
     pub index: usize,
-    /// Pan, tilt and focal length by all frames together.
+    /// Pan, tilt and focal length from all frames together.
     pub ptz: Ptz,
-    /// What all frames together leave open; none where that was not asked.
+    /// Its uncertainty from all frames together; none if that was not computed.
     pub uncertainty: Option<Uncertainty>,
-    /// The camera pulled onto the painted lines of its own picture; none where these do not decide,
-    /// or where the frames beside it contradict them.
+    /// The camera aligned to the painted lines of its own picture; none if these do not decide, or
+    /// if neighbouring frames contradict them.
     pub snapped: Option<Snapped>,
 }
 
 impl AutocalibratedFrame {
-    /// Pan, tilt and focal length by its own picture where that decides, else by all frames
+    /// Pan, tilt and focal length from its own picture if that decides, else from all frames
     /// together.
     pub(crate) fn best_ptz(&self) -> Ptz {
         self.snapped
@@ -62,36 +62,36 @@ impl AutocalibratedFrame {
     }
 }
 
-/// What speaks for a base.
+/// The evidence for a base.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct AutocalibrationEvidence {
-    /// Frames that it was found from.
+    /// Number of frames that it was found from.
     pub frames: usize,
-    /// The share of the paint that stays that lies on a line of the field.
+    /// Share of the persistent paint that lies on a line of the field.
     pub explained: f64,
-    /// The share of the lines that should be seen on open ground and are.
+    /// Share of the lines expected on open ground that are visible.
     pub visible: f64,
-    /// Explained times visible of the best other place.
+    /// The score (`explained` × `visible`) of the runner-up.
     pub rival: f64,
-    /// The lines of the field that were seen, by name.
+    /// Names of the lines of the field that are visible.
     pub lines: Vec<String>,
-    /// The lines of the field that should have been seen on open ground and were not, by label.
-    /// Touchlines are not among them: the width of a field is assumed, and its rules fix all other
-    /// lines.
+    /// Labels of the lines that are expected on open ground and not visible, except touchlines: the
+    /// width of a field is assumed, and its rules fix all other lines.
     pub missing: Vec<String>,
-    /// The median distance of paint from its line, px at 1920 px width.
+    /// Median distance of paint from its line, px at 1920 px width.
     pub residual_px: f64,
-    /// How far the bases of the two halves of the frames lie apart, m; of three frames twice the
-    /// 1-σ that leaving one out at a time gives; infinite where some have none.
+    /// Distance between the positions estimated from two halves of the frames, m. With three
+    /// frames, twice the 1-σ of the leave-one-out estimates; infinite if some of these have no
+    /// solution.
     pub parts_m: f64,
-    /// Length and width of a field that would explain more, m, where the size is known and is not
-    /// that.
+    /// Length and width of a field that would explain more, m, if the size is known and differs
+    /// from that.
     pub other_size_m: Option<[f64; 2]>,
 }
 
 impl AutocalibrationEvidence {
-    /// How much of paint and lines belongs together, 0 to 1.
+    /// The score of the base, from 0 to 1.
     #[must_use]
     pub fn score(&self) -> f64 {
         self.explained * self.visible

@@ -1,4 +1,5 @@
-//! A camera whose base stops fitting from some frame on, and the way out: a new camera from there.
+//! Detects that a camera's base stops fitting from some frame on, and proposes a new camera for the
+//! frames from there.
 
 use super::{AssignedFrames, FrameLookup, NewCamera, calibrate, observations};
 use rayon::prelude::*;
@@ -8,25 +9,25 @@ use touchline_core::geometry::thousands;
 use touchline_core::solve::base::{FrameClicks, base_change};
 use touchline_documents::document::{Camera, CameraId, Document};
 
-/// Where a camera of the document stops fitting.
+/// A change of a camera's base between two frames of the document.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraChange {
-    /// Which camera.
+    /// The camera.
     pub camera: CameraId,
-    /// The first frame that its base no longer fits, by its place in the document.
+    /// The first frame that its base no longer fits, by its index in the document.
     pub frame: usize,
-    /// Median distance of the clicks before it, px.
+    /// Median residual of the clicks before it, px.
     pub before_px: f64,
-    /// Median distance of the clicks from it on, px.
+    /// Median residual of the clicks from it on, px.
     pub after_px: f64,
-    /// The same with a base of their own, px.
+    /// Median residual of the same clicks with a base of their own, px.
     pub own_px: f64,
-    /// That base.
+    /// The base that fits the frames from the change on.
     pub base: CameraBase,
 }
 
 impl CameraChange {
-    /// What a person reads.
+    /// The warning for the user.
     #[must_use]
     pub fn describe(&self) -> String {
         format!(
@@ -37,7 +38,7 @@ impl CameraChange {
         )
     }
 
-    /// The frames it is about, by their places: the camera's from there on.
+    /// The indices of the camera's frames from the change on.
     #[must_use]
     pub fn frames(&self, document: &Document) -> Vec<usize> {
         let concerned = |index: &usize| document.frames[*index].camera == self.camera;
@@ -46,7 +47,7 @@ impl CameraChange {
             .collect()
     }
 
-    /// The way out: the frames from there on for a new camera, with the base that fits them.
+    /// The remedy: these frames assigned to a new camera, with the base that fits them.
     #[must_use]
     pub fn assigned(&self, document: &Document) -> AssignedFrames {
         AssignedFrames {
@@ -64,8 +65,8 @@ impl CameraChange {
     }
 }
 
-/// Where a camera's base stops fitting the frames of the document, in their order, if it does.
-/// Rejected frames and those left out of the base count for nothing. `lookup` is the document's.
+/// The frame from which a camera's base no longer fits, in the document's order; none if it fits
+/// all. Rejected frames and those excluded from the base are ignored. `lookup` is the document's.
 #[must_use]
 pub fn camera_change(
     document: &Document,
@@ -75,6 +76,8 @@ pub fn camera_change(
 ) -> Option<CameraChange> {
     let known = document.camera(camera)?;
     let base = known.base()?;
+    // Each frame contributes its clicks and the camera that follows from them. Solving these is
+    // what takes time, so it is done in parallel.
     let telling = |index: usize| {
         let frame = &document.frames[index];
         let takes_part = frame.image_size == known.image_size && frame.is_used_for_base();
@@ -96,6 +99,8 @@ pub fn camera_change(
     let telling = lookup.clicked(camera).into_par_iter().filter_map(telling);
     let (places, told): (Vec<usize>, Vec<(FrameClicks, Option<Ptz>)>) = telling.unzip();
     let (clicks, pointed): (Vec<FrameClicks>, Vec<Option<Ptz>>) = told.into_iter().unzip();
+    // The test itself compares a model with one base to a model with a change of base at each frame
+    // (`solve::base`).
     let found = base_change(field, &clicks, &pointed, &base)?;
     Some(CameraChange {
         camera: camera.clone(),
@@ -107,7 +112,8 @@ pub fn camera_change(
     })
 }
 
-/// A frame's camera as its clicks have it; one that is recorded need not be solved again.
+/// Pan, tilt and focal length of a frame from its clicks; a stored solution from clicks is not
+/// solved again.
 fn ptz_by_clicks(
     document: &Document,
     lookup: &FrameLookup,

@@ -27,36 +27,36 @@ use touchline_documents::document::{
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BaseEstimationError {
-    /// The document lacks the camera.
+    /// The camera is not in the document.
     #[error("camera {camera:?} is not in the document")]
     UnknownCamera {
-        /// Its name.
+        /// The camera's name.
         camera: String,
     },
     /// The field is not valid.
     #[error(transparent)]
     Field(#[from] FieldError),
-    /// A click names something that the field lacks.
+    /// A click names a landmark or line that the field does not have.
     #[error("{frame}: {source}")]
     Observation {
-        /// The frame.
+        /// The frame's name.
         frame: String,
-        /// What is wrong with the name.
+        /// The error of the name.
         source: ObservationError,
     },
-    /// The clicks give no base.
+    /// The clicks do not determine a base.
     #[error(transparent)]
     Base(#[from] BaseError),
 }
 
-/// All that the frames of a camera say about its base.
+/// The input for estimating the base of a camera: its frames with their clicks.
 #[derive(Clone, Debug)]
 pub struct BaseProblem {
     /// The camera.
     pub camera: CameraId,
-    /// The field it looks at.
+    /// The field that it shows.
     pub field: FieldModel,
-    /// Which frames of the document take part.
+    /// Indices in the document of the frames that take part.
     pub frames: Vec<usize>,
     /// Their clicks, in the same order.
     pub clicks: Vec<FrameClicks>,
@@ -65,41 +65,43 @@ pub struct BaseProblem {
     pub(super) previous: Option<CameraBase>,
 }
 
-/// An estimated base and where it comes from. Frames are numbered as in the document.
+/// An estimated base with its inputs. Frames are numbered as in the document.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EstimatedBase {
     /// The camera.
     pub camera: CameraId,
-    /// Which frames of the document took part: one for each of [`BaseEstimate::frames`].
+    /// Indices in the document of the frames that took part, one for each of
+    /// [`BaseEstimate::frames`].
     pub frames: Vec<usize>,
-    /// The estimate; its disputed clicks and mirrored frames bear the document's frame numbers.
+    /// The estimate; its disputed clicks and mirrored frames have the document's frame indices.
     pub estimate: BaseEstimate,
-    /// How well each landmark is hit, the worst first.
+    /// The residuals of each landmark, the worst landmark first.
     pub landmarks: Vec<LandmarkFit>,
-    /// The field's size, where it was fitted as well; empty: as assumed.
+    /// The fitted lengths of the field; empty if its size was not fitted.
     pub sizes: Vec<FittedSize>,
-    /// What the painted lines said, where they took part.
+    /// The evidence from painted lines, where they took part.
     pub on_paint: Option<Arc<OnPaint>>,
 }
 
-/// How well the clicks on one landmark fit, over all frames.
+/// The residuals of the clicks on one landmark, over all frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LandmarkFit {
     /// The landmark.
     pub id: LandmarkId,
-    /// Median distance, px.
+    /// Median residual, px.
     pub median_px: f64,
-    /// How many clicks.
+    /// Number of clicks.
     pub clicks: usize,
-    /// The farthest of them: frame of the document and click, both from 0.
+    /// The click with the largest residual: its frame's index in the document, and its index in the
+    /// frame.
     pub worst: (usize, usize),
-    /// How far that one is off, px.
+    /// The residual of that click, px.
     pub worst_px: f64,
 }
 
 impl BaseProblem {
-    /// Gathers the clicks of a camera's frames: of all but the rejected ones and those left out.
-    /// `folder` is the document's.
+    /// Gathers the clicks of a camera's frames, except rejected frames and those excluded from the
+    /// base. `folder` is the document's.
     ///
     /// # Errors
     /// The document lacks the camera, its field is not valid, or a click names something that the
@@ -108,7 +110,7 @@ impl BaseProblem {
         Self::gathered(document, camera, |_| false)
     }
 
-    /// The same with the solved frames that nobody has clicked: their paint may say something.
+    /// The same, with solved frames that have no clicks: their paint may contribute.
     ///
     /// # Errors
     /// Those of [`Self::of`].
@@ -119,7 +121,7 @@ impl BaseProblem {
         Self::gathered(document, camera, |frame| frame.ptz.is_some())
     }
 
-    /// Frames of a camera on a field, by their indices, of which no click is known.
+    /// Frames of a camera, by their indices in the document, without any clicks.
     pub(crate) fn without_clicks(
         camera: &Camera,
         field: FieldModel,
@@ -144,7 +146,7 @@ impl BaseProblem {
         }
     }
 
-    /// Gathers the frames with clicks, and those without that are wanted all the same.
+    /// Gathers the frames with clicks, and those without clicks that satisfy `is_wanted`.
     fn gathered(
         document: DocumentAt<'_>,
         camera: &CameraId,
@@ -157,6 +159,7 @@ impl BaseProblem {
             })?;
         let field = document.model_of(document.field_of_camera(camera))?;
         let (mut frames, mut clicks) = (Vec::new(), Vec::new());
+        // Frames of another picture size cannot share the camera's lens and principal point.
         let of_camera =
             |frame: &Frame| frame.camera == *camera && frame.image_size == known.image_size;
         for (index, frame) in document
@@ -170,6 +173,7 @@ impl BaseProblem {
                     frame: frame.name(),
                     source,
                 })?;
+            // Check clicks alone contribute nothing to a base.
             let has_clicks = observations.iter().any(|observation| !observation.check);
             if frame.is_used_for_base() && (has_clicks || is_wanted(frame)) {
                 frames.push(index);
@@ -190,7 +194,7 @@ impl BaseProblem {
         })
     }
 
-    /// How many clicks take part.
+    /// Number of clicks that take part.
     #[must_use]
     pub fn click_count(&self) -> usize {
         self.clicks
@@ -219,7 +223,7 @@ impl BaseProblem {
         Ok(self.estimated(document, estimate))
     }
 
-    /// The clicks, ready for an adjustment.
+    /// The clicks as the input of an adjustment.
     pub(super) fn camera_clicks(&self) -> CameraClicks<'_> {
         CameraClicks {
             field: &self.field,
@@ -229,7 +233,7 @@ impl BaseProblem {
         }
     }
 
-    /// An estimate from these frames, as one of the document's.
+    /// An estimate from these frames, with the document's frame indices.
     pub(super) fn estimated(
         &self,
         document: &Document,
@@ -253,11 +257,15 @@ impl BaseProblem {
         }
     }
 
+    /// The distance of the clicks on each landmark from its projection with the new base, crown and
+    /// frame cameras. Landmarks are sorted by their median, the worst first.
     fn landmark_fits(&self, document: &Document, estimate: &BaseEstimate) -> Vec<LandmarkFit> {
         let field = FieldModel {
             crown_m: estimate.crown_m,
             ..self.field.clone()
         };
+        // Residuals in px by landmark, with the indices of frame and click. Check clicks count for
+        // nothing.
         let mut errors: BTreeMap<&LandmarkId, Vec<(f64, usize, usize)>> = BTreeMap::new();
         for (index, fit) in self.frames.iter().zip(&estimate.frames) {
             let (Some(fit), Some(frame)) = (fit, document.frames.get(*index)) else {
@@ -282,6 +290,7 @@ impl BaseProblem {
                 }
             }
         }
+        // The median is robust against a single wrong click, which `worst` names.
         let fit = |(id, mut errors): (&LandmarkId, Vec<(f64, usize, usize)>)| {
             errors.sort_by(|a, b| a.0.total_cmp(&b.0));
             let (worst_px, frame, click) = *errors.last()?;
@@ -301,12 +310,15 @@ impl BaseProblem {
 }
 
 impl EstimatedBase {
-    /// Writes position, rotation, lens and sigma into the camera, the crown and a fitted size into
-    /// its field; frames stay. Where there are several cameras, each gets a field of its own with
-    /// its crown: they may stand at different venues.
+    /// Writes position, rotation, lens and σ into the camera, and the crown and a fitted size into
+    /// its field. Frames are not changed.
+    ///
+    /// With several cameras, each gets a field of its own with its crown: they may be at different
+    /// venues.
     pub fn write_camera(&self, document: &mut Document) {
         set_field_size(document, &self.camera, &self.sizes);
         let base = &self.estimate.base;
+        // The shared field is copied to this camera only if its crown changes.
         let shared = (document.cameras.len() > 1).then(|| document.field.clone());
         let Some(camera) = document.camera_mut(&self.camera) else {
             return;
@@ -327,14 +339,14 @@ impl EstimatedBase {
         }
     }
 
-    /// Marks the clicks that disagree and the frames named from the wrong side in the frames'
-    /// solutions; to be called after they have been solved with the new base.
+    /// Marks the clicks that disagree with the base and the frames with mirrored names in the
+    /// solutions of these frames. Call it after the frames have been solved with the new base.
     pub fn mark_disputes(&self, document: &mut Document) {
         let places: Vec<usize> = (0..document.frames.len()).collect();
         self.mark_disputes_in(document, &places);
     }
 
-    /// The same in some frames: by their places, ascending.
+    /// The same for some frames only, by their indices in the document, ascending.
     fn mark_disputes_in(&self, document: &mut Document, places: &[usize]) {
         let is_concerned = |index: usize| places.binary_search(&index).is_ok();
         for disputed in self
@@ -346,6 +358,8 @@ impl EstimatedBase {
             let Some(frame) = document.frames.get_mut(disputed.frame) else {
                 continue;
             };
+            // A click that fits another name gets a warning with that name, unless one of the
+            // frame's warnings suggests a name for it already.
             let named = frame
                 .clicks
                 .get(disputed.click)
@@ -383,6 +397,8 @@ impl EstimatedBase {
             .iter()
             .filter(|mirrored| is_concerned(mirrored.frame))
         {
+            // A frame that fits the base with mirrored names gets a warning, once, and its verdict
+            // is `Wrong`.
             let solution = document
                 .frames
                 .get_mut(mirrored.frame)
@@ -400,9 +416,9 @@ impl EstimatedBase {
         }
     }
 
-    /// Writes the base into the document: the camera, the crown, and every frame of the camera
-    /// solved anew from its clicks; what the estimate disputes is marked. Frames by hand or from
-    /// elsewhere keep their direction.
+    /// Writes the base into the document: the camera, the crown, and all frames of the camera,
+    /// solved again from their clicks. Clicks that disagree with the estimate are marked. Frames
+    /// whose camera does not come from clicks keep their direction.
     ///
     /// # Errors
     /// The camera's field is not valid with the crown.
@@ -417,9 +433,9 @@ impl EstimatedBase {
         Ok(self.write_frames(document, &before, folder, &places, &Progress::default())?)
     }
 
-    /// The part of [`Self::write_to`] that lies in frames, for some of them: the document has the
-    /// base already, `before` is without it. Where `progress` cancels this, frames have changed:
-    /// the document is to be dropped.
+    /// The part of [`Self::write_to`] that changes frames, for some of them by their indices.
+    /// `document` has the base already, `before` does not. If `progress` cancels this, some frames
+    /// have been changed and the document must be discarded.
     pub(super) fn write_frames(
         &self,
         document: &mut Document,
@@ -435,6 +451,9 @@ impl EstimatedBase {
             .at(folder)
             .model_of(camera.field.as_ref().unwrap_or(&document.field))?;
         let before = before.camera(&self.camera).and_then(Camera::base);
+        // Pan zero is a gauge. If the heading of the base changed, shift every pan by the
+        // difference, so that a frame which is not solved again still looks in the same direction
+        // of the world.
         let turned_deg = before.map_or(0.0, |before| {
             before
                 .angles()
@@ -444,6 +463,7 @@ impl EstimatedBase {
         });
         let of_camera =
             |frame: &Frame| frame.camera == self.camera && frame.status != FrameStatus::Rejected;
+        // Every frame of the camera follows the gauge; only frames from clicks are solved again.
         let mut clicked = Vec::new();
         for &index in places {
             if !of_camera(&document.frames[index]) {
@@ -471,6 +491,7 @@ impl EstimatedBase {
         {
             return Ok(());
         }
+        // Frames that were aligned to paint take precedence over their solution from clicks alone.
         if let Some(on_paint) = &self.on_paint {
             on_paint.write_frames(document, places);
         }
@@ -479,7 +500,7 @@ impl EstimatedBase {
     }
 }
 
-/// A camera that the clicks do not give with the new base is no longer known.
+/// Records a solution; a camera that the clicks no longer determine on the new base is removed.
 fn record_or_drop(frame: &mut Frame, solved: Result<&FrameSolution, &CalibrationError>) {
     match solved {
         Ok(solved) => frame.record(solved),
@@ -491,8 +512,11 @@ fn record_or_drop(frame: &mut Frame, solved: Result<&FrameSolution, &Calibration
     }
 }
 
-/// The camera that a frame's own clicks determine while no base is known: four or more landmarks on
-/// the ground. None where they do not.
+/// The camera that a frame's own clicks determine without a known base, from four or more landmarks
+/// on the ground; none if they do not.
+///
+/// A homography gives position, rotation and focal length. They are refined with a pinhole lens and
+/// the field's crown: one frame does not determine a lens.
 #[must_use]
 pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> Option<PtzCamera> {
     let camera = document.camera_of(frame)?;
@@ -510,6 +534,8 @@ pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> O
         image_size,
         principal_point,
     };
+    // The linear start, then the nonlinear refinement of position, rotation, pan, tilt and focal
+    // length.
     let start = start_base(&clicks).ok()?;
     let crown = CrownModel::Fixed(field.crown_m);
     let model = BaseModel {
@@ -521,7 +547,7 @@ pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> O
     let adjusted = adjust_base(&clicks, &start.base, &start.ptz, &model, &options);
     Some(PtzCamera::new(adjusted.base, (*adjusted.ptz.first()?)?))
 }
-/// What a frame named from the wrong side looks like, in numbers.
+/// Describes the residuals of a frame with mirrored names.
 #[must_use]
 pub fn describe_mirrored(mirrored: &MirroredFrame) -> String {
     let exchanged = match mirrored.symmetry {

@@ -1,8 +1,8 @@
 //! The base of a camera from the clicks and the painted lines of its frames, in one adjustment.
 //!
-//! The clicks give a first base, or the camera has one. With it every frame is pulled onto its
-//! paint, the places of the paint and the clicks are adjusted together, and once more with what
-//! that has found. Lens and crown are chosen by paint that they have not seen.
+//! The initial base comes from the clicks, or else from the document. With it every frame is
+//! aligned to its paint, and clicks and positions of paint are adjusted together; this is repeated
+//! once from the result. Lens and crown are chosen by their error at held-out paint.
 
 use super::follow_base::forget_certainty;
 use super::known_frames::{BaseOnPaintError, KnownCameras, KnownFrames, OpenField, PaintEstimate};
@@ -21,24 +21,27 @@ use touchline_documents::document::{CameraId, Document, DocumentAt, Frame, Frame
 use touchline_vision::media::Picture;
 use touchline_vision::paint::SnapOptions;
 
-/// A base from clicks and paint.
+/// A base estimated from clicks and paint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BaseOnPaint {
-    /// The base, and the frames that gave it; their cameras are where clicks and paint together put
-    /// them.
+    /// The base and the frames that it was estimated from; their cameras fit clicks and paint
+    /// together.
     pub estimated: EstimatedBase,
-    /// What the paint said.
+    /// The amount of paint, and the errors at it.
     pub seen: PaintSeen,
 }
 
-/// Where a frame's picture comes from; none where it cannot be read.
+/// Reads a frame's picture; none if it cannot be read.
 pub type PictureOf<'a> = &'a mut dyn FnMut(&Frame) -> Option<Picture>;
 
 impl BaseOnPaint {
-    /// Pulls all frames of the camera onto their paint with the new base and writes them; how many
-    /// could be. The document has the base already, and its frames are solved from their clicks: a
-    /// frame that cannot be pulled stays so; without clicks it gets the camera of the adjustment,
-    /// or where it took no part in that the one that leaves its lines where they were in `before`.
+    /// Aligns all frames of the camera to their paint with the new base, writes them, and counts
+    /// them. The document must have the base already, and its frames must have been solved from
+    /// their clicks.
+    ///
+    /// A frame that cannot be aligned keeps its solution from clicks. Without clicks it gets its
+    /// camera of the adjustment; if it took no part in that, the camera that keeps its lines where
+    /// they were in `before`.
     pub fn write_frames(
         &self,
         document: &mut Document,
@@ -53,8 +56,8 @@ impl BaseOnPaint {
         counts
     }
 
-    /// The estimate together with the frames pulled onto their paint: to be written where the
-    /// pictures are not at hand. `document` is the one that it was estimated from.
+    /// The estimate together with the aligned frames, for writing them later without the pictures.
+    /// `document` is the one that it was estimated from.
     ///
     /// # Errors
     /// The camera's field is not valid with the crown.
@@ -79,8 +82,8 @@ impl BaseOnPaint {
         })
     }
 
-    /// The frames that the paint or the new base changes, by their indices. Every solved frame of
-    /// the camera is one of them, however few of them the base was found from.
+    /// The frames that the paint or the new base changes, with their indices. These are all solved
+    /// frames of the camera, not only those that the base was estimated from.
     fn pull(
         &self,
         document: &Document,
@@ -101,6 +104,9 @@ impl BaseOnPaint {
                 && frame.ptz.is_some()
                 && frame.status != FrameStatus::Rejected
         };
+        // The alignment searches near a frame's camera, so each frame first gets the best camera on
+        // the new base: of the adjustment, of its clicks, or the old one turned so that its lines
+        // stay in place.
         let (mut frames, mut counts) = (Vec::new(), PulledFrames::default());
         let mut carried_over = document.clone();
         for index in
@@ -116,6 +122,7 @@ impl BaseOnPaint {
                 forget_certainty(&mut carried_over.frames[index]);
             }
             counts.solved += 1;
+            // The picture decides, where it can be read and its paint is decisive.
             let mut pulled = Frame::clone(&carried_over.frames[index]);
             let picture = pictures(&pulled);
             let snapped = picture.and_then(|picture| {
@@ -128,6 +135,7 @@ impl BaseOnPaint {
                 )
                 .ok()
             });
+            // Frames with clicks that cannot be aligned are up to date already.
             if let Some((base, snapped)) = snapped {
                 record_snapped(&mut pulled, &base, &snapped);
                 counts.on_paint += 1;
@@ -140,20 +148,20 @@ impl BaseOnPaint {
     }
 }
 
-/// What came of a camera's frames when they were pulled onto their paint.
+/// Numbers of frames that were to be aligned to their paint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PulledFrames {
     /// Frames with a camera.
     pub solved: usize,
-    /// Those of them that lie on their paint now.
+    /// Those of them that were aligned.
     pub on_paint: usize,
 }
 
-/// Estimates the base of a camera from clicks and paint; with `size` the field's length and width
-/// as well.
+/// Estimates the base of a camera from clicks and paint; with `size`, also the field's length and
+/// width.
 ///
 /// # Errors
-/// There is no base to begin with, too few lines are seen, or the adjustment gives no base.
+/// There is no initial base, too few lines are visible, or the adjustment gives no base.
 pub fn estimate_on_paint(
     document: DocumentAt<'_>,
     camera: &CameraId,
@@ -195,7 +203,7 @@ pub fn estimate_on_paint(
     })
 }
 
-/// What the clicks alone say; where they do not give a base, what the document says.
+/// The base and cameras that the clicks alone determine; if they do not, those of the document.
 fn first_cameras(
     problem: &BaseProblem,
     document: DocumentAt<'_>,
@@ -206,6 +214,7 @@ fn first_cameras(
     let mut ptz: Vec<Option<Ptz>> = problem.frames.iter().map(recorded).collect();
     let by_clicks =
         BaseProblem::of(document, &problem.camera)?.estimate(&document, options, progress);
+    // Frames without clicks keep the document's camera beside the new base; step 1 aligns them.
     match (by_clicks, problem.previous) {
         (
             Ok(EstimatedBase {

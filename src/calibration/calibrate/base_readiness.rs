@@ -1,4 +1,4 @@
-//! What the frames of a camera give for estimating its base.
+//! Whether the frames of a camera suffice for estimating its base, and which one to click next.
 
 use std::ops::{AddAssign, SubAssign};
 use touchline_core::field::FieldModel;
@@ -6,27 +6,27 @@ use touchline_core::geometry::Angle;
 use touchline_core::markings::project_landmarks;
 use touchline_documents::document::{CameraId, Document, Frame};
 
-/// This many landmarks on the ground determine a camera of which nothing else is known.
+/// This number of landmarks on the ground determines a camera without a known base.
 pub const LANDMARKS_ALONE: usize = 4;
 
-/// This many wide frames, left, centre and right, determine where a camera stands.
+/// This number of wide frames, left, centre and right, determines a camera's position.
 pub const WIDE_FRAMES: usize = 3;
 
-/// How much the frames of a camera say about its base.
+/// What the frames of a camera contribute to its base.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BaseReadiness {
-    /// Frames that take part: at least one named click.
+    /// Frames that take part: those with at least one named click.
     pub frames: usize,
-    /// Their clicks.
+    /// Number of named clicks in these frames.
     pub clicks: usize,
-    /// Those that determine a camera by themselves: four or more landmarks.
+    /// Frames with four or more landmarks, which determine a camera by themselves.
     pub wide: usize,
-    /// Frames that somebody left out.
+    /// Frames that a person has excluded.
     pub left_out: usize,
 }
 
 impl BaseReadiness {
-    /// What one frame gives.
+    /// The contribution of one frame.
     #[must_use]
     pub fn of_frame(frame: &Frame) -> Self {
         let clicks = frame
@@ -52,6 +52,7 @@ impl BaseReadiness {
         }
     }
 
+    /// Combines the two values of each field.
     fn each(self, other: Self, of: fn(usize, usize) -> usize) -> Self {
         Self {
             frames: of(self.frames, other.frames),
@@ -61,13 +62,13 @@ impl BaseReadiness {
         }
     }
 
-    /// Enough for a good base.
+    /// Whether the base will be well determined.
     #[must_use]
     pub const fn is_enough(&self) -> bool {
         self.wide >= WIDE_FRAMES
     }
 
-    /// What is to be done, and how far it is done.
+    /// The instruction for the user, with the progress so far.
     #[must_use]
     pub fn describe(&self) -> String {
         format!(
@@ -78,9 +79,9 @@ impl BaseReadiness {
     }
 }
 
-/// The frame of a camera that is to be clicked next for its base: one that shows enough landmarks
-/// of the field, has too few points, and looks farthest from those that have enough. Frames whose
-/// camera is not known come last. None where there is no such frame.
+/// The frame of a camera to be clicked next for its base: one that shows enough landmarks of the
+/// field, has too few clicks, and looks farthest from those that have enough. Frames whose camera
+/// is not known come last. None if there is no such frame.
 #[must_use]
 pub fn next_for_base(document: &Document, camera: &CameraId, field: &FieldModel) -> Option<usize> {
     let of_camera = || {
@@ -95,13 +96,16 @@ pub fn next_for_base(document: &Document, camera: &CameraId, field: &FieldModel)
         .filter(|(_, frame)| is_wide(frame))
         .map(|(index, frame)| (index, pan_of(frame)))
         .collect();
+    // Unsolved frames may show enough.
     let shows_enough = |frame: &Frame| {
         let seen = document
             .pointed(frame)
             .map(|camera| project_landmarks(field, &camera, frame.image_size, 0.0).len());
         seen.is_none_or(|seen| seen >= LANDMARKS_ALONE)
     };
-    // How far a frame is from the wide ones: by where it looks, else by its place.
+    // The distance of a frame from the nearest wide one: in pan (°), else in frames of the
+    // document. The base is determined best if the wide frames look in different directions. The
+    // flag ranks any known pan above any index.
     let gain = |index: usize, frame: &Frame| {
         let apart_deg = |(_, other): &(usize, Option<Angle>)| {
             Some(pan_of(frame)?.turn_from((*other)?).degrees().abs())
@@ -117,7 +121,7 @@ pub fn next_for_base(document: &Document, camera: &CameraId, field: &FieldModel)
     of_camera()
         .filter(|(_, frame)| frame.is_used_for_base() && !is_wide(frame) && shows_enough(frame))
         .map(|(index, frame)| (index, gain(index, frame)))
-        // The first of equals.
+        // `max_by` returns the last of equal elements: reversed, that is the first frame.
         .rev()
         .max_by(|(_, a), (_, b)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))
         .map(|(index, _)| index)

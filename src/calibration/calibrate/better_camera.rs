@@ -1,4 +1,4 @@
-//! Noticing that another camera of the document fits a frame better than its own.
+//! Detects that another camera of the document fits a frame better than its own.
 
 use super::observations;
 use std::sync::Arc;
@@ -8,26 +8,26 @@ use touchline_core::solve::{
 };
 use touchline_documents::document::{Camera, CameraId, Document, Frame};
 
-/// Another camera has to fit this many times better (as χ²).
+/// Another camera must reduce χ² by at least this factor.
 const BETTER: f64 = 4.0;
-/// And by this much (as χ²), which chance does not do.
+/// It must also reduce χ² by at least this difference, which does not happen by chance.
 const BETTER_BY: f64 = 16.0;
-/// With fewer surplus equations another camera fits by chance.
+/// Minimum number of surplus equations: with fewer, another camera may fit by chance.
 const MIN_REDUNDANCY: usize = 2;
 
-/// A camera of the document that fits a frame's clicks, where the frame's own does not.
+/// A camera of the document that fits a frame's clicks, while the frame's own does not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BetterCamera {
-    /// Which.
+    /// The camera.
     pub camera: CameraId,
-    /// How far the clicks are off with it, root mean square, px.
+    /// Root mean square residual of the clicks with it, px.
     pub rms_px: f64,
-    /// And with the frame's own camera, px.
+    /// The same with the frame's own camera, px.
     pub own_rms_px: f64,
 }
 
 impl BetterCamera {
-    /// What a person reads.
+    /// The warning for the user.
     #[must_use]
     pub fn warning(&self) -> Warning {
         let Self {
@@ -46,8 +46,8 @@ impl BetterCamera {
     }
 }
 
-/// The camera that fits a frame's clicks best, if the frame's own does not and that one does.
-/// `fields` has the field of each camera of the document, in their order (`Fields::of_cameras`).
+/// The camera that fits a frame's clicks best, if it fits and the frame's own does not. `fields`
+/// contains the field of each camera of the document, in their order (`Fields::of_cameras`).
 #[must_use]
 pub fn better_camera(
     document: &Document,
@@ -58,9 +58,13 @@ pub fn better_camera(
     if solved.redundancy < MIN_REDUNDANCY || !solved.residuals_are_evidence() {
         return None;
     }
+    // The own camera must fit badly: a misfit is the root of χ² over its expectation, and with few
+    // surplus equations it scatters more.
     let usual = CHECK_MISFIT + 1.0 / solved.redundancy as f64;
     solved.misfit().filter(|misfit| *misfit > usual)?;
     let context = SolveContext::new(frame.image_size);
+    // χ² of two cameras is comparable only with equal numbers of equations. A focal length outside
+    // the usual range is no fit.
     let fit = |camera: &Camera, field: &FieldModel| {
         let fit = solve_frame(&camera.base()?, &observations(frame, field).ok()?, &context).ok()?;
         let fits = fit.redundancy == solved.redundancy
@@ -83,9 +87,8 @@ pub fn better_camera(
         })
 }
 
-/// Puts the warning that another camera fits before a solution's others, where one does. `fields`
-/// as for
-/// [`better_camera`].
+/// Inserts the warning that another camera fits before a solution's other warnings, if one does.
+/// `fields` as in [`better_camera`].
 pub fn warn_of_better_camera(
     document: &Document,
     frame: &Frame,

@@ -1,10 +1,10 @@
-//! A change after which many frames are solved again: worked out beside the document, then joined
-//! with what it has become.
+//! A change after which many frames are solved again: computed on a copy, then joined with the
+//! document as edited meanwhile.
 //!
-//! Solving 100,000 frames takes seconds, and a person goes on labelling meanwhile. The change and
-//! the solved frames are therefore made in a copy of the document; nothing has changed before it is
-//! done. Frames that were edited since the copy was taken stay as they are then, but for what the
-//! change means for each of them.
+//! Solving 100,000 frames takes seconds, and the user continues labelling. The change is therefore
+//! made and the frames are solved in a copy of the document; the document itself does not change
+//! until that is done. Frames that were edited since the copy was taken keep their edits; only they
+//! are processed again when the change is joined.
 
 use super::follow_base::follow_bases;
 use super::solve_frames::{is_by_clicks, solve_by_clicks};
@@ -22,41 +22,40 @@ use touchline_documents::document::{CameraId, Document, Fields, Frame, FrameId};
 /// A change after which many frames are solved again.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BulkChange {
-    /// Cameras, field and click noise become those of this document; its frames do not matter.
+    /// Cameras, field and click noise become those of this document; its frames are ignored.
     Numbers(Box<Document>),
-    /// A camera gets the base that was estimated.
+    /// A camera gets an estimated base.
     Base(Arc<EstimatedBase>),
-    /// A camera gets the base that was found without a click, and its frames what was found with
-    /// it.
+    /// A camera gets a base from autocalibration, and its frames get their cameras.
     Autocalibrated(Arc<FoundCamera>),
     /// Frames are assigned to a camera.
     Assign(Box<AssignedFrames>),
 }
 
-/// Frames that are assigned to a camera.
+/// Frames that are to be assigned to a camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AssignedFrames {
-    /// Which.
+    /// The ids of the frames.
     pub frames: Vec<FrameId>,
     /// The camera.
     pub camera: CameraId,
-    /// What the camera is made from; none where the document has it.
+    /// How to create the camera; none if the document has it.
     pub new: Option<NewCamera>,
 }
 
-/// What a new camera is made from.
+/// How to create a camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NewCamera {
-    /// It takes pictures like those of this camera.
+    /// The camera whose picture size, masks and field it gets.
     pub like: CameraId,
-    /// Its base, if known.
+    /// The camera's base, if known.
     pub base: Option<CameraBase>,
 }
 
-/// Why a change was not made; the document is as it was.
+/// Why a change was not made; the document has not changed.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum BulkError {
-    /// Somebody stopped it.
+    /// It was cancelled.
     #[error("it was stopped")]
     Stopped,
     /// A field is not valid.
@@ -67,18 +66,18 @@ pub enum BulkError {
     Assign(#[from] AssignError),
 }
 
-/// A change that is to be worked out.
+/// A change that is to be computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BulkSolve {
-    /// The document.
+    /// The document before the change.
     pub document: Document,
-    /// Its folder.
+    /// The document's folder.
     pub folder: PathBuf,
-    /// What changes.
+    /// The change.
     pub change: BulkChange,
 }
 
-/// A change that was worked out.
+/// A change that was computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BulkSolved {
     work: BulkSolve,
@@ -86,24 +85,24 @@ pub struct BulkSolved {
     withdrawn: usize,
 }
 
-/// A change that was joined with the document as it is now.
+/// A change joined with the current document.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joined {
     /// The document with the change.
     pub document: Document,
-    /// Proposals that were made for an old base and are withdrawn.
+    /// Proposals that were made with an old base and are withdrawn.
     pub withdrawn: usize,
 }
 
 impl BulkSolve {
-    /// How many frames are solved again.
+    /// Number of frames that are solved again.
     #[must_use]
     pub fn frames(&self) -> usize {
         self.solved_again(&self.change.places(&self.document))
     }
 
-    /// How many of some frames are solved again: those that have clicks, and accepted proposals,
-    /// whose lines are held.
+    /// Number of these frames that are solved again: those with clicks, and accepted proposals,
+    /// whose lines are kept in place.
     fn solved_again(&self, places: &[usize]) -> usize {
         let is_one = |frame: &Frame| is_by_clicks(frame) || frame.is_suggestion();
         places
@@ -112,7 +111,7 @@ impl BulkSolve {
             .count()
     }
 
-    /// Works the change out. A step of `progress` counts frames.
+    /// Computes the change. `progress` counts frames.
     ///
     /// # Errors
     /// The change cannot be made, or `progress` cancelled it.
@@ -120,6 +119,7 @@ impl BulkSolve {
         let mut after = self.document.clone();
         self.change.make_beside_frames(&mut after)?;
         let places = self.change.places(&self.document);
+        // Threads finish frames in any order, so they share one counter.
         let (of, done) = (self.solved_again(&places), AtomicUsize::new(0));
         let counting = progress.part(|()| Share {
             done: done.fetch_add(1, Ordering::Relaxed) + 1,
@@ -132,7 +132,7 @@ impl BulkSolve {
             &places,
             &counting,
         )?;
-        // Counted here, so that joining need not touch every frame.
+        // Edits are counted here, so that joining need not visit every frame.
         after.count_edits_since(&self.document);
         Ok(BulkSolved {
             work: self,
@@ -143,13 +143,13 @@ impl BulkSolve {
 }
 
 impl BulkSolved {
-    /// What was changed.
+    /// The change that was computed.
     #[must_use]
     pub const fn change(&self) -> &BulkChange {
         &self.work.change
     }
 
-    /// The change, to be worked out again in the document as it is now.
+    /// The change, for computing it again from the current document.
     #[must_use]
     pub fn change_for(&self, now: &Document) -> BulkChange {
         match &self.work.change {
@@ -160,9 +160,9 @@ impl BulkSolved {
         }
     }
 
-    /// The change in the document as it is now: frames that were edited meanwhile keep their edits,
-    /// and are solved again if the change means it. None where cameras, field or the order of the
-    /// frames have changed meanwhile: it has to be worked out again then.
+    /// The current document with the change. Frames that were edited meanwhile keep their edits and
+    /// are solved again if the change concerns them. None if cameras, field or the order of frames
+    /// have changed meanwhile: compute the change again then.
     ///
     /// # Errors
     /// The change cannot be made in the frames that were edited.
@@ -171,9 +171,12 @@ impl BulkSolved {
         if !now.same_beside_frames(before) {
             return Ok(None);
         }
+        // Frames correspond by index, so their order must be the same.
         let Some(edited) = now.frames.changed_in_place(&before.frames) else {
             return Ok(None);
         };
+        // Three-way merge by frame: start from the computed copy, put in the frames edited since,
+        // and make the change again in those.
         let mut document = self.after.clone();
         for &index in &edited {
             document.frames[index] = now.frames[index].clone();
@@ -193,8 +196,9 @@ impl BulkSolved {
     }
 }
 
-/// The numbers that a change sets, on what has become of the others since `before`: of a camera
-/// that the change leaves alone all of it, of the others the masks that were drawn meanwhile.
+/// The numbers that a change sets, applied to the current document, where `before` is the document
+/// that the change was made for. Cameras that the change does not touch stay as they are now. The
+/// others get its numbers but keep masks drawn meanwhile.
 fn rebase_numbers(numbers: &Document, before: &Document, now: &Document) -> Document {
     let mut rebased = now.clone();
     for camera in &mut rebased.cameras {
@@ -205,6 +209,8 @@ fn rebase_numbers(numbers: &Document, before: &Document, now: &Document) -> Docu
         if set == known {
             continue;
         }
+        // The camera as the change sets it, with the masks of now unless the change itself set
+        // masks.
         let mut with_numbers = set.clone();
         if set.masks == known.masks {
             with_numbers.masks.clone_from(&camera.masks);
@@ -224,7 +230,7 @@ fn rebase_numbers(numbers: &Document, before: &Document, now: &Document) -> Docu
 }
 
 impl BulkChange {
-    /// Makes the part of the change that lies beside the frames.
+    /// Makes the part of the change outside the frames.
     fn make_beside_frames(&self, document: &mut Document) -> Result<(), BulkError> {
         match self {
             Self::Numbers(numbers) => {
@@ -233,7 +239,8 @@ impl BulkChange {
                 document.click_noise.clone_from(&numbers.click_noise);
             }
             Self::Base(found) => found.write_camera(document),
-            // Its frames are those that nobody has clicked in: no edit of them is lost.
+            // It writes only into frames that no person has clicked in, so that no edit of them is
+            // lost.
             Self::Autocalibrated(found) => found.write(document),
             Self::Assign(given) => {
                 let Some(new) = &given.new else { return Ok(()) };
@@ -247,7 +254,7 @@ impl BulkChange {
         Ok(())
     }
 
-    /// The places of the frames that it may change, ascending.
+    /// The indices of the frames that it may change, ascending.
     fn places(&self, document: &Document) -> Vec<usize> {
         match self {
             Self::Numbers(_) | Self::Base(_) | Self::Autocalibrated(_) => {
@@ -266,8 +273,8 @@ impl BulkChange {
         }
     }
 
-    /// Makes the part of the change that lies in these frames, and says how many proposals it
-    /// withdrew. `before` is the document without the change.
+    /// Makes the part of the change in these frames and returns the number of withdrawn proposals.
+    /// `before` is the document without the change.
     fn make_in_frames(
         &self,
         document: &mut Document,
@@ -290,6 +297,7 @@ impl BulkChange {
                 assign_frames(document, places, &given.camera, &fields, progress);
             }
         }
+        // Frames without clicks follow the new bases after the clicked ones are solved.
         let withdrawn = follow_bases(document, before, places, progress);
         if progress.is_cancelled() {
             Err(BulkError::Stopped)

@@ -1,4 +1,4 @@
-//! From a frame's clicks to its camera: the document's side of the solve.
+//! From a frame's clicks to its camera: collects what a document contributes to a solve.
 
 use super::FrameLookup;
 use super::from_proposal::inform;
@@ -12,36 +12,36 @@ use touchline_core::solve::{
 };
 use touchline_documents::document::{Document, Frame, Target};
 
-/// How many solved neighbours tell a solve where the camera has just been.
+/// Maximum number of solved neighbours that a solve gets.
 const NEIGHBOURS: usize = 4;
 
 /// Why a frame's clicks give no camera.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CalibrationError {
-    /// The frame names a camera that the document lacks.
+    /// The frame's camera is not in the document.
     #[error("camera {camera:?} is not in the document")]
     UnknownCamera {
-        /// The frame's camera.
+        /// The camera's name.
         camera: String,
     },
-    /// Position and base rotation are not known yet.
+    /// The position and base rotation of the camera are not known yet.
     #[error(
         "camera {camera:?} has no position or base rotation: estimate them from clicks on a few wide frames, or load a camera (F2)"
     )]
     NoBase {
-        /// The frame's camera.
+        /// The camera's name.
         camera: String,
     },
-    /// A click names something that the field lacks.
+    /// A click names a landmark or line that the field does not have.
     #[error(transparent)]
     Observation(#[from] ObservationError),
-    /// The clicks do not give a camera.
+    /// The clicks do not determine a camera.
     #[error(transparent)]
     Solve(#[from] SolveError),
 }
 
-/// The named clicks of a frame as observations, check clicks held out.
+/// The named clicks of a frame as observations; check clicks are held out.
 ///
 /// # Errors
 /// A click names a landmark or line that the field lacks.
@@ -67,6 +67,7 @@ pub fn observations(
                     Observation::of_line(field, id.as_str(), click.image, frame.image_size, index)
                 }
             }?;
+            // A click that was aligned to paint has another σ.
             let observation = match (target, click.snapped_sigma_px) {
                 (Target::Landmark(id), Some(sigma_px)) => {
                     of_snapped(observation, field, id, frame.image_size, sigma_px)
@@ -82,8 +83,9 @@ pub fn observations(
         .collect()
 }
 
-/// A click that was moved onto the paint: what is left of its noise is how well the paint was
-/// found, and that the place itself is not quite where the rules put it.
+/// The observation of a click that was aligned to paint. Its variance has two parts: of the
+/// alignment, in place of the annotator's click noise, and of the landmark's position on the real
+/// field, which no click avoids.
 fn of_snapped(
     observation: Observation,
     field: &FieldModel,
@@ -100,10 +102,10 @@ fn of_snapped(
     }
 }
 
-/// The camera of a frame from its clicks and its camera's base, and where they are too few from
-/// what was proposed. `index` is its place in the document (`frame` may be a changed copy): the
-/// frames around it, and with `lookup` all others of the document, decide where its clicks cannot.
-/// Names that fit better come first among its warnings.
+/// Solves the camera of a frame from its clicks and its camera's base, with a proposal as prior if
+/// there are too few clicks. `index` is the frame's index in the document (`frame` may be an edited
+/// copy). Where the clicks fit several cameras, the neighbouring frames and the `lookup` of the
+/// document decide. Warnings that suggest better names come first.
 ///
 /// # Errors
 /// The camera is unknown or has no base, a click names something that the field lacks, or the
@@ -126,6 +128,8 @@ pub fn calibrate(
             camera: frame.camera.as_str().to_owned(),
         })?;
     let observations = observations(frame, field)?;
+    // What decides between several cameras that fit the clicks: the neighbours and the usual
+    // motion.
     let mut context = SolveContext {
         neighbours: solved_neighbours(document, index),
         motion: lookup.prior(index),
@@ -136,23 +140,26 @@ pub fn calibrate(
     }
     let solution = solve_frame(&base, &observations, &context)?;
     if context.prior.is_some() {
-        // Too few clicks to say anything about each other.
+        // With a prior there are too few clicks to contradict each other's names.
         return Ok(solution);
     }
+    // Whether other names for the clicks would fit better.
     let finding = check_identity(&base, field, &observations, &solution, &context);
     Ok(solution.with_identity(finding))
 }
 
-/// Where the camera was in the nearest solved frames of the same camera and shot, nearest first.
+/// Pan, tilt and focal length of at most four solved frames of the same camera and shot, nearest
+/// first.
 #[must_use]
 pub fn solved_neighbours(document: &Document, index: usize) -> Vec<Ptz> {
-    /// Farther away a camera has had time to go anywhere.
+    /// Frames farther away are not used: in that time a camera can go anywhere.
     const WITHIN: usize = 50;
     let Some(frame) = document.frames.get(index) else {
         return Vec::new();
     };
     let mut found = Vec::with_capacity(NEIGHBOURS);
     for distance in 1..=WITHIN {
+        // By growing distance in the document, the earlier frame first.
         let both = [index.checked_sub(distance), index.checked_add(distance)];
         for other in both
             .into_iter()

@@ -1,4 +1,8 @@
 //! How well solved frames agree with the motion of their neighbours.
+//!
+//! Three consecutive solved frames of a shot are compared by where their cameras project the
+//! corners of the middle frame's picture. However fast the camera pans, the middle frame should lie
+//! on the way between the other two.
 
 use nalgebra::SVector;
 use rayon::prelude::*;
@@ -9,97 +13,99 @@ use touchline_documents::document::{
     Camera, CameraId, Clip, Document, Frame, FrameChanges, FramePtz, FrameStatus, Frames, Shared,
 };
 
-/// Neighbours farther away than this say nothing: a camera has had time to go anywhere.
+/// Neighbours farther apart than this (frames) are not compared: in that time a camera can go
+/// anywhere.
 const WITHIN: f64 = 50.0;
 
-/// A corner that another camera has behind it lies this far off, px.
+/// The displacement of a corner that another camera has behind it, px.
 const BEHIND_PX: f64 = 20_000.0;
 
-/// How a frame lies to the solved frames before and after it, px at 1920 px width: root mean square
-/// over the picture's corners.
+/// Position of a frame relative to the solved frames before and after it, px at 1920 px width: root
+/// mean square over the corners of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disagreement {
-    /// From the way that leads from the frame before to the one after, wherever on it the frame may
-    /// be.
+    /// Distance from the straight way between the two neighbours, at whatever point of it the frame
+    /// is nearest.
     pub apart_px: f64,
-    /// How far that way is.
+    /// Length of that way.
     pub neighbours_px: f64,
 }
 
-/// Two cameras that differ by less are the very same one, px at 1920 px width.
+/// Cameras that differ by less are identical, px at 1920 px width.
 const STILL_PX: f64 = 0.1;
 
 impl Disagreement {
-    /// Whether the camera stands exactly still from the frame before to the one after. An
-    /// operator's never does for long: where the picture moves, the answers come from something
-    /// that is fixed on the screen.
+    /// Whether the camera is exactly still from the frame before to the one after. An operator
+    /// never holds a camera that still for long; if the picture moves meanwhile, the solutions
+    /// follow something that is fixed on the screen.
     #[must_use]
     pub fn is_still(&self) -> bool {
         self.apart_px.max(self.neighbours_px) < STILL_PX
     }
 }
 
-/// For every frame how it lies to its neighbours in time; none without a camera of its own or
-/// without two such neighbours in its shot.
+/// The disagreement of every frame with its neighbours in time; none for a frame that is not solved
+/// or that lacks a neighbour on one side in its shot.
 #[must_use]
 pub fn disagreements(document: &Document) -> Vec<Option<Disagreement>> {
     Disagreements::of(document).found
 }
 
-/// How the frames of a document lie to their neighbours: only what has changed since the last look
-/// is compared again.
+/// The disagreements of a document's frames, updated incrementally: only frames that have changed,
+/// and their neighbours, are compared again.
 #[derive(Clone, Debug, Default)]
 pub struct Disagreements {
     cameras: Vec<Shared<Camera>>,
     frames: Frames,
-    /// The places of the solved frames of each shot.
+    /// The indices of the solved frames of each shot.
     shots: BTreeMap<ShotKey, BTreeSet<usize>>,
     found: Vec<Option<Disagreement>>,
+    /// Number of changes so far.
     edition: u64,
-    /// The frames that came to lie otherwise in the last editions, the last one at the end.
+    /// The frames of the last changes, in order; the last one belongs to `edition`.
     changed: Vec<usize>,
 }
 
-/// Once so many changes are remembered one by one, they are forgotten.
+/// Maximum length of the list of changes; it is then cleared.
 const REMEMBERED: usize = 10_000;
 
-/// A camera and one of its shots; frames of a camera that belong to no shot are one.
+/// A camera and one of its shots; the frames of a camera without a shot form one.
 type ShotKey = (CameraId, Option<Clip>);
 
 impl Disagreements {
-    /// How the frames of a document lie.
+    /// The disagreements of a document.
     #[must_use]
     pub fn of(document: &Document) -> Self {
         Self::anew(document, 0)
     }
 
-    /// How a frame lies to its neighbours; none without a camera of its own or without two
-    /// neighbours in its shot.
+    /// The disagreement of a frame with its neighbours; none for a frame that is not solved or that
+    /// lacks a neighbour on one side in its shot.
     #[must_use]
     pub fn of_frame(&self, index: usize) -> Option<Disagreement> {
         self.found.get(index).copied().flatten()
     }
 
-    /// The solved frames of each shot, in order.
+    /// The indices of the solved frames of each shot, ascending.
     pub(super) fn shots(&self) -> impl Iterator<Item = &BTreeSet<usize>> {
         self.shots.values()
     }
 
-    /// Grows whenever a frame may lie otherwise than before.
+    /// A counter that grows with every change of a disagreement.
     #[must_use]
     pub const fn edition(&self) -> u64 {
         self.edition
     }
 
-    /// The frames that came to lie otherwise since an edition; none where that is too long ago to
-    /// be known.
+    /// The frames whose disagreement has changed since an edition; none if that is too long ago.
     #[must_use]
     pub fn changed_since(&self, edition: u64) -> Option<&[usize]> {
         let changes = usize::try_from(self.edition.checked_sub(edition)?).ok()?;
         self.changed.get(self.changed.len().checked_sub(changes)?..)
     }
 
-    /// Brings it up to date with a document.
+    /// Updates the disagreements after changes of the document. If a camera changed, or frames were
+    /// added, removed or reordered, all are computed anew.
     pub fn update(&mut self, document: &Document) {
         let same_cameras = self.cameras.len() == document.cameras.len()
             && self
@@ -124,6 +130,7 @@ impl Disagreements {
             .values()
             .flat_map(|shot| threes(shot.iter().copied()))
             .collect();
+        // Comparisons are independent of each other; `par_iter` keeps their order.
         let compared: Vec<Option<Disagreement>> = threes
             .par_iter()
             .map(|three| compare(document, *three))
@@ -145,9 +152,13 @@ impl Disagreements {
 
     fn change(&mut self, document: &Document, changed: &[usize]) {
         let before = std::mem::replace(&mut self.frames, document.frames.clone());
+        // After this, `changed_since` returns none for older editions, and callers have to look at
+        // all frames.
         if self.changed.len() >= REMEMBERED {
             self.changed.clear();
         }
+        // A changed frame concerns itself and its neighbours, both in the shot that it left and in
+        // the one that it joined.
         let mut concerned = BTreeSet::new();
         for &index in changed {
             concerned.insert(index);
@@ -163,12 +174,15 @@ impl Disagreements {
                 self.shots.entry(key).or_default().insert(index);
             }
         }
+        // Compare again once all shots are updated.
         for index in concerned {
+            // A frame without neighbours on both sides has no disagreement.
             let three = match self.beside(&document.frames[index], index) {
                 [Some(before), Some(after)] => Some([before, index, after]),
                 _ => None,
             };
             let found = three.and_then(|three| compare(document, three));
+            // Edition and list grow together, so that `changed_since` can count from the end.
             if found != self.found[index] {
                 self.edition += 1;
                 self.changed.push(index);
@@ -177,7 +191,7 @@ impl Disagreements {
         }
     }
 
-    /// The solved frames before and after a place in the shot of a frame; none of a frame that is
+    /// The solved frames before and after an index in the shot of a frame; none for a frame that is
     /// not solved.
     fn beside(&self, frame: &Frame, index: usize) -> [Option<usize>; 2] {
         let Some(shot) = shot_if_solved(frame).and_then(|key| self.shots.get(&key)) else {
@@ -190,7 +204,7 @@ impl Disagreements {
     }
 }
 
-/// Each place with the one before and the one after it.
+/// Each index with the one before and the one after it.
 fn threes(places: impl Iterator<Item = usize> + Clone) -> impl Iterator<Item = [usize; 3]> {
     let (after, last) = (places.clone().skip(1), places.clone().skip(2));
     places
@@ -211,8 +225,8 @@ fn ptz_if_solved(frame: &Frame) -> Option<Ptz> {
         .map(FramePtz::ptz)
 }
 
-/// How the middle one of three solved frames lies to the others; none where these are too far
-/// apart.
+/// The disagreement of the middle one of three solved frames; none if the outer two are more than
+/// [`WITHIN`] frames apart.
 fn compare(document: &Document, [before, index, after]: [usize; 3]) -> Option<Disagreement> {
     let [from, frame, to] = [before, index, after].map(|place| &*document.frames[place]);
     if way(from, before, to, after)? > WITHIN {
@@ -227,8 +241,8 @@ fn compare(document: &Document, [before, index, after]: [usize; 3]) -> Option<Di
     ))
 }
 
-/// How many frames lie between two: of the video where both come from one, of the document where
-/// they are of one shot. None where nothing says that they follow each other in time: stills.
+/// Number of frames from one frame to another: of the video if both come from the same, of the
+/// document if they belong to a shot. None for stills, whose order says nothing about time.
 fn way(from: &Frame, from_index: usize, to: &Frame, to_index: usize) -> Option<f64> {
     match (&from.video, &to.video) {
         (Some(from), Some(to)) if from.path == to.path => {
@@ -241,13 +255,15 @@ fn way(from: &Frame, from_index: usize, to: &Frame, to_index: usize) -> Option<f
     }
 }
 
+/// The disagreement in R⁸, the displacements (x, y) of the four corners. In the middle frame's own
+/// picture they are 0, so its distance from the way is that of the origin from a segment.
 fn disagreement(own: &PtzCamera, from: Ptz, to: Ptz, image_size: ImageSize) -> Disagreement {
     let [from, to] =
         [from, to].map(|ptz| corners_off_px(own, &PtzCamera::new(*own.base(), ptz), image_size));
     let way = to - from;
-    // Between neighbours the corners move on lines that are nearly straight.
+    // Between neighbours the corners move along nearly straight lines.
     let apart = distance_from_segment(SVector::zeros(), [from, to]);
-    // Over four corners, at 1920 px width.
+    // The norm over four corners is √4 times their root mean square; convert to 1920 px width.
     let scale = 0.5 / image_size.scale_from_1920();
     Disagreement {
         apart_px: scale * apart,
@@ -255,8 +271,8 @@ fn disagreement(own: &PtzCamera, from: Ptz, to: Ptz, image_size: ImageSize) -> D
     }
 }
 
-/// Where another camera has the corners of a camera's picture, from these corners, px: x and y of
-/// each.
+/// The displacement (x, y) of each corner of a camera's picture as seen by another camera with the
+/// same base, px.
 fn corners_off_px(own: &PtzCamera, other: &PtzCamera, image_size: ImageSize) -> SVector<f64, 8> {
     let offsets = image_size.corners().map(|corner| {
         let seen = own

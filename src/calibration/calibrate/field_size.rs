@@ -1,9 +1,9 @@
-//! A fitted size taken into a document.
+//! Writes a fitted field size into a document.
 
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{CameraId, Document, FieldSize, FieldSpec};
 
-/// Writes a fitted size into the field of a camera; with several cameras each gets a field of its
+/// Writes a fitted size into the field of a camera. With several cameras, each gets a field of its
 /// own.
 pub(crate) fn set_field_size(document: &mut Document, camera: &CameraId, sizes: &[FittedSize]) {
     if sizes.is_empty() {
@@ -28,7 +28,7 @@ pub(crate) fn set_field_size(document: &mut Document, camera: &CameraId, sizes: 
 
 /// Writes a fitted size into a field.
 pub(crate) fn set_size(field: &mut FieldSpec, sizes: &[FittedSize]) {
-    // A hundredth of a metre is more than clicks can tell.
+    // Clicks do not determine it better than to a centimetre.
     let rounded = |size: &FittedSize| (size.name.clone(), (size.value_m * 100.0).round() / 100.0);
     // What the frames do not show stays as it was assumed.
     field

@@ -1,4 +1,4 @@
-//! What becomes of frames whose camera has moved, where no clicks say it.
+//! What happens to frames without clicks when their camera's base has changed.
 
 use super::paint::LINE_CHECK;
 use super::refit::refit;
@@ -8,10 +8,11 @@ use touchline_documents::document::{
     Camera, CameraId, Document, Frame, FrameStatus, SolutionSource,
 };
 
-/// The frames, ascending, whose camera has another base than in `before`, or that another camera
-/// has now.
+/// The frames, by ascending index, whose camera has another base than in `before`, or that now
+/// belong to another camera.
 fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
     let base = |document: &Document, id: &CameraId| document.camera(id).and_then(Camera::base);
+    // If the lists of cameras are equal, no base has changed.
     let ids = now
         .cameras
         .iter()
@@ -43,9 +44,9 @@ fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
     frames
 }
 
-/// Lets the frames of some places (ascending) whose cameras have moved since `before` follow them;
-/// how many proposals were withdrawn. `progress` hears of each proposal before that is looked at.
-/// Where it cancels this, the frames behind have not followed.
+/// Updates those of some frames (ascending indices) whose camera's base has changed since `before`;
+/// returns the number of withdrawn proposals. `progress` counts proposals, before each is
+/// processed. If it cancels this, the remaining frames are not updated.
 pub(crate) fn follow_bases(
     document: &mut Document,
     before: &Document,
@@ -57,8 +58,8 @@ pub(crate) fn follow_bases(
     follow_each(document, before, &moved, progress)
 }
 
-/// Lets all frames whose cameras have moved since `before` follow them; how many proposals were
-/// withdrawn.
+/// Updates all frames whose camera's base has changed since `before`; returns the number of
+/// withdrawn proposals.
 pub fn follow_all_bases(document: &mut Document, before: &Document) -> usize {
     let moved = moved_frames(before, document);
     follow_each(document, before, &moved, &Progress::default())
@@ -80,27 +81,33 @@ fn follow_each(
     withdrawn
 }
 
-/// Lets a frame follow its camera, which was elsewhere in `before`. What the forest or tracking
-/// proposed for the old place is withdrawn, because they propose again; other lines stay on the
-/// picture where they were, with nothing said of how certain that is. True where a proposal was
-/// withdrawn. Cameras from clicks, and those that were found with the new base, are not touched.
+/// Updates a frame whose camera had another base in `before`. True if a proposal was withdrawn.
+///
+/// * An unaccepted proposal of the forest or of tracking is withdrawn; they propose again with the
+///   new base.
+/// * Any other camera that came from the picture is turned and zoomed so that its lines stay in
+///   place on the picture. Its uncertainty is removed.
+/// * A camera from clicks, a typed one, and one that was found with the new base are not changed.
 pub(crate) fn follow_base(document: &mut Document, index: usize, before: &Document) -> bool {
     let Some(frame) = document.frames.get(index) else {
         return false;
     };
+    // A camera that has changed since `before` was found with the new base.
     let is_of_old_base = before
         .frames
         .get(index)
         .is_some_and(|known| known.ptz == frame.ptz);
+    // A proposal that no person has accepted.
     if is_of_old_base && frame.is_suggestion() && frame.status != FrameStatus::Reference {
         withdraw(&mut document.frames[index]);
         return true;
     }
+    // Any other camera that came from the picture.
     if is_of_old_base && follows_picture(frame) {
         refit(document, index, before);
         forget_certainty(&mut document.frames[index]);
     }
-    // A later correction must not start from what was proposed for the old place.
+    // A later correction must not start from what was proposed with the old base.
     if keeps_proposal(&document.frames[index])
         && let Some(solution) = &mut document.frames[index].solution
     {
@@ -109,16 +116,16 @@ pub(crate) fn follow_base(document: &mut Document, index: usize, before: &Docume
     false
 }
 
-/// Whether a frame's camera came from its picture and not from clicks, which are solved again, or
-/// from numbers that a person typed.
+/// Whether a frame's camera came from its picture. One from clicks is solved again; one that a
+/// person typed stays.
 fn follows_picture(frame: &Frame) -> bool {
     use SolutionSource::{Forest, Import, Markings, Tracking};
     let source = frame.source();
     frame.ptz.is_some() && matches!(source, Some(Forest | Tracking | Markings | Import))
 }
 
-/// Forgets how certain a camera was and what the paint said about it: both were found with the old
-/// base.
+/// Removes the uncertainty of a camera and the paint's verdict on it: both were computed with the
+/// old base.
 pub(super) fn forget_certainty(frame: &mut Frame) {
     let Some(solution) = &mut frame.solution else {
         return;
@@ -139,7 +146,7 @@ pub(super) fn forget_certainty(frame: &mut Frame) {
         .retain(|warning| warning.code != LINE_CHECK);
 }
 
-/// Takes back what was proposed for a frame.
+/// Removes what was proposed for a frame.
 fn withdraw(frame: &mut Frame) {
     frame.ptz = None;
     frame.solution = None;
@@ -148,7 +155,7 @@ fn withdraw(frame: &mut Frame) {
     }
 }
 
-/// Whether a person corrected a proposal that the frame still keeps.
+/// Whether the frame still stores the proposal that a person corrected.
 fn keeps_proposal(frame: &Frame) -> bool {
     frame
         .solution

@@ -1,24 +1,23 @@
-//! A camera that was found without a click, on its way into a document that has been edited
-//! meanwhile.
+//! The result of autocalibration on its way into a document that has been edited meanwhile.
 
 use super::{AutocalibratedCamera, AutocalibratedFrame, record_found};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{CameraId, Document, FrameId};
 
-/// A camera that was found without a click, and which camera of a document it is.
+/// The result of autocalibration for a camera of a document.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundCamera {
-    /// Which camera.
+    /// The camera.
     pub camera: CameraId,
-    /// What was found.
+    /// The result.
     pub found: AutocalibratedCamera,
-    /// The frames that it was found from, in the order of `found.frames`: their places may change.
+    /// The ids of the frames in `found.frames`, in the same order: their indices may change.
     frames: Vec<FrameId>,
 }
 
 impl FoundCamera {
-    /// What was found in a document as it is now.
+    /// Pairs a result with the document as it is now.
     #[must_use]
     pub fn of(document: &Document, camera: &CameraId, found: AutocalibratedCamera) -> Self {
         let frames = found
@@ -33,8 +32,7 @@ impl FoundCamera {
         }
     }
 
-    /// Where the frames that a document still has look, with their places in it and the sizes of
-    /// their pictures.
+    /// The frames that a document still has: index, camera and picture size.
     pub fn looks<'a>(
         &'a self,
         document: &'a Document,
@@ -48,9 +46,11 @@ impl FoundCamera {
             })
     }
 
-    /// Writes base, crown and suggestions into a document. Frames in which somebody has clicked or
-    /// decided stay as they are.
+    /// Writes base, crown and suggestions into a document. Frames that a person has clicked in or
+    /// decided on do not change.
     pub(super) fn write(&self, document: &mut Document) {
+        // Frames are found again by id. Those that were deleted, assigned to another camera or
+        // decided on meanwhile are left out.
         let here = |(id, of_found): (&FrameId, &AutocalibratedFrame)| {
             let index = document.frames.position_of(id)?;
             let is_open =

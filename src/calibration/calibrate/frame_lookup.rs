@@ -1,9 +1,10 @@
-//! What calibrating looks up in a document's frames, kept up to date as the document changes.
+//! Where each camera of a document usually looks and how fast it moves, updated incrementally.
 //!
-//! Every solve asks where its camera usually looks and how fast it moves. Looking through all
-//! frames for the answer would make solving a document quadratic, so the answer is kept: by camera
-//! the ranges of the accepted frames and which frames have clicks, by shot the solved frames in the
-//! video's order and how far the camera moves between them.
+//! Every solve needs both as a prior. Computing them from all frames each time would make solving a
+//! document quadratic in its length. The lookup therefore keeps, for each camera, the sorted values
+//! of its accepted frames and which frames have clicks; for each shot, the solved frames in the
+//! order of the video and the sorted speeds between them. A changed frame changes a few entries of
+//! these lists, and a prior that leaves one frame out is read off them without a copy.
 
 use super::BaseReadiness;
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,34 +15,34 @@ use touchline_documents::document::{
     CameraId, Clip, Document, Frame, FrameChanges, FramePtz, FrameStatus, Frames,
 };
 
-/// As many accepted frames tell where a camera looks.
+/// Minimum number of accepted frames for a prior on where a camera looks.
 const MIN_ACCEPTED: usize = 5;
 
-/// As many moves tell how fast it turns.
+/// Minimum number of moves between solved frames for a prior on how fast it moves.
 const MIN_MOVES: usize = 8;
 
-/// Frames farther apart say nothing about how fast a camera moves.
+/// Frames of the video farther apart than this say nothing about speed.
 const WITHIN_FRAMES: u64 = 50;
 
-/// What calibrating looks up in a document's frames. It holds for the document that it was derived
-/// from or last brought up to date with; the latter takes work only for frames that have changed.
+/// Priors of a document's cameras. It is valid for the document that it was built from or last
+/// updated with; an update takes time only for frames that have changed.
 #[derive(Clone, Debug, Default)]
 pub struct FrameLookup {
-    /// The frames as they were when they were looked at, by their places in the document.
+    /// The frames as of the last update, by their index in the document.
     frames: Frames,
     accepted: BTreeMap<CameraId, Accepted>,
     shots: BTreeMap<ShotKey, Shot>,
     clicked: BTreeMap<CameraId, Clicked>,
 }
 
-/// The frames of a camera that have clicks, and what all its frames give for its base.
+/// The frames of a camera that have clicks, and what all its frames contribute to its base.
 #[derive(Clone, Debug, Default)]
 struct Clicked {
     places: BTreeSet<usize>,
     readiness: BaseReadiness,
 }
 
-/// What makes solved frames one sequence.
+/// Solved frames with the same key form one sequence.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct ShotKey {
     camera: CameraId,
@@ -50,7 +51,7 @@ struct ShotKey {
 }
 
 impl FrameLookup {
-    /// Looks through a document.
+    /// Builds the lookup of a document.
     #[must_use]
     pub fn of(document: &Document) -> Self {
         let mut accepted: BTreeMap<CameraId, Vec<Ptz>> = BTreeMap::new();
@@ -63,6 +64,7 @@ impl FrameLookup {
             if let Some((key, number, ptz)) = solved_in_shot(frame) {
                 shots.entry(key).or_default().insert((number, index), ptz);
             }
+            // A frame without clicks also counts if it was excluded from the base.
             let readiness = BaseReadiness::of_frame(frame);
             if !frame.clicks.is_empty() || readiness != BaseReadiness::default() {
                 let of_camera = clicked.entry(frame.camera.clone()).or_default();
@@ -86,7 +88,8 @@ impl FrameLookup {
         }
     }
 
-    /// Brings it up to date with a document.
+    /// Updates the lookup after changes of the document. If frames were added, removed or
+    /// reordered, it is built anew.
     pub fn update(&mut self, document: &Document) {
         let FrameChanges::At(changed) = document.frames.changes_since(&self.frames) else {
             *self = Self::of(document);
@@ -99,6 +102,7 @@ impl FrameLookup {
     }
 
     fn replace(&mut self, index: usize, before: &Frame, frame: &Frame) {
+        // Clicks and readiness, also if the frame has moved to another camera.
         let clicked = [before, frame].map(|frame| {
             (
                 &frame.camera,
@@ -118,6 +122,8 @@ impl FrameLookup {
                 of_camera.places.insert(index);
             }
         }
+        // Accepted cameras. Within one camera, removal and insertion are one change, so that the
+        // gaps of pan are recomputed once.
         let accepted = [before, frame].map(|frame| Some((&frame.camera, accepted_ptz(frame)?)));
         if accepted[0] != accepted[1] {
             let same_camera = before.camera == frame.camera;
@@ -138,6 +144,7 @@ impl FrameLookup {
                     .change(None, added);
             }
         }
+        // The solved frames of a shot, and the speeds beside the change.
         let solved = [before, frame].map(solved_in_shot);
         if solved[0] != solved[1] {
             let [removed, added] = solved;
@@ -153,7 +160,7 @@ impl FrameLookup {
         }
     }
 
-    /// The places of a camera's frames that have clicks, in the document's order.
+    /// The indices of a camera's frames that have clicks, ascending.
     #[must_use]
     pub fn clicked(&self, camera: &CameraId) -> Vec<usize> {
         self.clicked
@@ -162,7 +169,7 @@ impl FrameLookup {
             .unwrap_or_default()
     }
 
-    /// How many of a camera's frames have clicks.
+    /// Number of a camera's frames that have clicks.
     #[must_use]
     pub fn clicked_count(&self, camera: &CameraId) -> usize {
         self.clicked
@@ -170,7 +177,7 @@ impl FrameLookup {
             .map_or(0, |clicked| clicked.places.len())
     }
 
-    /// What a camera's frames give for its base.
+    /// What a camera's frames contribute to its base.
     #[must_use]
     pub fn readiness(&self, camera: &CameraId) -> BaseReadiness {
         self.clicked
@@ -179,9 +186,12 @@ impl FrameLookup {
             .unwrap_or_default()
     }
 
-    /// What the camera of a frame usually does, the frame itself left out: where accepted frames
-    /// look, and how fast it moves in frames of one video whose numbers are known. Nothing is known
-    /// of a frame that the document does not have.
+    /// The prior of a frame from all others: the ranges of its camera's accepted frames, and the
+    /// nearest solved frame of its shot with the usual motion from there. Empty for an index that
+    /// the document does not have.
+    ///
+    /// The frame itself is excluded; otherwise a wrong solution would confirm itself when it is
+    /// solved again.
     #[must_use]
     pub fn prior(&self, index: usize) -> MotionPrior {
         let Some(frame) = self.frames.get(index) else {
@@ -197,7 +207,7 @@ impl FrameLookup {
     }
 }
 
-/// How an accepted frame is pointed.
+/// Pan, tilt and focal length of an accepted frame.
 fn accepted_ptz(frame: &Frame) -> Option<Ptz> {
     frame
         .ptz
@@ -206,7 +216,7 @@ fn accepted_ptz(frame: &Frame) -> Option<Ptz> {
         .map(FramePtz::ptz)
 }
 
-/// The shot of a video's frame, and its number there.
+/// The shot of a frame of a video, and its frame number there.
 fn shot_of(frame: &Frame) -> Option<(ShotKey, u64)> {
     let video = frame.video.as_ref()?;
     let key = ShotKey {
@@ -217,7 +227,7 @@ fn shot_of(frame: &Frame) -> Option<(ShotKey, u64)> {
     Some((key, video.frame_index))
 }
 
-/// The shot of a solved frame, its number there, and how it is pointed.
+/// The shot, frame number, and pan, tilt and focal length of a solved frame of a video.
 fn solved_in_shot(frame: &Frame) -> Option<(ShotKey, u64, Ptz)> {
     let ptz = frame
         .ptz
@@ -228,13 +238,13 @@ fn solved_in_shot(frame: &Frame) -> Option<(ShotKey, u64, Ptz)> {
     Some((key, number, ptz))
 }
 
-/// Where the accepted frames of a camera look.
+/// The values of a camera's accepted frames.
 #[derive(Clone, Debug, Default)]
 struct Accepted {
     pans: Directions,
-    /// rad
+    /// Tilts, rad.
     tilts: Sorted,
-    /// px
+    /// Focal lengths, px.
     focals: Sorted,
 }
 
@@ -260,7 +270,8 @@ impl Accepted {
         }
     }
 
-    /// The ranges of all, without one of them.
+    /// The ranges of all values but those of `left_out`; none with fewer than [`MIN_ACCEPTED`] of
+    /// them. Pans are cyclic: their range is the smallest arc that contains all.
     fn without(&self, left_out: Option<Ptz>) -> Option<PtzRanges> {
         if self.pans.len() - usize::from(left_out.is_some()) < MIN_ACCEPTED {
             return None;
@@ -282,18 +293,19 @@ impl Accepted {
     }
 }
 
-/// When a frame was: its number in the video, and among frames of one number its place in the
-/// document.
+/// The time of a frame: its number in the video, then, among frames of equal number, its index in
+/// the document.
 type Moment = (u64, usize);
 
-/// A solved frame: when it is, and where the camera was.
+/// A solved frame: its time, and pan, tilt and focal length.
 type Solved<'a> = (&'a Moment, &'a Ptz);
 
-/// The solved frames of a shot, and how fast the camera moves between them.
+/// The solved frames of a shot, and the speeds of the camera between consecutive ones.
 #[derive(Clone, Debug, Default)]
 struct Shot {
     solved: BTreeMap<Moment, Ptz>,
-    /// How far pan (°), tilt (°) and the logarithm of the focal length move a frame.
+    /// Speed of pan (°), tilt (°) and log focal length per frame of the video, absolute values,
+    /// each sorted.
     rates: [Sorted; 3],
 }
 
@@ -306,6 +318,7 @@ impl Shot {
     }
 
     fn insert(&mut self, moment: Moment, ptz: Ptz) {
+        // A new frame splits one move into two.
         let (before, after) = self.beside(moment);
         let at = (&moment, &ptz);
         let broken = before.zip(after).and_then(|(from, to)| rates(from, to));
@@ -321,6 +334,7 @@ impl Shot {
         let Some(ptz) = self.solved.remove(&moment) else {
             return;
         };
+        // A removed frame joins two moves into one.
         let (before, after) = self.beside(moment);
         let at = (&moment, &ptz);
         let made = before.zip(after).and_then(|(from, to)| rates(from, to));
@@ -350,7 +364,7 @@ impl Shot {
         }
     }
 
-    /// The solved frames next to a moment, other than of that very moment.
+    /// The solved frames directly before and after a moment, that of the moment itself excluded.
     fn beside(&self, moment: Moment) -> (Option<Solved<'_>>, Option<Solved<'_>>) {
         use std::ops::Bound::{Excluded, Unbounded};
         (
@@ -359,8 +373,11 @@ impl Shot {
         )
     }
 
-    /// Where the camera was in the solved frame nearest to one, and how far it usually gets from
-    /// there; without that frame.
+    /// The solved frame nearest to a moment, and how far the camera usually moves from there,
+    /// without the frame of the moment itself.
+    ///
+    /// The speeds are not copied to leave that frame out. At most two moves end at it, and one
+    /// joins its neighbours instead; the quantile accounts for these three.
     fn motion(&self, moment: Moment) -> Option<Motion> {
         let (before, after) = self.beside(moment);
         let (mut broken, mut made) = (Vec::new(), None);
@@ -370,12 +387,14 @@ impl Shot {
             broken.extend(after.and_then(|to| rates(at, to)));
             made = before.zip(after).and_then(|(from, to)| rates(from, to));
         }
+        // The number of moves without the frame.
         let count = self.rates[0].len() + usize::from(made.is_some()) - broken.len();
         if count < MIN_MOVES {
             return None;
         }
         let (from, frames) = self.nearest(moment)?;
-        // Nine of ten moves stay within this.
+        // The 90th percentile of the speeds, times the number of frames. It assumes that the camera
+        // keeps one direction, so it is an upper estimate of the motion.
         let usual = |which: usize| {
             let broken: Vec<f64> = broken.iter().map(|rates| rates[which]).collect();
             let made = made.map(|rates| rates[which]);
@@ -393,11 +412,12 @@ impl Shot {
         })
     }
 
-    /// The other solved frame that is nearest in the video, the earlier one of two, and how many
-    /// frames it is away, at least 1. None that is too far away.
+    /// The solved frame nearest in the video, of two equally near ones the earlier, and its
+    /// distance in frames, at least 1. None within [`WITHIN_FRAMES`].
     fn nearest(&self, moment: Moment) -> Option<(Ptz, u64)> {
         let number = moment.0;
-        // Of several with one number the first stands for all.
+        // Frames with the same number are represented by the first of them, the frame itself
+        // excluded.
         let first_of = |at: u64| {
             let mut of_number = self.solved.range((at, 0)..=(at, usize::MAX));
             of_number
@@ -424,8 +444,8 @@ impl Shot {
     }
 }
 
-/// How far pan (°), tilt (°) and the logarithm of the focal length move a frame from one solved
-/// frame to the next; none where these are too far apart, or have one number.
+/// Change of pan (°), tilt (°) and log focal length per frame of the video between two consecutive
+/// solved frames; none if these are more than [`WITHIN_FRAMES`] apart or have the same number.
 fn rates((from, before): (&Moment, &Ptz), (to, after): (&Moment, &Ptz)) -> Option<[f64; 3]> {
     let frames = to.0 - from.0;
     let step = PtzStep::between(before, after);
@@ -435,7 +455,7 @@ fn rates((from, before): (&Moment, &Ptz), (to, after): (&Moment, &Ptz)) -> Optio
         .then(|| moved.map(|moved| moved / frames as f64))
 }
 
-/// Numbers in ascending order; the same one may be there more than once.
+/// Numbers in ascending order; equal ones are allowed.
 #[derive(Clone, Debug, Default)]
 struct Sorted(Vec<f64>);
 
@@ -459,14 +479,14 @@ impl Sorted {
         self.0.insert(place, value);
     }
 
-    /// Takes a number out, once; one that is not there is not missed.
+    /// Removes one instance of a number; does nothing if it is not in the list.
     fn remove(&mut self, value: f64) {
         if let Ok(place) = self.0.binary_search_by(|known| known.total_cmp(&value)) {
             self.0.remove(place);
         }
     }
 
-    /// The least and the greatest, with one of the numbers left out.
+    /// The smallest and the largest number, with one instance of `left_out` excluded.
     fn ends_without(&self, left_out: Option<f64>) -> Option<[f64; 2]> {
         let is_left_out =
             |value: &f64| left_out.is_some_and(|left_out| left_out.total_cmp(value).is_eq());
@@ -481,9 +501,10 @@ impl Sorted {
         Some([*least, *greatest])
     }
 
-    /// The number at a place, from 0, if some were removed (two at most) and one added. Zero where
-    /// there is no such place.
+    /// The number at index `place` after removing at most two numbers and adding one, without
+    /// changing the list. Zero if the index is out of range.
     fn nth_of_changed(&self, place: usize, removed: &[f64], added: Option<f64>) -> f64 {
+        // The number of values below (`is_lt`) or not above (`is_le`) a value in the changed list.
         let rank = |value: f64, counts: fn(std::cmp::Ordering) -> bool| {
             let counts_value = |known: &f64| counts(known.total_cmp(&value));
             let before = self.0.partition_point(counts_value)
@@ -494,7 +515,9 @@ impl Sorted {
                     .filter(|removed| counts_value(removed))
                     .count()
         };
-        // As many places as it may be off.
+        // The answer is the added value or an element of the list: that at index `place` − 1 if the
+        // insertion shifted it up, or up to `place` + 2 if both removals shifted it down. It is the
+        // one whose range of ranks contains `place`.
         let near = self.0.iter().skip(place.saturating_sub(1)).take(4);
         let found = near.copied().chain(added).find(|value| {
             let (below, upto) = (

@@ -1,8 +1,8 @@
-//! What a solve knows from a camera that the program proposed.
+//! The prior of a solve from a camera that the program proposed.
 //!
-//! A proposal with its covariance is evidence as clicks are: a click that agrees with it makes the
-//! camera better known, never worse. A click that contradicts it says that the covariance is too
-//! small, and by how much.
+//! A proposal with its covariance is evidence just as clicks are: a click that agrees with it makes
+//! the camera better known, never worse. A click that contradicts it shows that the covariance is
+//! too small, and by how much.
 
 use nalgebra::SMatrix;
 use touchline_core::camera::{CameraBase, PtzCamera};
@@ -10,14 +10,14 @@ use touchline_core::geometry::{Angle, ImageSize};
 use touchline_core::solve::{Observation, PtzPrior, SolveContext, Uncertainty};
 use touchline_documents::document::{ENOUGH_EQUATIONS, Proposed};
 
-/// One click on a proposal moves it: pan and tilt follow a click that contradicts it, within this
-/// 1-σ.
+/// 1-σ of pan and tilt where a proposal states no covariance, and upper limit of an inflated one:
+/// one click that contradicts the proposal moves them this far.
 const FREE: Angle = Angle::from_degrees(3.0);
-/// And the focal length stays as it was proposed, within this share.
+/// The same for the focal length, as a fraction of it.
 const FOCAL_SHARE: f64 = 0.02;
 
-/// What a solve knows from a proposal: where to start, and with too few clicks to decide by
-/// themselves, what they move.
+/// Adds a proposal to the context of a solve: as the start, and where the clicks do not determine
+/// the camera by themselves, as a prior.
 pub(super) fn inform(
     context: &mut SolveContext,
     base: &CameraBase,
@@ -26,6 +26,8 @@ pub(super) fn inform(
 ) {
     let ptz = proposed.ptz.ptz();
     context.start = Some(ptz);
+    // With enough equations the clicks decide alone: a wrong proposal must not bias a frame that a
+    // person has clicked.
     let used: Vec<&Observation> = observations
         .iter()
         .filter(|observation| !observation.check)
@@ -48,8 +50,19 @@ pub(super) fn inform(
     }
 }
 
-/// A proposal as its covariance states it, made wider where the clicks are farther off than it
-/// allows; none where it states nothing that can be used.
+/// The prior that a proposal's covariance states, inflated if the clicks are farther off than it
+/// allows; none without a usable covariance.
+///
+/// If proposal and clicks were right, the sum of the squared residuals r of the clicks at the
+/// proposed camera would have the expectation (px²)
+///
+/// ```text
+/// E Σ|r|² = Σ n σ² + k² Σ trace(J C Jᵀ),   k = 1
+/// ```
+///
+/// with n equations of a click of noise σ, the covariance C of the overlay at the clicked place and
+/// the Jacobian J of the residual by the image point. Solving for k gives the factor on the prior's
+/// σ, which is never reduced below the stated one.
 fn stated_prior(
     camera: &PtzCamera,
     proposed: &Proposed,
@@ -65,15 +78,18 @@ fn stated_prior(
         expected += (here.by_image * overlay * here.by_image.transpose()).trace();
         noise += observation.sigma_px * observation.sigma_px * observation.equations() as f64;
     }
+    // The factor k; at least 1, because few clicks may agree by chance.
     let wider = ((off - noise) / expected).max(1.0).sqrt();
     let sigma = stated.clicks.diagonal().map(f64::sqrt);
+    // Inflated, but not beyond what a proposal without covariance gets; a larger stated σ stays.
     let angle = |own: f64| Angle::from_radians((own * wider).min(FREE.radians()).max(own));
     let focal_share = sigma.z / camera.ptz().focal_px;
     Some(PtzPrior {
         ptz: camera.ptz(),
         sigma_pan: angle(sigma.x),
         sigma_tilt: angle(sigma.y),
-        // However wrong it is, what a click moves is where the camera looks.
+        // Even if the proposal is far off, one click can only correct pan and tilt; leave the focal
+        // length to the proposal.
         sigma_focal_share: (focal_share * wider).min(FOCAL_SHARE).max(focal_share),
         by_base: stated.by_base,
     })

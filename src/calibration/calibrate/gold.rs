@@ -1,17 +1,19 @@
-//! Which references a blind round asks for again.
+//! Chooses the references that the annotator clicks again, blind, to measure the click noise.
 
 use std::collections::BTreeSet;
 use touchline_core::field::LandmarkId;
 use touchline_core::geometry::Angle;
 use touchline_documents::document::{Document, Frame};
 
-/// How many gold frames are chosen: with three landmarks each, one round is enough to tell the
+/// Number of gold frames: with three landmarks each, one round suffices for an estimate of the
 /// noise.
 const CHOSEN: usize = 6;
 
-/// References to be gold, spread over pan and landmarks, by their places: each next one is the one
-/// that asks for most landmarks nobody asks for yet, and among those the one whose pan is farthest
-/// from the pans chosen. Frames that are gold already count as chosen; six in all.
+/// Chooses references as gold frames, by their indices, until there are six with those that are
+/// gold already.
+///
+/// Greedy: the next frame is the one that adds most landmarks not yet among the gold frames, and
+/// among equals the one whose pan is farthest from all their pans.
 #[must_use]
 pub fn choose_gold(document: &Document) -> Vec<usize> {
     let frames = || {
@@ -32,6 +34,8 @@ pub fn choose_gold(document: &Document) -> Vec<usize> {
     let mut chosen = Vec::new();
     while pans.len() < CHOSEN && !open.is_empty() {
         let rank = |frame: &Frame| {
+            // Rank by the number of new landmarks, then by the distance in pan from the nearest
+            // gold frame.
             let news: BTreeSet<&LandmarkId> = frame
                 .asked_again()
                 .filter(|id| !asked.contains(id))
@@ -41,7 +45,7 @@ pub fn choose_gold(document: &Document) -> Vec<usize> {
                 .map(|other| pan(frame).turn_from(*other).abs().radians());
             (news.len(), apart.fold(f64::INFINITY, f64::min))
         };
-        // The last of equals is the first frame.
+        // `max_by` returns the last of equal elements: reversed, that is the first frame.
         let best = (0..open.len()).rev().max_by(|a, b| {
             let (a, b) = (rank(open[*a].1), rank(open[*b].1));
             a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
@@ -56,8 +60,8 @@ pub fn choose_gold(document: &Document) -> Vec<usize> {
     chosen
 }
 
-/// Whether [`choose_gold`] chooses any, given how many frames are gold and how many others could
-/// be: see [`Frame::why_not_gold`].
+/// Whether [`choose_gold`] would choose any frame, given the numbers of gold frames and of others
+/// that could be gold (see [`Frame::why_not_gold`]).
 #[must_use]
 pub const fn can_choose_gold(gold: usize, others: usize) -> bool {
     gold < CHOSEN && others > 0

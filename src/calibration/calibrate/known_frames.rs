@@ -1,11 +1,11 @@
-//! The base of a camera from frames whose cameras are about known: from the places of painted lines
-//! in their pictures, and from their clicks where there are some.
+//! The base of a camera from frames whose cameras are approximately known: from the positions of
+//! painted lines in their pictures, and from clicks where there are some.
 //!
-//! 1. Each frame is pulled onto its paint with the cameras to begin with, and the places of the
-//!    paint are measured.
-//! 2. Base and frames are adjusted to them; where the size of the field is open it is fitted.
-//! 3. From there the paint is measured once more, and the base is estimated from it. Lens and crown
-//!    are chosen by paint that they have not seen.
+//! 1. Each frame is aligned to its paint, beginning with its known camera, and positions of paint
+//!    are measured.
+//! 2. Base and frames are adjusted to them. Where the size of the field is unknown it is fitted.
+//! 3. Paint is measured once more from the adjusted cameras, and the base is estimated from it.
+//!    Lens and crown are chosen by their error at held-out paint.
 
 use super::field_size::set_size;
 use super::on_paint::{OnPaintErrors, PaintSeen};
@@ -26,65 +26,69 @@ use touchline_documents::document::{DocumentAt, FieldSpec};
 use touchline_vision::media::Picture;
 use touchline_vision::paint::{GroundPicture, PaintPlace, SnapOptions, paint_places, snap};
 
-/// Fewer frames with paint, or fewer lines in all of them together, do not hold a base.
+/// Minimum number of frames with paint, and of different lines in all of them together, that
+/// determine a base.
 pub const FRAMES_FOR_PAINT: usize = 3;
 const FEWEST_LINES: usize = 5;
 
-/// 1-σ of the position along each axis, and of a fitted length of the field, where paint alone
-/// gives it, m: what grounds are off by is common to all frames. Positions are .06 to .64 m from
-/// those fitted to people's clicks where the paint's scatter alone says .05, and widths up to .8 m
-/// where that says .04 to .13. Where clicks give a position too, half of the way between the two
-/// takes its place.
+/// Minimum 1-σ of the position along each axis, and of a fitted length of the field, where paint
+/// alone determines it, m.
+///
+/// Deviations of the real ground from the model are common to all frames, so the scatter of the
+/// paint does not show them. Positions differ by 0.06 to 0.64 m from those fitted to people's
+/// clicks, where the scatter alone suggests 0.05 m; widths differ by up to 0.8 m where it suggests
+/// 0.04 to 0.13 m. If clicks give a position too, half of the difference between the two is used
+/// instead.
 pub(crate) const ALONE_SIGMA_M: f64 = 0.3;
 
-/// Lengths that paint alone gives are stated no better than they are known.
+/// Raises the σ of each length to the floor that applies to paint alone.
 pub(crate) fn as_paint_alone_gives(sizes: &mut [FittedSize]) {
     for length in sizes {
         length.sigma_m = length.sigma_m.max(ALONE_SIGMA_M);
     }
 }
 
-/// Why no base is found from clicks and paint.
+/// Why no base was found from clicks and paint.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BaseOnPaintError {
     /// There is neither a base nor enough clicks for one, or the adjustment gives none.
     #[error(transparent)]
     Base(#[from] BaseEstimationError),
-    /// Hardly any paint is seen where the cameras predict it.
+    /// Hardly any paint is visible where the cameras project the lines.
     #[error(
         "painted lines are seen in {frames} frames, {lines} different lines in all ({FRAMES_FOR_PAINT} frames and {FEWEST_LINES} lines are \
          needed): refine the base from clicks alone, or click frames that show more of the lines"
     )]
     TooFewLines {
-        /// Frames whose camera could be pulled onto its paint.
+        /// Number of frames whose camera could be aligned to its paint.
         frames: usize,
-        /// Different lines in them.
+        /// Number of different lines in them.
         lines: usize,
     },
 }
 
-/// Frames whose pictures are looked at, at most: spread over all that have a camera.
+/// Maximum number of frames whose pictures are read, spread evenly over all that have a camera.
 const MOST_FRAMES: usize = 150;
 
-/// Pictures that are held in memory at once.
+/// Number of pictures in memory at the same time.
 const AT_ONCE: usize = 8;
 
-/// Frames of one camera, about where they look, and where their pictures come from.
+/// Frames of one camera, their approximate cameras, and the source of their pictures.
 pub(crate) struct KnownFrames<'a> {
     /// The frames with their clicks, if any, and their field.
     pub problem: BaseProblem,
-    /// The cameras to begin with.
+    /// The initial cameras.
     pub start: KnownCameras,
-    /// Of each frame of the problem, what shows no paint.
+    /// For each frame of the problem, the pixels that are not searched for paint.
     pub masks: Vec<Vec<PixelBox>>,
-    /// The picture of a frame of the problem, by its place there; none where it cannot be read.
+    /// Reads the picture of a frame of the problem, by its index there; none if it cannot be read.
     pub picture: &'a mut dyn FnMut(usize) -> Option<Picture>,
     /// The field, where its size is fitted as well.
     pub open_field: Option<OpenField<'a>>,
 }
 
-/// A field whose size is open.
+/// A field of unknown size.
 pub(crate) struct OpenField<'a> {
     /// The document that it belongs to.
     pub document: DocumentAt<'a>,
@@ -105,14 +109,15 @@ impl OpenField<'_> {
     }
 }
 
-/// What the paint of known frames gives.
+/// The base estimated from the paint of known frames.
 pub(crate) struct PaintEstimate {
-    /// The frames, on the field of fitted size.
+    /// The frames, with their clicks on the field of fitted size.
     pub problem: BaseProblem,
+    /// The base, with the frames numbered as in the problem.
     pub estimate: BaseEstimate,
-    /// The lengths of the field that were fitted.
+    /// The fitted lengths of the field.
     pub sizes: Vec<FittedSize>,
-    /// What the paint said.
+    /// The amount of paint, and the errors at it.
     pub seen: PaintSeen,
 }
 
@@ -120,7 +125,7 @@ impl KnownFrames<'_> {
     /// Estimates the base.
     ///
     /// # Errors
-    /// Too few lines are seen, the adjustment gives no base, or it was cancelled.
+    /// Too few lines are visible, the adjustment gives no base, or it was cancelled.
     pub fn estimate_base(
         self,
         options: &BaseOptions,
@@ -133,12 +138,16 @@ impl KnownFrames<'_> {
             picture,
             open_field,
         } = self;
+        // Steps 1 and 2: measure paint from the initial cameras and adjust with the richest model
+        // of the base that the data allow. The result is only the start for the size and for step
+        // 3.
         let first_field = problem.field.clone();
         let seen = Seen::of(&problem, &first, &masks, picture)?;
         let model = options.richest(&problem.camera_clicks());
         let mut start = first.adjusted(&problem, &seen, &model, &options.adjust);
 
         let mut sizes = Vec::new();
+        // Only with its size fitted does the field have the right lines to align to in step 3.
         if let Some(open) = open_field {
             let template = open.template().map_err(BaseEstimationError::from)?;
             sizes = problem.fit_size(template, &seen.painted, (&start.base, &start.ptz), &model);
@@ -147,6 +156,8 @@ impl KnownFrames<'_> {
             }
             problem = problem.on_field(open.of_size(&sizes).map_err(BaseEstimationError::from)?);
         }
+        // Step 3: measure again from the adjusted cameras. Frames that failed at first may align
+        // now, and paint that was assigned to the wrong line may find its own.
         let seen = Seen::of(&problem, &start, &masks, picture)?;
         start.ptz.clone_from(&seen.ptz);
         let clicks = problem.camera_clicks();
@@ -155,14 +166,18 @@ impl KnownFrames<'_> {
             .map_err(BaseEstimationError::from)?;
         let sigma = estimate.base.sigma;
         estimate.base.sigma = if first.by_clicks {
-            // What both have in common errs by about half of what they differ by.
+            // Errors that the estimates from clicks and from paint have in common show in no
+            // residual. They are about half of the difference of the two positions; rotation and
+            // lens follow by their correlation with the position. The covariance is raised along
+            // that direction only.
             let half =
                 sigma.following_position((estimate.base.position_m - first.base.position_m) * 0.5);
             sigma.covering(&(half * half.transpose()))
         } else {
             sigma.with_position_error_of(ALONE_SIGMA_M)
         };
-        // The first base is judged by the same paint, on the field that it was found with.
+        // For comparison, the errors of the initial base at the same paint, on the field size that
+        // it was estimated with.
         let as_first: Vec<FrameClicks> = seen
             .painted
             .iter()
@@ -175,6 +190,8 @@ impl KnownFrames<'_> {
         };
         let (paint, at_clicks) =
             held_out_on_paint(&as_first, &first.base, first.crown_m, &start.ptz);
+        // The errors of the new base come from the choice of its model, which evaluated each frame
+        // with a base estimated without it.
         let chosen = estimate
             .scores
             .iter()
@@ -214,7 +231,7 @@ impl KnownFrames<'_> {
 }
 
 impl BaseProblem {
-    /// The same frames on a field of another size.
+    /// The same frames with their clicks on a field of another size.
     fn on_field(self, field: FieldModel) -> Self {
         Self {
             clicks: self
@@ -228,7 +245,7 @@ impl BaseProblem {
     }
 }
 
-/// The same clicks and paint on a field of another size.
+/// The same clicks and paint with their coordinates on a field of another size.
 fn frame_on_field(frame: &FrameClicks, field: &FieldModel) -> FrameClicks {
     let renamed = |seen: &Observation| {
         seen.element
@@ -241,18 +258,18 @@ fn frame_on_field(frame: &FrameClicks, field: &FieldModel) -> FrameClicks {
     }
 }
 
-/// A base, its crown and the frames' cameras.
+/// A base, its crown, and the cameras of the frames.
 pub(crate) struct KnownCameras {
     pub base: CameraBase,
     pub crown_m: f64,
-    /// Of each frame of the problem.
+    /// One for each frame of the problem.
     pub ptz: Vec<Option<Ptz>>,
-    /// Whether clicks gave them.
+    /// Whether they were determined by clicks.
     pub by_clicks: bool,
 }
 
 impl KnownCameras {
-    /// The field with the crown.
+    /// The problem's field with the crown of these cameras.
     fn field(&self, problem: &BaseProblem) -> FieldModel {
         FieldModel {
             crown_m: self.crown_m,
@@ -260,7 +277,7 @@ impl KnownCameras {
         }
     }
 
-    /// Adjusted to what is seen.
+    /// These cameras after an adjustment to clicks and paint.
     fn adjusted(
         &self,
         problem: &BaseProblem,
@@ -282,11 +299,11 @@ impl KnownCameras {
     }
 }
 
-/// What is seen of the lines.
+/// Observations of the painted lines.
 struct Seen {
-    /// The clicks of each frame of the problem, and its paint after them.
+    /// The clicks of each frame of the problem, followed by its paint.
     painted: Vec<FrameClicks>,
-    /// Each frame's camera: pulled onto the paint, or as it was.
+    /// The camera of each frame: aligned to the paint, or unchanged.
     ptz: Vec<Option<Ptz>>,
     frames: usize,
     places: usize,
@@ -294,7 +311,7 @@ struct Seen {
 }
 
 impl Seen {
-    /// Looks at the pictures of frames with known cameras.
+    /// Aligns frames with known cameras to their pictures and measures positions of paint.
     fn of(
         problem: &BaseProblem,
         cameras: &KnownCameras,
@@ -302,6 +319,7 @@ impl Seen {
         picture: &mut dyn FnMut(usize) -> Option<Picture>,
     ) -> Result<Self, BaseOnPaintError> {
         let field = cameras.field(problem);
+        // A subsample, spread evenly over all frames with a camera, limits the time.
         let solved: Vec<usize> = (0..problem.frames.len())
             .filter(|place| cameras.ptz[*place].is_some())
             .collect();
@@ -313,11 +331,15 @@ impl Seen {
             places: 0,
             lines: BTreeSet::new(),
         };
+        // Pictures are read one after the other and processed in parallel, a few at a time to limit
+        // memory.
         for some in looked_at.chunks(AT_ONCE) {
             let read = |place: &usize| Some((*place, picture(*place)?));
             let read: Vec<(usize, Picture)> = some.iter().filter_map(read).collect();
             let looked = read.par_iter().map(|(place, picture)| {
                 let ground = GroundPicture::new(picture, &masks[*place]);
+                // Paint counts only in frames that can be aligned; elsewhere it may belong to other
+                // lines. The clicks take part in the alignment.
                 let clicks = frame_on_field(&problem.clicks[*place], &field).observations;
                 let snapped = snap(
                     &ground,
@@ -328,6 +350,8 @@ impl Seen {
                     &lenient(),
                 )
                 .ok()?;
+                // Positions of paint are searched from the aligned camera, where the lines are
+                // nearest.
                 let camera = PtzCamera::new(cameras.base, snapped.ptz);
                 Some((*place, snapped.ptz, paint_places(&ground, &field, &camera)))
             });
@@ -336,6 +360,7 @@ impl Seen {
                 seen.add(problem, place, ptz, &paint);
             }
         }
+        // Few lines leave directions of the base undetermined, even if many frames show them.
         if seen.frames < FRAMES_FOR_PAINT || seen.lines.len() < FEWEST_LINES {
             return Err(BaseOnPaintError::TooFewLines {
                 frames: seen.frames,
@@ -345,11 +370,13 @@ impl Seen {
         Ok(seen)
     }
 
+    /// Adds the aligned camera and the paint of one frame.
     fn add(&mut self, problem: &BaseProblem, place: usize, ptz: Ptz, paint: &[PaintPlace]) {
         self.ptz[place] = Some(ptz);
         self.frames += 1;
         self.places += paint.len();
         self.lines.extend(paint.iter().map(|seen| seen.line));
+        // Paint observations follow the frame's clicks and are numbered by themselves.
         let observed = paint.iter().enumerate().filter_map(|(number, seen)| {
             Observation::of_paint(&problem.field, seen.line, seen.image, seen.sigma_px, number)
         });
@@ -357,8 +384,8 @@ impl Seen {
     }
 }
 
-/// A base that is not yet right bends lines: halves of a frame's paint may disagree more than where
-/// a frame is snapped for good.
+/// Looser limits of alignment: lines look curved while the lens of the base is not yet right, so
+/// that the two halves of a frame's paint may disagree by more than in a final alignment.
 fn lenient() -> SnapOptions {
     SnapOptions {
         halves_px: 4.0,

@@ -1,11 +1,11 @@
-//! The length of a field that was assumed, measured on the paint of frames that cameras were
-//! carried to.
+//! The length of a field that was assumed, measured on the paint of frames that were tracked.
 //!
-//! A search without clicks that has seen one end of a field cannot know its length, and the frames
-//! carried on from there are right at that end only. As soon as one of them shows the field's
-//! middle, its paint tells: of all lengths that the rules allow, each with the base that lies as
-//! before at the seen end, the right one puts the middle's lines onto it. The frames keep pan, tilt
-//! and focal length.
+//! Autocalibration that has seen only one end of a field cannot determine its length, and the
+//! frames tracked from there are right at that end only. As soon as one of them shows the field's
+//! middle, its paint determines the length: it is searched over all lengths that the rules allow,
+//! each with the base moved along with the seen end so that this end projects as before. The right
+//! length puts the lines of the middle onto their paint. The frames keep pan, tilt and focal
+//! length.
 
 use super::base_on_paint::PictureOf;
 use super::field_size::set_field_size;
@@ -23,60 +23,61 @@ use touchline_documents::document::{
 use touchline_vision::paint::{GroundPicture, check_lines};
 use touchline_vision::relocalize::CERTAIN;
 
-/// The code of a warning that the lines of a field's middle may lie off, because nobody has
-/// measured its length.
+/// The code of a warning that the lines of a field's middle may be off because its length was not
+/// measured.
 pub(crate) const LENGTH_UNSEEN: &str = "length_unseen";
 
-/// So many frames that doubt the assumed length, and as many that do not, are looked at.
+/// Maximum number of suspect frames that are read, and of certain ones.
 const FRAMES: usize = 16;
 
-/// Fewer frames with doubts say nothing: a player's legs can look like a line.
+/// Fewer suspect frames are no evidence: a player's legs can look like a line.
 const FEWEST: usize = 3;
 
-/// A frame that is less certain than this has doubts.
+/// A frame with less confidence than this is suspect.
 const DOUBTED: f64 = 0.5;
 
-/// Lengths are tried at these distances, first from limit to limit, then around the best, m.
+/// Steps of the search, first over all allowed lengths, then around the best, m.
 const COARSE_M: f64 = 0.5;
 const FINE_M: f64 = 0.1;
 
-/// At the right length so much more of the paint is explained than at any other that is farther
-/// away, m, the assumed one included. On a pitch of 101.8 m searched at 105 m it was 1.5 times as
-/// much.
+/// The best length must explain this many times as much paint as any length more than `PEAK_M` (m)
+/// away, the assumed one included. On a pitch of 101.8 m that was assumed to be 105 m long, it
+/// explained 1.5 times as much.
 const PEAK: f64 = 1.2;
 const PEAK_M: f64 = 2.0;
 
-/// The frames without doubts may lose this much: that is noise.
+/// The score of the certain frames may drop by this much: that is noise.
 const NOISE: f64 = 0.05;
 
-/// A frame tells the length if this much more of its paint is explained at one than at another.
+/// A frame determines the length if its score varies by at least this much over the lengths.
 const TELLING: f64 = 0.1;
 
-/// No length is known better than the frames have in common by their base, 1-σ, m.
+/// Minimum 1-σ of the length, m: the error of the base is common to all frames.
 const FLOOR_M: f64 = 0.3;
 
-/// A field's length that the paint shows.
+/// A field length measured on paint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LengthOnLines {
-    /// The length; how it was known before; its 1-σ.
+    /// The measured length with its 1-σ, and the assumed one.
     pub size: FittedSize,
-    /// How far the position of each camera of the field moves with the end that it has seen, m.
+    /// By how much each camera of the field moves with the end that it has seen, m.
     pub shifts: Vec<(CameraId, Vec3)>,
-    /// How many frames with doubts were looked at.
+    /// Number of suspect frames that were measured.
     pub frames: usize,
     /// Whether a person or a file prescribes another length.
     pub is_prescribed: bool,
 }
 
-/// A frame's picture and its camera at the assumed length.
+/// The picture of a frame, and its camera at the assumed length.
 struct Look<'a> {
     ground: GroundPicture,
     ptz: Ptz,
     frame: &'a Frame,
 }
 
-/// Measures the length of the field of a document's cameras, where frames doubt it. None where none
-/// does, where it was fitted before, or where no length agrees with the paint.
+/// Measures the length of the field of a document's cameras, where frames suggest that the assumed
+/// one is wrong. None where no frame does, where the length was fitted before, or where no length
+/// agrees with the paint.
 ///
 /// # Errors
 /// The field is not valid. Frames that cannot be read are left out.
@@ -84,6 +85,7 @@ pub fn length_on_lines(
     at: DocumentAt<'_>,
     picture: PictureOf<'_>,
 ) -> Result<Option<LengthOnLines>, FieldError> {
+    // Each camera measures the length by itself; the one with most suspect frames decides.
     let mut best: Option<(LengthOnLines, &FieldSpec)> = None;
     for camera in &at.document.cameras {
         let spec = at.document.field_of_camera(&camera.id);
@@ -101,7 +103,8 @@ pub fn length_on_lines(
     let Some((mut found, spec)) = best else {
         return Ok(None);
     };
-    // The other cameras of the stadium stand at the same field.
+    // The other cameras of the stadium see the same field. Each moves with the end that it has seen
+    // itself.
     for camera in &at.document.cameras {
         let other = at.document.field_of_camera(&camera.id);
         let is_same_length =
@@ -124,6 +127,8 @@ fn length_by_camera(
     picture: PictureOf<'_>,
 ) -> Result<Option<LengthOnLines>, FieldError> {
     let document = at.document;
+    // Frames with little confidence whose paint is off its lines suggest another length. Certain
+    // frames must fit at that length as well as before.
     let doubted = frames_of(document, &camera.id, |frame, confidence| {
         confidence < DOUBTED && is_off_paint(frame)
     });
@@ -136,6 +141,7 @@ fn length_by_camera(
     let agreeing = frames_of(document, &camera.id, |_, confidence| confidence >= CERTAIN);
     let doubted = looks(at, &doubted, picture);
     let agreeing = looks(at, &agreeing, picture);
+    // Coarse search. The score of a length is the mean over the suspect frames.
     let assumed_m = unseen.assumed_m();
     let (min_m, max_m) = unseen.limits_m();
     let worth =
@@ -147,6 +153,8 @@ fn length_by_camera(
     let Some(&(best, best_m)) = rated.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else {
         return Ok(None);
     };
+    // Accept only a clear peak. Lengths near the best belong to the same peak; the assumed length
+    // always counts as another one.
     let elsewhere = rated
         .iter()
         .filter(|(_, length_m)| (length_m - best_m).abs() > PEAK_M)
@@ -155,6 +163,7 @@ fn length_by_camera(
     if !is_peak || worth(&agreeing, best_m) < worth(&agreeing, assumed_m) - NOISE {
         return Ok(None);
     }
+    // Fine search around the peak.
     let lengths = steps(
         (best_m - PEAK_M).max(min_m),
         (best_m + PEAK_M).min(max_m),
@@ -166,6 +175,8 @@ fn length_by_camera(
         .collect();
     let value_m =
         lengths[index_of_largest(table.iter().map(|of_length| mean(of_length).unwrap_or(0.0)))];
+    // The σ is the scatter of the single frames' best lengths. It is not divided by √n, since
+    // errors of the base are common to all of them.
     let peaks: Vec<f64> = (0..doubted.len())
         .filter_map(|look| peak_of(&lengths, &table, look))
         .collect();
@@ -187,6 +198,7 @@ fn length_by_camera(
         position_sigma_m: Vec3::zeros(),
         is_open: false,
     };
+    // The size is not marked as open: from now on the length counts as measured.
     let shifts = vec![(camera.id.clone(), unseen.base_shift(value_m))];
     let is_prescribed = *spec.size() != FieldSize::Assumed;
     Ok(Some(LengthOnLines {
@@ -197,8 +209,8 @@ fn length_by_camera(
     }))
 }
 
-/// What the length of a camera's field leaves open in its pictures, by the frames without doubts;
-/// none where they show the length.
+/// How the unknown length of a camera's field affects its pictures, judging by the certain frames;
+/// none where these determine the length.
 fn unseen_length(at: DocumentAt<'_>, camera: &Camera) -> Result<Option<UnseenLength>, FieldError> {
     let Some(base) = camera.base() else {
         return Ok(None);
@@ -216,7 +228,7 @@ fn unseen_length(at: DocumentAt<'_>, camera: &Camera) -> Result<Option<UnseenLen
     Ok(UnseenLength::new(open, &field, &base, &certain))
 }
 
-/// Whether a frame's paint lies off its lines, or may.
+/// Whether a frame carries a warning that its paint is off its lines, or may be.
 fn is_off_paint(frame: &Frame) -> bool {
     let warnings = frame
         .solution
@@ -227,7 +239,8 @@ fn is_off_paint(frame: &Frame) -> bool {
         .any(|warning| warning.code == LINE_CHECK || warning.code == LENGTH_UNSEEN)
 }
 
-/// The solved frames of a camera that are as certain as is asked.
+/// The solved frames of a camera that satisfy a condition on frame and confidence. A camera without
+/// a stated confidence counts as certain (1).
 fn frames_of<'a>(
     document: &'a Document,
     camera: &CameraId,
@@ -249,7 +262,7 @@ fn frames_of<'a>(
         .collect()
 }
 
-/// The pictures of some of these frames, evenly spread.
+/// The pictures of at most [`FRAMES`] of these frames, spread evenly.
 fn looks<'a>(at: DocumentAt<'_>, frames: &[&'a Frame], picture: PictureOf<'_>) -> Vec<Look<'a>> {
     let read = |frame: &&'a Frame| {
         let ground = GroundPicture::new(&picture(frame)?, &at.document.masks_of(frame));
@@ -262,9 +275,9 @@ fn looks<'a>(at: DocumentAt<'_>, frames: &[&'a Frame], picture: PictureOf<'_>) -
     subsample(frames, FRAMES).filter_map(read).collect()
 }
 
-/// How much of the paint of each frame a length explains: how near the lines lie to paint, times
-/// the paint that lies at lines. Each alone has its best where the lines in question leave the
-/// picture.
+/// The score of a length in each frame: the agreement of its lines with paint, times the share of
+/// its paint that lies on lines. Neither factor suffices alone: each is highest at a length at
+/// which the lines in question leave the picture.
 fn worths(unseen: &UnseenLength, looks: &[Look<'_>], length_m: f64) -> Vec<f64> {
     let Some((field, base)) = unseen.at_length(length_m) else {
         return vec![0.0; looks.len()];
@@ -280,7 +293,8 @@ fn worths(unseen: &UnseenLength, looks: &[Look<'_>], length_m: f64) -> Vec<f64> 
     looks.par_iter().map(worth).collect()
 }
 
-/// The length at which most of a frame's paint is explained; none where all explain about as much.
+/// The length with the highest score in one frame; none if the frame's score hardly depends on the
+/// length.
 fn peak_of(lengths: &[f64], table: &[Vec<f64>], look: usize) -> Option<f64> {
     let worths = || table.iter().map(|of_length| of_length[look]);
     let (least, most) = worths().fold((f64::INFINITY, 0.0), |(least, most), worth| {
@@ -289,7 +303,7 @@ fn peak_of(lengths: &[f64], table: &[Vec<f64>], look: usize) -> Option<f64> {
     (most - least >= TELLING).then(|| lengths[index_of_largest(worths())])
 }
 
-/// Evenly spaced values, both ends among them.
+/// Evenly spaced values from `from` to `to`, both included, about `step` apart.
 fn steps(from: f64, to: f64, step: f64) -> Vec<f64> {
     let count = ((to - from) / step).round().max(1.0) as usize;
     (0..=count)
@@ -304,7 +318,7 @@ fn index_of_largest(values: impl Iterator<Item = f64>) -> usize {
         .map_or(0, |(index, _)| index)
 }
 
-/// Takes a measured length: each camera's field becomes so long, and the camera moves with the end
+/// Applies a measured length: the field of each camera gets it, and the camera moves with the end
 /// that it has seen. Frames keep their pan, tilt and focal length.
 pub fn take_length(document: &mut Document, found: &LengthOnLines) {
     for (camera, shift) in &found.shifts {

@@ -1,5 +1,6 @@
-//! From a document to a solved document: frames, bases, the field's size, names, which camera,
-//! click noise, and what is wrong with it.
+//! From a document to a solved document: solves frames, estimates bases and the field's size,
+//! tracks clips, suggests names and cameras, measures click noise, and checks what is wrong with
+//! the document.
 
 mod after_merge;
 mod autocalibrated_camera;

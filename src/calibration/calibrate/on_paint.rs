@@ -1,45 +1,46 @@
-//! What painted lines said about a base, and the frames that were pulled onto them.
+//! The evidence of painted lines for a base, and the frames that were aligned to them.
 
 use touchline_core::solve::base::HeldOutErrors;
 use touchline_documents::document::{Document, Frame};
 
-/// What painted lines said about a base.
+/// The evidence of painted lines for a base.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PaintSeen {
-    /// Frames whose paint took part.
+    /// Number of frames whose paint took part.
     pub frames: usize,
-    /// Places of paint that took part.
+    /// Number of positions of paint that took part.
     pub places: usize,
-    /// Different lines among them.
+    /// Number of different lines among them.
     pub lines: usize,
-    /// The base before: errors where a frame's camera is refined on half of its paint and clicks
-    /// and judged by the other half. If clicks gave this base it has seen all of them.
+    /// Errors of the earlier base: the camera of each frame is refined on one half of its paint and
+    /// clicks and evaluated on the other. If this base was estimated from clicks, it has used all
+    /// of them.
     pub before: OnPaintErrors,
-    /// The same for the new base, found without the frame.
+    /// The same for the new base, estimated without the frame.
     pub after: OnPaintErrors,
 }
 
-/// What painted lines said about a base, and the frames that were pulled onto them with it.
+/// The evidence of painted lines for a base, and the frames that were aligned to them with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OnPaint {
-    /// What they said.
+    /// The evidence.
     pub seen: PaintSeen,
-    /// The frames on their paint, as they were when the base was estimated.
+    /// The aligned frames, as of the estimation of the base.
     pub pulled: Vec<Frame>,
 }
 
-/// Errors at what was held out.
+/// Errors at held-out data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnPaintErrors {
-    /// Of the paint; none without any.
+    /// At the paint; none without any.
     pub paint: Option<HeldOutErrors>,
-    /// Of the clicks; none without any.
+    /// At the clicks; none without any.
     pub clicks: Option<HeldOutErrors>,
 }
 
 impl PaintSeen {
-    /// How far paint that took no part lies off the lines, and before, in a sentence after a space;
-    /// empty where none was held out.
+    /// The error at held-out paint, and the earlier one, as a sentence that begins with a space;
+    /// empty if no paint was held out.
     #[must_use]
     pub fn describe(&self) -> String {
         let Some(after) = self.after.paint else {
@@ -56,14 +57,16 @@ impl PaintSeen {
 }
 
 impl OnPaint {
-    /// Writes the pulled frames, those of them that lie at some places (ascending): but for frames
-    /// whose clicks, camera or use have changed since.
+    /// Writes those of the aligned frames that are at these indices (ascending), except frames
+    /// whose clicks, camera or use have changed since the estimation.
     pub(super) fn write_frames(&self, document: &mut Document, places: &[usize]) {
         for pulled in &self.pulled {
             let Some(index) = document.frames.position_of(&pulled.id) else {
                 continue;
             };
             let frame = &document.frames[index];
+            // The estimate is written later than it was computed, and the user may have edited the
+            // frame in between.
             let is_as_then = frame.clicks == pulled.clicks
                 && frame.camera == pulled.camera
                 && frame.status == pulled.status

@@ -1,10 +1,10 @@
-//! How well a frame's camera is known by the frame's own evidence.
+//! The covariance of a frame's camera from the frame's own evidence.
 //!
-//! Whoever carries a camera on (a clip, a forest's training set) adds the base's uncertainty once,
-//! for all frames together. So it needs each frame's own part, which documents keep as
-//! `own_covariance`. It is never got by subtracting the base's part from the total: that difference
-//! of two nearly equal matrices is seldom positive definite, and the total in its place says that a
-//! frame on its lines to half a pixel is known to 100 px.
+//! Whoever propagates a camera (to a clip, to a forest's training set) adds the uncertainty of the
+//! base once, for all frames together. This needs each frame's own part, which documents store as
+//! `own_covariance`. It is never computed by subtracting the base's part from the total: the
+//! difference of two nearly equal matrices is seldom positive definite, and with the total in its
+//! place a frame that is on its lines within half a pixel would seem to be known to 100 px.
 
 use super::observations;
 use touchline_core::camera::PtzCamera;
@@ -15,17 +15,17 @@ use touchline_core::solve::{
 };
 use touchline_documents::document::{Frame, SolutionSource};
 
-/// What painted lines tell of a camera that states nothing itself: four points this well known, px
-/// at 1920 px width. Cameras that were aligned to paint state 0.2 to 0.6 px.
+/// Assumed accuracy of a camera that was aligned to paint and has no covariance: that of four
+/// points with this σ, px at 1920 px width. Cameras that were aligned to paint state 0.2 to 0.6 px.
 const PAINT_PX: f64 = 1.0;
 
-/// What a camera that states nothing is taken for otherwise: four points this well known, px at
-/// 1920 px width. Cameras that trained programs give are typically off by this.
+/// Assumed accuracy of any other camera without a covariance: that of four points with this σ, px
+/// at 1920 px width. Cameras from trained programs typically have errors of this size.
 const UNSTATED_PX: f64 = 4.0;
 
-/// The covariance of (pan rad, tilt rad, focal length px) by the frame's own evidence, the base
-/// taken as exact: as it is stored; in documents that lack it as the clicks have it; else a stated
-/// floor by what the camera was solved from.
+/// The covariance of (pan rad, tilt rad, focal length px) from the frame's own evidence, with the
+/// base taken as exact. In this order: the stored one; in documents without it, the one that
+/// follows from the clicks; else an assumed one that depends on what the camera was solved from.
 pub(crate) fn own_covariance(
     frame: &Frame,
     camera: &PtzCamera,
@@ -41,7 +41,7 @@ pub(crate) fn own_covariance(
         .unwrap_or_else(|| floor(frame, camera))
 }
 
-/// What the clicks that took part say; none where they do not determine the camera.
+/// The covariance from the clicks that took part; none if they do not determine the camera.
 fn covariance_by_clicks(frame: &Frame, camera: &PtzCamera, field: &FieldModel) -> Option<Mat3> {
     let used: Vec<Observation> = observations(frame, field)
         .ok()?
@@ -51,6 +51,7 @@ fn covariance_by_clicks(frame: &Frame, camera: &PtzCamera, field: &FieldModel) -
     Some(Uncertainty::of(camera, &used, None).ok()?.clicks)
 }
 
+/// The assumed covariance of a camera that states none.
 fn floor(frame: &Frame, camera: &PtzCamera) -> Mat3 {
     let source = frame.source();
     if source == Some(SolutionSource::Markings) {
@@ -63,8 +64,8 @@ fn floor(frame: &Frame, camera: &PtzCamera) -> Mat3 {
     )
 }
 
-/// What painted lines tell of a camera that was aligned to them and states nothing itself, of (pan
-/// rad, tilt rad, focal length px).
+/// The assumed covariance of (pan rad, tilt rad, focal length px) of a camera that was aligned to
+/// painted lines.
 pub(crate) fn covariance_on_paint(camera: &PtzCamera, size: ImageSize) -> Mat3 {
     covariance_of_four_points(camera, size, PAINT_PX * size.scale_from_1920())
 }

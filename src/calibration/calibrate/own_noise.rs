@@ -1,17 +1,17 @@
-//! The annotator's own click noise, from blind re-clicks of gold frames, and what it makes of the
-//! clicks' sigmas.
+//! The annotator's own click noise, from blind re-clicks of gold frames, and the resulting σ of
+//! clicks.
 //!
-//! A field template states for each landmark l how far people's clicks lie from its nominal place,
-//! 1-σ `σ_l`. Two things make it: the clicking, anew with every click, and the place (paint is
-//! wide, grounds are not painted to the centimetre), the same in every frame. On 142 real frames of
-//! three matches the place made up 0.47, 0.55 and 0.51 of `σ_l²`, so half of `σ_l²` is attributed
-//! to clicking and half to the place. Repeats show only the clicking. With f the annotator's click
-//! noise as a multiple of the usual one, the solve uses
+//! A field template states for each landmark l the 1-σ `σ_l` of people's clicks about its nominal
+//! position. It has two causes: the clicking, which is independent in every click, and the
+//! landmark's position (paint is wide, fields are not painted to the centimetre), which is the same
+//! in every frame. On 142 real frames of three matches the position caused 0.47, 0.55 and 0.51 of
+//! `σ_l²`, so half of `σ_l²` is attributed to clicking and half to the position. Repeats show only
+//! the clicking. With f the annotator's click noise as a multiple of the usual one, the solve uses
 //!
 //! `σ_l'² = ½ σ_l² + ½ f_l² σ_l²`
 //!
-//! so that usual click noise changes nothing, and perfectly repeatable clicks still have the
-//! place's error.
+//! so that usual click noise changes nothing, and perfectly repeatable clicks still have the error
+//! of the position.
 //!
 //! - f² = (ν₀ + ν s²) / (ν₀ + ν): s is the robust scale ([`ClickScatter`]) of all differences in
 //!   units of the usual click noise √½ `σ_l`, ν its degrees of freedom, ν₀ = 4 those of the prior:
@@ -29,63 +29,63 @@ use touchline_documents::document::{
     ClickNoise, Document, DocumentAt, Extra, Fields, Frame, Shared,
 };
 
-/// The number of repeats needed before the noise can be used: the fewest for which the two ends of
-/// the 95 % interval differ by less than a factor of two.
+/// Minimum number of repeats for an estimate of the noise: the smallest for which the ends of the
+/// 95 % interval differ by less than a factor of two.
 pub const ENOUGH_REPEATS: usize = 12;
 
-/// The number of repeats from which a landmark has a factor of its own.
+/// Minimum number of repeats for a separate factor of a landmark.
 const ENOUGH_OF_LANDMARK: usize = 8;
 /// ν₀: degrees of freedom of the prior on an annotator's factor.
 const ANNOTATOR_PRIOR: f64 = 4.0;
 /// ν₁: degrees of freedom of the prior on a landmark's factor.
 const LANDMARK_PRIOR: f64 = 10.0;
 
-/// What the repeats of a document say about its annotator's click noise.
+/// The annotator's click noise as estimated from the repeats of a document.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OwnNoise {
     /// Frames with repeats.
     pub frames: usize,
     /// Repeats that can be compared with an earlier click.
     pub repeats: usize,
-    /// 1-σ of a click in each direction, px at 1920 px width; none while the repeats are too few to
-    /// tell.
+    /// 1-σ of a click in each direction, px at 1920 px width; none if there are too few repeats.
     pub noise: Option<ClickScatter>,
-    /// The same to the right and downwards.
+    /// The same for x and for y.
     pub noise_by_axis: [Option<ClickScatter>; 2],
-    /// Every such repeat against the first click, in the document's order.
+    /// The offset of each such repeat from the first click, in the document's order.
     pub offsets: Vec<RepeatOffset>,
-    /// By landmark, in the order of their names.
+    /// The noise of each landmark, in the order of their names.
     pub landmarks: Vec<LandmarkNoise>,
-    /// What the solve would use; none while the repeats are too few.
+    /// The noise that the solve uses; none if there are too few repeats.
     pub click_noise: Option<ClickNoise>,
 }
 
-/// Where a repeat lies.
+/// The offset of a repeated click.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RepeatOffset {
-    /// The frame, by its place in the document.
+    /// The frame's index in the document.
     pub frame: usize,
-    /// The label's click in it; none where that is gone.
+    /// The index of the label's click in it; none if that was deleted.
     pub click: Option<usize>,
-    /// What was clicked again.
+    /// The landmark that was clicked again.
     pub landmark: LandmarkId,
-    /// From the label's click (or the first repeat) to this one, px at 1920 px width: both scatter.
+    /// From the label's click (or the first repeat) to this one, px at 1920 px width. Both have
+    /// noise.
     pub offset_px: Vec2,
 }
 
-/// What the repeats of one landmark say.
+/// The click noise on one landmark.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LandmarkNoise {
-    /// Which.
+    /// The landmark.
     pub landmark: LandmarkId,
-    /// How many repeats.
+    /// Number of repeats.
     pub repeats: usize,
-    /// 1-σ of a click on it, px at 1920 px width; none while the repeats are too few to tell.
+    /// 1-σ of a click on it, px at 1920 px width; none if there are too few repeats.
     pub noise: Option<ClickScatter>,
 }
 
 impl OwnNoise {
-    /// What a document's repeats say.
+    /// Estimates the noise from a document's repeats.
     ///
     /// # Errors
     /// One of its fields is not valid.
@@ -109,8 +109,8 @@ impl OwnNoise {
         }
     }
 
-    /// The same, where it is known which frames have repeats: by their places, ascending. The
-    /// fields are as their templates state.
+    /// The same where the frames with repeats are known, by their indices, ascending. The fields
+    /// must be as their templates state.
     #[must_use]
     pub fn of_frames(
         document: &Document,
@@ -128,6 +128,9 @@ impl OwnNoise {
             let scale = frame.image_size.scale_from_1920();
             let field = fields.of_frame(document, frame);
             for repeated in frame.repeated_clicks() {
+                // The offsets from the first click are for display: they are not independent. The
+                // estimate uses `differences`, each click against the mean of those before it,
+                // scaled so that each has the variance of one click.
                 let first = repeated.clicks[0];
                 found
                     .offsets
@@ -137,6 +140,7 @@ impl OwnNoise {
                         landmark: repeated.landmark.clone(),
                         offset_px: click.offset_from(first) / scale,
                     }));
+                // A landmark that the field lacks has no stated σ to normalise by.
                 let stated = field
                     .landmark(repeated.landmark.as_str())
                     .map(|landmark| landmark.click_sigma_px);
@@ -153,6 +157,7 @@ impl OwnNoise {
                 }
             }
         }
+        // x and y share one σ; separate values are for display only.
         found.repeats = all.len();
         found.noise = ClickScatter::of(&all);
         found.noise_by_axis =
@@ -172,14 +177,15 @@ impl OwnNoise {
         found
     }
 
-    /// How many more repeats are needed before the noise can be used.
+    /// Number of further repeats needed for an estimate.
     #[must_use]
     pub const fn missing(&self) -> usize {
         ENOUGH_REPEATS.saturating_sub(self.repeats)
     }
 }
 
-/// The click noise for the solve; `normalised` differences are in units of the usual σ.
+/// The click noise for the solve; `normalised` differences are in units of the usual click noise √½
+/// `σ_l`.
 fn click_noise(
     noise: &ClickScatter,
     normalised: &[Vec2],
@@ -187,6 +193,8 @@ fn click_noise(
 ) -> Option<ClickNoise> {
     let seen = ClickScatter::of(normalised).filter(|seen| seen.pairs >= ENOUGH_REPEATS)?;
     let factor = shrunk_towards(1.0, ANNOTATOR_PRIOR, &seen);
+    // Landmarks with few repeats have too uncertain a scale of their own and use the annotator's
+    // factor.
     let own_factor = |normalised: &[Vec2]| {
         let seen = ClickScatter::of(normalised).filter(|seen| seen.pairs >= ENOUGH_OF_LANDMARK)?;
         Some(shrunk_towards(factor, LANDMARK_PRIOR, &seen))
@@ -195,6 +203,7 @@ fn click_noise(
     let own = own.filter_map(|(id, [_, normalised])| {
         Some((id.as_str().to_owned(), own_factor(normalised)?))
     });
+    // The factors are for the solve; σ in px and its interval are for display.
     Some(ClickNoise {
         in_use: true,
         factor,
@@ -206,7 +215,8 @@ fn click_noise(
     })
 }
 
-/// The measured scale shrunk towards a prior, each weighted by its degrees of freedom.
+/// The posterior scale √((ν₀ f₀² + ν s²) / (ν₀ + ν)): f₀ is the prior's scale with ν₀ degrees of
+/// freedom, s the measured one with ν.
 fn shrunk_towards(prior: f64, prior_freedom: f64, seen: &ClickScatter) -> f64 {
     let sum = prior_freedom * prior * prior + seen.freedom * seen.sigma * seen.sigma;
     (sum / (prior_freedom + seen.freedom)).sqrt()

@@ -1,4 +1,5 @@
-//! The painted lines of a frame's picture: its camera pulled onto them, or judged by them.
+//! The painted lines of a frame's picture: aligns its camera to them, or checks the camera against
+//! them.
 
 use super::{may_replace, observations};
 use thiserror::Error;
@@ -16,38 +17,38 @@ use touchline_vision::paint::{
     SnapOptions, Snapped, SnappedPoint, check_lines, find_camera, snap, snap_point,
 };
 
-/// The code of a warning that the paint speaks against a camera.
+/// The code of a warning that the paint contradicts a camera.
 pub const LINE_CHECK: &str = "line_check";
 
-/// The code of a warning that a camera was not pulled onto the paint.
+/// The code of a warning that a camera could not be aligned to the paint.
 pub const NOT_SNAPPED: &str = "not_snapped";
 
-/// The code of a warning that no camera was found by the paint alone.
+/// The code of a warning that no camera was found from the paint alone.
 pub const NOT_FOUND: &str = "not_found_by_paint";
 
-/// Why a frame is not snapped.
+/// Why a frame's camera was not aligned to the paint.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SnapFrameError {
-    /// There is no camera to begin with.
+    /// The frame has no camera to begin with.
     #[error("it has no camera yet, or its camera has no base: solve it first")]
     Unsolved,
-    /// Its own k₁ is asked for, but its camera has a lens.
+    /// An own k₁ of the frame was requested, but its camera has a lens.
     #[error(
         "its camera has lens distortion, which all its frames share: refine-base --markings estimates it from all of them"
     )]
     HasLens,
-    /// A click names something that the field lacks.
+    /// A click names a landmark or line that the field lacks.
     #[error(transparent)]
     Observation(#[from] ObservationError),
-    /// The paint does not decide.
+    /// The paint is not decisive.
     #[error(transparent)]
     Paint(#[from] SnapError),
-    /// The paint agrees less with the aligned camera than with the one before.
+    /// The aligned camera fits the paint less well than the one before.
     #[error("the painted lines agree better with the camera that it has")]
     Worse,
 }
 
-/// What the paint of its picture says about a solved frame's camera; none without a camera.
+/// Checks a solved frame's camera against the paint of its picture; none without a camera.
 #[must_use]
 pub fn check_frame(
     document: &Document,
@@ -63,11 +64,12 @@ pub fn check_frame(
     ))
 }
 
-/// A solved frame's camera pulled onto the paint of its picture, tied to its clicks.
+/// Aligns a solved frame's camera to the paint of its picture, with its clicks as further
+/// constraints.
 ///
 /// # Errors
-/// The frame is not solved, a click names something that the field lacks, or the paint does not
-/// decide.
+/// The frame is not solved, a click names something that the field lacks, or the paint is not
+/// decisive.
 pub fn snap_frame(
     document: &Document,
     frame: &Frame,
@@ -79,7 +81,7 @@ pub fn snap_frame(
     snap_on_ground(document, frame, field, &ground, options)
 }
 
-/// [`snap_frame`] on a picture that is made ready.
+/// [`snap_frame`] on a prepared picture.
 fn snap_on_ground(
     document: &Document,
     frame: &Frame,
@@ -88,6 +90,7 @@ fn snap_on_ground(
     options: &SnapOptions,
 ) -> Result<(CameraBase, Snapped), SnapFrameError> {
     let camera = document.pointed(frame).ok_or(SnapFrameError::Unsolved)?;
+    // The lens of a base applies to all frames; a k₁ of one frame would contradict it.
     if options.own_k1
         && document
             .camera_of(frame)
@@ -107,26 +110,26 @@ fn snap_on_ground(
     ))
 }
 
-/// Why no camera is found for a frame by its paint alone.
+/// Why no camera was found for a frame from its paint alone.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FindFrameError {
-    /// Where the camera stands is not known.
+    /// The frame's camera has no base.
     #[error("its camera has no base yet: refine the base first")]
     NoBase,
-    /// A click names something that the field lacks.
+    /// A click names a landmark or line that the field lacks.
     #[error(transparent)]
     Observation(#[from] ObservationError),
-    /// The paint does not decide.
+    /// The paint is not decisive.
     #[error(transparent)]
     Paint(#[from] FindError),
 }
 
-/// A camera for a frame that has none, by the paint of its picture and the clicks that it has;
-/// `progress` receives the share that is done, from 0 to 1.
+/// Searches a camera for a frame that has none, from the paint of its picture and the clicks that
+/// it has. `progress` receives the share that is done, from 0 to 1.
 ///
 /// # Errors
-/// The frame's camera has no base, a click names something that the field lacks, the paint does not
-/// decide, or `progress` cancelled it.
+/// The frame's camera has no base, a click names something that the field lacks, the paint is not
+/// decisive, or `progress` cancelled it.
 pub fn find_frame(
     document: &Document,
     frame: &Frame,
@@ -147,22 +150,22 @@ pub fn find_frame(
     ))
 }
 
-/// Why a frame's camera is not put onto the paint.
+/// Why a frame got no camera from its paint.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum OnPaintError {
-    /// Its camera is not pulled onto it.
+    /// The camera that it has was not aligned.
     #[error(transparent)]
     Snap(#[from] SnapFrameError),
-    /// It has none, and none is found.
+    /// It has no camera, and none was found.
     #[error(transparent)]
     Find(#[from] FindFrameError),
 }
 
-/// A frame's camera on the paint of its picture: the camera that it has is pulled onto it
-/// ([`snap_frame`]), or, `from_nothing`, one is searched for ([`find_frame`]).
+/// The camera of a frame from the paint of its picture: aligns the camera that it has
+/// ([`snap_frame`]), or, with `from_nothing`, searches for one ([`find_frame`]).
 ///
 /// # Errors
-/// Those of the one or the other.
+/// Those of [`snap_frame`] or [`find_frame`].
 pub fn camera_on_paint(
     document: &Document,
     frame: &Frame,
@@ -177,6 +180,8 @@ pub fn camera_on_paint(
     } else {
         let ground = GroundPicture::new(picture, &document.masks_of(frame));
         let (base, snapped) = snap_on_ground(document, frame, field, &ground, &options.snap)?;
+        // An alignment can end on the wrong lines, so the result must explain the paint at least as
+        // well as the camera that the frame has.
         let earlier = document
             .pointed(frame)
             .map(|camera| check_lines(&ground, field, &camera));
@@ -187,7 +192,8 @@ pub fn camera_on_paint(
     }
 }
 
-/// Writes into a frame what came of [`camera_on_paint`]: the camera, or why there is none.
+/// Writes the result of [`camera_on_paint`] into a frame: the camera, or the reason why there is
+/// none.
 pub fn record_on_paint(
     frame: &mut Frame,
     found: &Result<(CameraBase, Snapped), OnPaintError>,
@@ -201,7 +207,7 @@ pub fn record_on_paint(
     }
 }
 
-/// Writes a found camera into its frame, which becomes a suggestion if nobody has looked at it.
+/// Writes a found camera into its frame. A frame that no person has processed becomes a suggestion.
 pub fn record_found_by_paint(frame: &mut Frame, base: &CameraBase, found: &Snapped) {
     record_snapped(frame, base, found);
     if frame.status == FrameStatus::New {
@@ -209,8 +215,8 @@ pub fn record_found_by_paint(frame: &mut Frame, base: &CameraBase, found: &Snapp
     }
 }
 
-/// Those of some clicks of a frame, by their places in it, whose landmark is certainly painted near
-/// by, and where. `camera` need not be exact.
+/// Those of some clicks of a frame whose landmark is certainly painted nearby: the click's index,
+/// and where the landmark is. `camera` may be approximate.
 #[must_use]
 pub fn snap_clicks(
     document: &Document,
@@ -236,7 +242,7 @@ pub fn snap_clicks(
     clicks.iter().filter_map(snapped).collect()
 }
 
-/// What a check of the lines says, as a document keeps it.
+/// A line check in the document's form; values that are not finite are left out.
 pub(crate) fn paint_evidence(check: &LineCheck) -> PaintEvidence {
     PaintEvidence {
         score: check.score,
@@ -251,11 +257,12 @@ pub(crate) fn paint_evidence(check: &LineCheck) -> PaintEvidence {
     }
 }
 
-/// Writes a snapped camera into its frame. What the clicks gave warnings of stays; the status
-/// stays.
+/// Writes an aligned camera into its frame. The status and the warnings from clicks stay.
 pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
     let camera = PtzCamera::new(*base, snapped.ptz);
     frame.point(snapped.ptz, camera.lens());
+    // The fields from clicks stay; uncertainty, residual, confidence and line check are replaced by
+    // the alignment's.
     let mut solution = frame.solution.take().unwrap_or_default();
     drop_paint_warnings(&mut solution);
     frame.solution = Some(Solution {
@@ -275,7 +282,7 @@ pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
     });
 }
 
-/// Writes into a frame why its camera was not pulled onto the paint; the camera stays.
+/// Writes into a frame why its camera was not aligned to the paint; the camera stays.
 fn record_refusal(frame: &mut Frame, reason: &SnapFrameError) {
     warn_once(
         frame,
@@ -299,8 +306,7 @@ fn warn_once(frame: &mut Frame, code: &str, message: String) {
     solution.warnings.push(SolutionWarning::new(code, message));
 }
 
-/// Writes into a frame what the paint says about its camera, with a warning where the paint speaks
-/// against it.
+/// Writes a line check into a frame, with a warning if the paint contradicts its camera.
 pub fn record_line_check(frame: &mut Frame, check: &LineCheck) {
     let solution = frame.solution.get_or_insert_default();
     solution.line_check = Some(paint_evidence(check));
@@ -314,7 +320,7 @@ pub fn record_line_check(frame: &mut Frame, check: &LineCheck) {
     }
 }
 
-/// What a person reads where the paint speaks against a camera.
+/// The warning for the user where the paint contradicts a camera.
 fn against(check: &LineCheck) -> String {
     format!(
         "the painted lines are not where this camera projects them: paint at {} of {} open places",

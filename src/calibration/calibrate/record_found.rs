@@ -1,4 +1,4 @@
-//! A camera that was found without clicks, written into its document.
+//! Writes the result of autocalibration into its document.
 
 use super::field_size::set_field_size;
 use super::{AutocalibratedCamera, record_snapped};
@@ -6,8 +6,8 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::solve::Uncertainty;
 use touchline_documents::document::{CameraId, Document, FrameStatus, Solution, SolutionSource};
 
-/// Writes a found camera into a document: base, size of the field, crown, and its frames as
-/// suggestions. References stay as they are.
+/// Writes the result of autocalibration into a document: base, size of the field, crown, and its
+/// frames as suggestions. References do not change.
 pub fn record_found(document: &mut Document, camera: &CameraId, found: &AutocalibratedCamera) {
     let Some(of_document) = document.camera_mut(camera) else {
         return;
@@ -46,6 +46,7 @@ pub fn record_found(document: &mut Document, camera: &CameraId, found: &Autocali
                 .map(|known| known.worst_corner_sigma_px(&camera, frame.image_size)),
             ..Solution::default()
         });
+        // The frame's own picture takes precedence over the adjustment of all frames.
         if let Some(snapped) = &of_found.snapped {
             record_snapped(frame, &found.base, snapped);
         }

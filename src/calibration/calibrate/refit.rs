@@ -1,24 +1,28 @@
-//! A frame without clicks of its own whose camera has moved: what a person accepted are the lines
-//! on the picture, so these stay where they were as well as the new base allows.
+//! Keeps a frame's lines in place on the picture when its camera's base has changed.
+//!
+//! The frame has no clicks of its own. What a person accepted were the projected lines, so pan,
+//! tilt and focal length are solved for again such that these stay where they were as well as the
+//! new base allows.
 
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_core::solve::{ClickResidual, Observation, SolveContext, solve_frame};
 use touchline_documents::document::{Camera, Document, Frame, SolutionWarning};
 
-/// Points of the picture by which the lines are held, in each direction.
+/// Columns and rows of the grid of pixels that are to keep their ground points.
 const GRID: [u32; 2] = [7, 5];
-/// Points of the ground farther from the field's centre hold nothing, m.
+/// Ground points farther than this from the field's centre are not used, m.
 const REACH_M: f64 = 90.0;
-/// Fewer points than this tell no direction.
+/// Minimum number of ground points.
 const FEWEST: usize = 4;
-/// How well the lines are known, px at 1920 px width.
+/// 1-σ of the old lines, px at 1920 px width.
 const SIGMA_PX: f64 = 2.0;
-/// Lines that end up farther off than this are worth a word, px at 1920 px width.
+/// Lines that end up farther off than this cause a warning, px at 1920 px width.
 const TOLERATED_PX: f64 = 5.0;
 
-/// Turns a frame to where its lines were before its camera moved; `before` is the document until
-/// then. A frame that was not solved, or shows too little ground, stays as it is.
+/// Turns and zooms a frame so that its lines project as before its base changed; `before` is the
+/// document until then. A frame that was not solved, or that shows too little ground, is not
+/// changed.
 pub fn refit(document: &mut Document, index: usize, before: &Document) {
     let Some(known) = before
         .frames
@@ -43,7 +47,7 @@ pub fn refit(document: &mut Document, index: usize, before: &Document) {
     tell(frame, off_px);
 }
 
-/// Says how far the lines moved all the same.
+/// Adds a warning if the lines moved nevertheless.
 fn tell(frame: &mut Frame, off_px: f64) {
     const CODE: &str = "base_moved";
     let Some(solution) = &mut frame.solution else {
@@ -58,9 +62,11 @@ fn tell(frame: &mut Frame, off_px: f64) {
     }
 }
 
-/// The camera on a new base that keeps the ground where it was in the picture, and how far it is
-/// off at most, px.
+/// The camera on a new base that keeps the ground in place on the picture, and its largest
+/// residual, px.
 fn refitted(before: &PtzCamera, base: &CameraBase, image_size: ImageSize) -> Option<(Ptz, f64)> {
+    // The old camera maps the pixels of a grid to the ground (z = 0). These pairs serve as landmark
+    // clicks for the new base.
     let observations: Vec<Observation> = grid(image_size)
         .filter_map(|image| Some((image, before.plane_from_image(image, 0.0)?)))
         .filter(|(_, ground)| ground.norm() <= REACH_M)
@@ -77,6 +83,7 @@ fn refitted(before: &PtzCamera, base: &CameraBase, image_size: ImageSize) -> Opt
     if observations.len() < FEWEST {
         return None;
     }
+    // Start at the old camera: the new one should look nearly the same way.
     let context = SolveContext {
         start: Some(before.ptz()),
         ..SolveContext::new(image_size)
@@ -90,7 +97,7 @@ fn refitted(before: &PtzCamera, base: &CameraBase, image_size: ImageSize) -> Opt
     Some((solved.ptz, off_px))
 }
 
-/// Points spread over a picture, its border left out.
+/// The centres of the cells of a regular grid over the picture, px.
 fn grid(image_size: ImageSize) -> impl Iterator<Item = ImagePoint> {
     let share = |at: u32, of: u32| (f64::from(at) + 0.5) / f64::from(of);
     (0..GRID[1]).flat_map(move |row| {

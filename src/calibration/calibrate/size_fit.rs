@@ -1,4 +1,4 @@
-//! The size of a document's field from the clicks of a camera.
+//! Fits the size of a document's field to the clicks of a camera.
 
 use super::field_size::set_field_size;
 use super::{BaseEstimationError, BaseProblem, EstimatedBase};
@@ -12,11 +12,11 @@ use touchline_core::solve::base::{
 };
 use touchline_documents::document::DocumentAt;
 
-/// The parameters that are a field's size.
+/// The template parameters that are a field's size.
 const SIZE: [&str; 2] = ["length_m", "width_m"];
 
-/// 1-σ of a venue's size as a share of what the rules allow: 2.5 m of a soccer pitch's length, 3.75
-/// m of its width.
+/// Prior 1-σ of a field's size as a fraction of the range that the rules allow: 2.5 m for the
+/// length of a soccer pitch, 3.75 m for its width.
 const SIGMA_SHARE: f64 = 1.0 / 12.0;
 
 impl BaseProblem {
@@ -33,6 +33,7 @@ impl BaseProblem {
         progress: &Progress<'_, BaseProgress>,
     ) -> Result<EstimatedBase, BaseEstimationError> {
         let found = self.estimate(&document, options, progress)?;
+        // The size is fitted from there with the same lens model.
         let ptz: Vec<_> = found
             .estimate
             .frames
@@ -44,6 +45,7 @@ impl BaseProblem {
             .field_of_camera(&self.camera)
             .template(document.folder)?;
         let sizes = self.fit_size(template, &self.clicks, (&found.estimate.base, &ptz), model);
+        // The base again, on a copy of the document with the fitted field.
         let mut sized = document.document.clone();
         set_field_size(&mut sized, &self.camera, &sizes);
         let found = Self::of(sized.at(document.folder), &self.camera)?
@@ -51,8 +53,8 @@ impl BaseProblem {
         Ok(EstimatedBase { sizes, ..found })
     }
 
-    /// Length and width of the field, from what is seen in the frames, and a base and cameras that
-    /// are near; empty where the template leaves no choice, or what is seen leaves it open.
+    /// Fits length and width of the field to what the frames show, from an approximate base and
+    /// cameras. Empty if the template leaves no choice or the fit fails.
     pub(super) fn fit_size(
         &self,
         template: Template,
@@ -74,17 +76,17 @@ impl BaseProblem {
     }
 }
 
-/// The lengths of a field that its rules leave open, and the field at other values of them.
+/// The lengths of a field that its rules do not fix, and the field at other values of them.
 pub(crate) struct OpenSize {
     template: Template,
     params_m: BTreeMap<String, f64>,
     crown_m: f64,
-    /// The lengths, as assumed; none where the rules leave no choice.
+    /// These lengths with their assumed values; empty if the rules fix all.
     pub params: Vec<SizeParam>,
 }
 
 impl OpenSize {
-    /// Of a field that was filled in from its template.
+    /// Collects the lengths that are free in the template of a field.
     pub fn new(template: Template, field: &FieldModel) -> Self {
         let open = template
             .params
@@ -110,7 +112,7 @@ impl OpenSize {
         }
     }
 
-    /// The lengths of a field of this template, with those of `field` as what is assumed.
+    /// The free lengths with those of `field` as their assumed values.
     pub fn params_of(&self, field: &FieldModel) -> Vec<SizeParam> {
         let of = |param: &SizeParam| {
             let assumed_m = field
@@ -126,9 +128,10 @@ impl OpenSize {
         self.params.iter().map(of).collect()
     }
 
-    /// The field at values of the lengths, in their order, within what the rules allow; none where
-    /// the template has none of that size.
+    /// The field at these lengths, in the order of `params`, clamped to what the rules allow. None
+    /// if the template has no field of that size.
     pub fn sized(&self, values_m: &[f64]) -> Option<FieldModel> {
+        // Values outside the rules, which an optimiser may try, are clamped.
         let lengths = self.params.iter().zip(values_m);
         let allowed = lengths
             .map(|(param, value)| (param.name.clone(), value.clamp(param.min_m, param.max_m)));
@@ -138,10 +141,11 @@ impl OpenSize {
     }
 }
 
-/// A position that goes with an unseen length by less is not worth a word, m.
+/// If the position changes by less than this with 1 σ of an unknown length, the text does not
+/// mention it, m.
 const WORTH_SAYING_M: f64 = 0.2;
 
-/// A fitted size in words: "length 103.40 ± 0.08 m (105 m assumed)".
+/// Describes a fitted size: "length 103.40 ± 0.08 m (105 m assumed)".
 #[must_use]
 pub fn describe_size(size: &FittedSize) -> String {
     let what = size.name.trim_end_matches("_m");

@@ -1,4 +1,4 @@
-//! Every frame of a document, solved from its clicks.
+//! Solves all frames of a document from their clicks.
 
 use super::CalibrationError;
 use super::solve_frames::{ShownFields, record_if_solved, solve_frames};
@@ -8,27 +8,28 @@ use touchline_core::progress::Progress;
 use touchline_core::solve::SolveError;
 use touchline_documents::document::{Document, Fields, Frame, Target};
 
-/// Pan, tilt and focal length: as many equations are needed.
+/// Pan, tilt and focal length: the minimum number of equations.
 const UNKNOWNS: usize = 3;
 
-/// How solving a frame ended.
+/// The result of solving a frame.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum SolveOutcome {
-    /// The frame has its `ptz` and `solution` now.
+    /// The frame has its `ptz` and `solution`.
     Solved,
-    /// Its clicks are too few to say anything; it is as it was.
+    /// It has too few clicks for a camera and was not changed.
     TooFewClicks,
-    /// Its clicks should be enough, but give no camera; it is as it was.
+    /// Its clicks should suffice but give no camera; it was not changed.
     Failed(CalibrationError),
 }
 
-/// Solves every frame with enough clicks, in parallel; statuses stay. `folder` is the document's;
-/// `progress` hears of each frame, from any thread. One outcome for each frame, whatever the number
-/// of threads; none at all where `progress` cancels this, which leaves the document as it was.
+/// Solves every frame with enough clicks, in parallel; statuses do not change. `folder` is the
+/// document's; `progress` counts frames, from any thread. Returns one outcome for each frame,
+/// independent of the number of threads; an empty list if `progress` cancels this, and the document
+/// has not changed then.
 ///
-/// A frame whose clicks fit two cameras alike is decided by its neighbours, those that are solved
-/// in the same run among them.
+/// A frame whose clicks fit two cameras equally well is decided by its neighbours, including those
+/// solved in the same run.
 ///
 /// # Errors
 /// The field of a frame is not valid.
@@ -40,6 +41,7 @@ pub fn solve_document(
     let fields = Fields::of(document.at(folder))?;
     let (enough, too_few): (Vec<usize>, Vec<usize>) = (0..document.frames.len())
         .partition(|&index| equations(&document.frames[index]) >= UNKNOWNS);
+    // Frames with too few clicks count as done at once.
     for _ in &too_few {
         if progress.report(()).is_break() {
             return Ok(Vec::new());
@@ -66,7 +68,7 @@ pub fn solve_document(
     Ok(outcomes)
 }
 
-/// How many equations the named clicks of a frame give; check clicks give none.
+/// Number of equations that the named clicks of a frame give; check clicks give none.
 fn equations(frame: &Frame) -> usize {
     let used = frame.clicks.iter().filter(|click| !click.check);
     used.filter_map(|click| click.target.as_ref())

@@ -1,4 +1,4 @@
-//! Many frames of a document solved at once.
+//! Solves many frames of a document at once.
 
 use super::better_camera::warn_of_better_camera;
 use super::{CalibrationError, FrameLookup, calibrate};
@@ -10,28 +10,27 @@ use touchline_core::progress::Progress;
 use touchline_core::solve::{FrameSolution, SolveError};
 use touchline_documents::document::{Document, Fields, Frame};
 
-/// What a frame's clicks gave.
+/// The result of solving a frame from its clicks.
 type Solved = Result<Box<FrameSolution>, CalibrationError>;
 
-/// The fields that frames to be solved show.
+/// The fields of the frames to be solved.
 #[derive(Clone, Copy)]
 pub(super) enum ShownFields<'a> {
-    /// All of the document's: a frame that another camera fits better is warned of it.
+    /// All fields of the document. A frame gets a warning if another camera fits it better.
     Document(&'a Fields),
-    /// The one of a single camera, whose frames these are.
+    /// The field of a single camera, which all frames belong to.
     Camera(&'a FieldModel),
 }
 
-/// So many frames are solved before what they gave is written down.
+/// Number of frames that are solved before their results are written; limits the memory.
 const AT_ONCE: usize = 4096;
 
-/// Solves frames, named by their places, in parallel; `settle` writes into each frame what its
-/// clicks gave. Says of each whether they gave a camera. The result does not depend on the number
-/// of threads. `progress` hears of each frame. None where it cancels this: no frame has changed
-/// then.
+/// Solves frames, given by their indices, in parallel. `settle` writes each result into its frame.
+/// Returns for each frame whether it was solved. The result does not depend on the number of
+/// threads. `progress` counts frames; none if it cancels this, and no frame has changed then.
 ///
-/// Every frame is solved beside the others as they were before. A frame whose clicks fit two
-/// cameras alike is solved once more beside the others as they are then.
+/// Every frame is solved with its neighbours as they were before. A frame whose clicks fit two
+/// cameras equally well is then solved once more, with its neighbours as solved.
 pub(super) fn solve_frames(
     document: &mut Document,
     places: &[usize],
@@ -47,8 +46,9 @@ pub(super) fn solve_frames(
     let solve = |document: &Document, lookup: &FrameLookup, index: usize| {
         solve_one(document, lookup, index, fields, &of_cameras).map(Box::new)
     };
-    // All are solved beside what was given, and some at a time, so that the solutions of a long
-    // video are not all held at once.
+    // First pass: all frames see the document as it was given, so that neither order nor number of
+    // threads matters. It runs in batches, because the solutions of a long video together need much
+    // memory.
     let given = document.clone();
     let solve_first = |&index: &usize| {
         let solved = solve(&given, &lookup, index);
@@ -61,6 +61,7 @@ pub(super) fn solve_frames(
             .map(solve_first)
             .collect::<Option<Vec<Solved>>>()
         else {
+            // Cancelled: undo the batches that are written.
             *document = given;
             return None;
         };
@@ -74,6 +75,8 @@ pub(super) fn solve_frames(
         }
     }
     drop(given);
+    // Second pass: ambiguous frames are decided by their neighbours' new solutions. They are not
+    // written until all are solved, for the same reason.
     if !again.is_empty() {
         lookup.update(document);
     }
@@ -106,12 +109,12 @@ fn solve_one(
     Ok(solved)
 }
 
-/// Solves those of some frames again whose camera comes from their clicks, or would have if there
-/// had been a base: a camera or a field has changed. `folder` is the document's. Where `progress`
-/// cancels this, nothing is solved.
+/// Solves those of some frames again whose camera comes from clicks, or would if there had been a
+/// base. Call it after a camera or a field has changed. `folder` is the document's. If `progress`
+/// cancels this, no frame is changed.
 ///
 /// # Errors
-/// A field of the document is not valid; nothing is solved then.
+/// A field of the document is not valid; no frame is solved then.
 pub(super) fn solve_by_clicks(
     document: &mut Document,
     folder: &Path,
@@ -134,15 +137,21 @@ pub(super) fn solve_by_clicks(
     Ok(())
 }
 
-/// Whether a frame has clicks and its camera comes from them, or would have if there had been a
-/// base.
+/// Whether a frame has clicks and its camera comes from them, or would if there had been a base.
 #[must_use]
 pub fn is_by_clicks(frame: &Frame) -> bool {
     !frame.clicks.is_empty() && (frame.is_solved_by_clicks() || frame.ptz.is_none())
 }
 
-/// Writes what a frame's clicks gave into the frame. Where they give no camera an earlier proposal
-/// stays, but an earlier solve goes; a camera without a base changes nothing.
+/// Writes the result of solving a frame into it.
+///
+/// | result | frame |
+/// |---|---|
+/// | solved | gets the camera |
+/// | camera unknown or without a base | stays |
+/// | too few clicks, with a proposal | gets the proposal back |
+/// | too few clicks, no proposal | loses a camera from clicks, keeps any other |
+/// | other errors | loses its camera |
 pub fn record_outcome(frame: &mut Frame, solved: Result<&FrameSolution, &CalibrationError>) {
     match solved {
         Ok(solved) => frame.record(solved),
@@ -163,7 +172,7 @@ pub fn record_outcome(frame: &mut Frame, solved: Result<&FrameSolution, &Calibra
     }
 }
 
-/// Writes a camera into the frame where its clicks gave one; else the frame stays as it was.
+/// Writes a solution into its frame; without one the frame stays.
 pub(super) fn record_if_solved(
     frame: &mut Frame,
     solved: Result<&FrameSolution, &CalibrationError>,

@@ -1,10 +1,10 @@
-//! Runs of frames in which the camera stands exactly still.
+//! Runs of frames in which the camera is exactly still.
 
 use super::Disagreements;
 use touchline_documents::document::Document;
 
-/// The frames of each run in which the camera stands exactly still, three or more of a shot, by
-/// their places.
+/// The runs of at least three frames of a shot in which the camera is exactly still, as indices in
+/// the document.
 pub(super) fn still_runs(document: &Document) -> Vec<Vec<usize>> {
     let known = Disagreements::of(document);
     let mut runs = Vec::new();
@@ -16,7 +16,8 @@ pub(super) fn still_runs(document: &Document) -> Vec<Vec<usize>> {
                 .is_some_and(|found| found.is_still())
         };
         let inside: Vec<usize> = (0..places.len()).filter(is_still).collect();
-        // Each of these has the camera of the frames on both sides of it.
+        // A still frame has the same camera as its two neighbours, so each run extends by one frame
+        // at both ends. A still frame always has neighbours on both sides.
         for run in inside.chunk_by(|one, next| one + 1 == *next) {
             if let [first, .., last] | [first @ last] = run {
                 runs.push(places[first - 1..=last + 1].to_vec());

@@ -1,9 +1,10 @@
-//! What a field's length that nobody has confirmed leaves open in a picture.
+//! The effect of an unconfirmed field length on a picture.
 //!
-//! A camera that has seen one end of a field lies right there whatever the length is: base and end
-//! move together. What is drawn from the field's middle or from its other end moves against them,
-//! by half of what the length is wrong, or by all of it. A pitch of 101 m taken for 105 m puts the
-//! centre circle of a broadcast 130 px beside its paint, and nothing at the seen end tells.
+//! A camera that has seen one end of a field is right there whatever the length is: base and end
+//! move together. The lines of the middle and of the other end move relative to them, by half of
+//! the error of the length or by all of it. A pitch of 101 m that is assumed to be 105 m long
+//! projects the centre circle of a broadcast 130 px beside its paint, and nothing at the seen end
+//! shows it.
 
 use super::size_fit::OpenSize;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
@@ -14,34 +15,37 @@ use touchline_core::markings::{SampleOptions, sample_lines};
 /// The name of the length among a field's parameters.
 pub(super) const LENGTH: &str = "length_m";
 
-/// The distance between samples of a line, px at 1920 px width.
+/// Distance between samples of a line, px at 1920 px width.
 const SPACING_PX: f64 = 16.0;
 
-/// As many samples of lines show where they lie.
+/// Minimum number of samples that show the position of a group of lines.
 const ENOUGH_SAMPLES: usize = 6;
 
-/// Samples that move by less along their normal tell nothing of the length, px at 1920 px width for
-/// each metre of it.
+/// Samples that move by less along their normal do not show the length, px at 1920 px width per
+/// metre of their line's motion along x.
 const TELLING_PX: f64 = 4.0;
 
-/// Lengths at which a line may enter the picture, in σ of the length.
+/// The lengths at which the lines in a picture are predicted, in σ from the assumed length: a line
+/// may enter the picture only at another length than the assumed one.
 const SIGMAS: [f64; 5] = [-2.0, -1.0, 0.0, 1.0, 2.0];
 
 /// How the lines of a field move with its length, and which end a camera has seen.
 pub(super) struct UnseenLength {
     base: CameraBase,
     size: OpenSize,
+    /// The assumed lengths of the field, in the order of `size.params`, m.
     values_m: Vec<f64>,
-    /// Which of the field's parameters the length is.
+    /// The index of the length among them.
     length: usize,
     end: End,
-    /// How far each line moves along x for each metre by which the field is longer, m.
+    /// dx/dL of each line: its motion along x per metre of the field's length. 0.5 at the right
+    /// end, 0 in the middle, −0.5 at the left end.
     by_line: Vec<f64>,
-    /// The field and the base at lengths that are likely.
+    /// The field and the base at each of [`SIGMAS`].
     likely: Vec<(FieldModel, CameraBase)>,
 }
 
-/// The end of the field that a camera lies right at.
+/// The end of the field that a camera has seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum End {
     /// At positive x.
@@ -51,7 +55,7 @@ enum End {
 }
 
 impl End {
-    /// How far this end moves along x for each metre by which the field is longer, m.
+    /// Motion of this end along x per metre of the field's length.
     const fn shift(self) -> f64 {
         match self {
             Self::Right => 0.5,
@@ -61,8 +65,9 @@ impl End {
 }
 
 impl UnseenLength {
-    /// Of a camera that shows a field with these cameras; none where the length is prescribed, or
-    /// where the cameras show lines that move against each other with it, so that it is seen.
+    /// Determines which end a camera with these poses has seen. None if the length is prescribed,
+    /// or if the poses show lines of the middle or of both ends: then the length was visible, and
+    /// is not unknown. None as well if they show neither.
     pub fn new(
         size: OpenSize,
         field: &FieldModel,
@@ -86,6 +91,9 @@ impl UnseenLength {
             likely,
         };
         unseen.by_line = unseen.shifts_of_lines()?;
+        // Count the samples on lines of the left end, of the middle and of the right end: dx/dL of
+        // −0.5, 0 and 0.5 maps to the indices 0, 1 and 2. Samples of lines nearly parallel to x in
+        // the picture do not count, as they slide along themselves.
         let mut seen = [0; 3];
         for &(ptz, image) in cameras {
             let camera = PtzCamera::new(*base, ptz);
@@ -103,6 +111,8 @@ impl UnseenLength {
             return None;
         }
         unseen.end = if right > left { End::Right } else { End::Left };
+        // At ± 2 σ, within what the rules allow, lines of the middle may be in the picture that are
+        // outside it at the assumed length.
         let lengths = SIGMAS.map(|sigmas| unseen.assumed_m() + sigmas * unseen.sigma_m());
         unseen.likely = lengths
             .into_iter()
@@ -111,23 +121,23 @@ impl UnseenLength {
         Some(unseen)
     }
 
-    /// 1-σ of the length where nobody has measured it, m.
+    /// 1-σ of the length if it was not measured, m.
     pub fn sigma_m(&self) -> f64 {
         self.size.params[self.length].sigma_m
     }
 
-    /// The length that was assumed, m.
+    /// The assumed length, m.
     pub fn assumed_m(&self) -> f64 {
         self.values_m[self.length]
     }
 
-    /// The shortest and the longest that the rules allow, m.
+    /// The shortest and the longest length that the rules allow, m.
     pub fn limits_m(&self) -> (f64, f64) {
         let param = &self.size.params[self.length];
         (param.min_m, param.max_m)
     }
 
-    /// The field at another length, and the base that lies as before at the end that was seen.
+    /// The field at another length, and the base from which the seen end projects as before.
     pub fn at_length(&self, length_m: f64) -> Option<(FieldModel, CameraBase)> {
         let mut values_m = self.values_m.clone();
         values_m[self.length] = length_m;
@@ -141,14 +151,17 @@ impl UnseenLength {
         ))
     }
 
-    /// How far the base moves with the end that was seen, m.
+    /// Translation of the base with the end that it has seen, m.
     pub fn base_shift(&self, length_m: f64) -> Vec3 {
         Vec3::new(self.end.shift() * (length_m - self.assumed_m()), 0.0, 0.0)
     }
 
-    /// 1-σ by which the lines that are not tied to the seen end lie off in a picture, px; 0 where
-    /// it shows none of them, at any length that is likely.
+    /// 1-σ in a picture of the lines that do not move with the seen end, px; 0 if it shows none of
+    /// them at any likely length.
     pub fn sigma_px(&self, ptz: Ptz, image: ImageSize) -> f64 {
+        // The motion of a sample relative to the seen end, px per metre of length: its motion per
+        // metre along x, times the difference of dx/dL. A line of the middle moves by half of the
+        // length's error, hence half the threshold.
         let of_length = |(field, base): &(FieldModel, CameraBase)| {
             let samples = telling_samples(field, &PtzCamera::new(*base, ptz), image).into_iter();
             let moves = samples
@@ -158,10 +171,13 @@ impl UnseenLength {
                 .collect();
             median_high(&mut telling).filter(|_| telling.len() >= ENOUGH_SAMPLES)
         };
+        // The median over the samples of each length, the largest over the lengths: lines that may
+        // be in the picture count.
         self.likely.iter().filter_map(of_length).fold(0.0, f64::max) * self.sigma_m()
     }
 
-    /// How far each line moves along x for each metre by which the field is longer, m.
+    /// dx/dL of each line, from a central difference at its midpoint. None if the template has no
+    /// field one step away.
     fn shifts_of_lines(&self) -> Option<Vec<f64>> {
         const STEP_M: f64 = 0.5;
         let at = |by_m: f64| {
@@ -169,6 +185,7 @@ impl UnseenLength {
                 .map(|(field, _)| field)
         };
         let (shorter, longer) = (at(-STEP_M)?, at(STEP_M)?);
+        // Lengths are clamped to the rules, so the actual step may be shorter than 2 × `STEP_M`.
         let (from, to) = (shorter.length_m, longer.length_m);
         let middle =
             |field: &FieldModel, line: usize| field.lines[line].paint_centre.point_at(0.5).x;
@@ -178,8 +195,8 @@ impl UnseenLength {
     }
 }
 
-/// The samples of the lines in a picture: which line, and how far it moves along its normal where
-/// it moves along x by a metre, px.
+/// Samples of the lines in a picture: the line, and the motion of the sample along its normal in
+/// the picture per metre of motion along x, px.
 fn telling_samples(field: &FieldModel, camera: &PtzCamera, image: ImageSize) -> Vec<(usize, f64)> {
     const STEP_M: f64 = 0.05;
     let options = SampleOptions {

@@ -1,4 +1,4 @@
-//! Which camera took a frame: giving frames to a camera.
+//! Assigning frames to the camera that took them.
 
 use super::solve_frames::{ShownFields, is_by_clicks, record_if_solved, solve_frames};
 use thiserror::Error;
@@ -6,32 +6,32 @@ use touchline_core::geometry::ImageSize;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, CameraId, Document, Fields, FrameStatus};
 
-/// Why frames cannot be given to a camera.
+/// Why frames cannot be assigned to a camera.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum AssignError {
-    /// The document lacks it.
+    /// The camera is not in the document.
     #[error("camera {camera:?} is not in the document")]
     UnknownCamera {
-        /// Its name.
+        /// The camera's name.
         camera: String,
     },
-    /// A frame's picture is of another size.
+    /// A frame's picture has another size than the camera's.
     #[error(
         "{frame} is {} × {} px, the pictures of {camera:?} are {} × {} px: assign it to a camera of its size",
         .size.width, .size.height, .of_camera.width, .of_camera.height
     )]
     OtherSize {
-        /// The frame.
+        /// The frame's name.
         frame: String,
-        /// Its size.
+        /// The size of its picture.
         size: ImageSize,
-        /// The camera.
+        /// The camera's name.
         camera: String,
-        /// The size of its pictures.
+        /// The size of the camera's pictures.
         of_camera: ImageSize,
     },
-    /// Two cameras would share a name.
+    /// Two cameras would have the same name.
     #[error(
         "a camera {camera:?} exists already: choose another name, or assign the frames to that one"
     )]
@@ -39,16 +39,16 @@ pub enum AssignError {
         /// The name.
         camera: String,
     },
-    /// A camera needs a name.
+    /// The name is empty.
     #[error("a camera needs a name")]
     NoName,
 }
 
-/// Adds a camera for pictures like those of another one: its size, masks and field; where it stands
-/// is not known.
+/// Adds a camera for pictures like those of another one, with its picture size, masks and field but
+/// without a base.
 ///
 /// # Errors
-/// The name is empty or taken, or there is no camera to go by.
+/// The name is empty or taken, or the other camera is not in the document.
 pub fn add_camera_like(
     document: &mut Document,
     name: &CameraId,
@@ -77,12 +77,12 @@ pub fn add_camera_like(
     Ok(())
 }
 
-/// Gives frames to a camera and solves them anew with its base. What was found otherwise (by the
-/// forest, by tracking, by hand) rests on the other base and is dropped, unless both are the same.
-/// Frames are named by their places; where an error is returned the document is as it was.
+/// Assigns frames, by their indices, to a camera and solves them again with its base. A camera that
+/// was found otherwise (by the forest, by tracking, manually) relies on the old base and is
+/// removed, unless both bases are the same. If an error is returned, the document has not changed.
 ///
 /// # Errors
-/// There is no such camera, or a frame's picture is of another size.
+/// The camera is not in the document, or a frame's picture has another size.
 pub fn assign_to_camera(
     document: &mut Document,
     frames: &[usize],
@@ -94,7 +94,7 @@ pub fn assign_to_camera(
     Ok(())
 }
 
-/// Whether frames can be assigned to a camera.
+/// Checks whether frames can be assigned to a camera.
 pub(super) fn check_assigned(
     document: &Document,
     frames: &[usize],
@@ -121,8 +121,8 @@ pub(super) fn check_assigned(
     Ok(())
 }
 
-/// Assigns frames to a camera that can have them. Where `progress` cancels this, frames have
-/// changed: the document is to be dropped.
+/// Assigns frames to a camera that fits them. If `progress` cancels this, some frames have been
+/// changed and the document must be discarded.
 pub(super) fn assign_frames(
     document: &mut Document,
     frames: &[usize],
@@ -130,6 +130,7 @@ pub(super) fn assign_frames(
     fields: &Fields,
     progress: &Progress<'_, ()>,
 ) {
+    // A camera of an old base would project lines elsewhere with the new one.
     let base = document.camera(camera).and_then(Camera::base);
     let changes = |index: &usize| {
         document
@@ -151,6 +152,7 @@ pub(super) fn assign_frames(
         }
     }
     if base.is_some() {
+        // Without a base there is nothing to solve with: the frames wait for one.
         let clicked: Vec<usize> = given
             .iter()
             .copied()
@@ -163,7 +165,7 @@ pub(super) fn assign_frames(
     }
     for index in given {
         let frame = &document.frames[index];
-        // Without a camera these promise too much.
+        // Suggestions and references must have a camera.
         if frame.ptz.is_none()
             && matches!(
                 frame.status,

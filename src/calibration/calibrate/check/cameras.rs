@@ -1,4 +1,4 @@
-//! What the clicks say against the cameras that took them: another one fits, or one stops fitting.
+//! Checks of the clicks against cameras: another camera fits better, or a base stops fitting.
 
 use super::super::{FrameLookup, better_camera, calibrate, camera_change};
 use super::fault::{Fault, Problem};
@@ -6,8 +6,9 @@ use super::place_of;
 use rayon::prelude::*;
 use touchline_documents::document::{DocumentAt, Fields};
 
-/// Frames whose clicks fit another camera of the document, and cameras whose base stops fitting
-/// from some frame on. A field that is not valid is [`check_values`](super::check_values)' affair.
+/// Frames whose clicks fit another camera of the document better, and cameras whose base stops
+/// fitting from some frame on. An invalid field is reported by
+/// [`check_values`](super::check_values).
 #[must_use]
 pub fn check_cameras(document: DocumentAt<'_>) -> Vec<Problem> {
     let Ok(fields) = Fields::of(document) else {
@@ -35,6 +36,7 @@ pub fn check_cameras(document: DocumentAt<'_>) -> Vec<Problem> {
             })
         })
         .collect();
+    // The base of each camera over the sequence of its frames.
     for (camera, field) in document.cameras.iter().zip(&of_cameras) {
         if let Some(change) = camera_change(&document, &lookup, &camera.id, field) {
             let fault = Fault::StoppedFitting {

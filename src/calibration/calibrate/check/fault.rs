@@ -1,18 +1,18 @@
-//! What can be wrong with a document, by name.
+//! The kinds of errors in a document.
 
 use std::fmt;
 use thiserror::Error;
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::FrameStatus;
 
-/// Something wrong with a document, and where.
+/// An error in a document, and where it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
-    /// Where: `frames[3] (images/0003.jpg)`, `camera main`, `field`.
+    /// Where it is: `frames[3] (images/0003.jpg)`, `camera main`, `field`.
     pub place: String,
-    /// The frame, by its place in the document, if it is about one.
+    /// The frame's index in the document, if it concerns one.
     pub frame: Option<usize>,
-    /// What.
+    /// The error.
     pub fault: Fault,
 }
 
@@ -22,99 +22,99 @@ impl fmt::Display for Problem {
     }
 }
 
-/// A size as messages write it.
+/// A picture size in the form of the messages.
 fn size(size: ImageSize) -> String {
     format!("{} × {} px", size.width, size.height)
 }
 
-/// What is wrong. Clicks are counted from 0 here and from 1 in messages.
+/// An error in a document. Clicks are counted from 0 here and from 1 in messages.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Fault {
-    /// Two cameras share a name.
+    /// Two cameras have the same name.
     #[error("another camera has this name too; rename one")]
     DuplicateCamera,
     /// A coefficient of the lens that this program does not use.
     #[error("distortion.{key} is not used by this program; overlays are computed without it")]
     UnusedDistortion {
-        /// The key.
+        /// The key in the document.
         key: String,
     },
-    /// Only one of position and rotation is there.
+    /// Position or rotation of the base is missing.
     #[error("{missing} is missing, so the base is not known")]
     HalfABase {
-        /// What is missing.
+        /// The key that is missing.
         missing: &'static str,
     },
-    /// The field's template or its parameters.
+    /// The field's template or parameters are not valid.
     #[error("{message}")]
     Field {
-        /// What the field says.
+        /// The error of the field.
         message: String,
     },
-    /// A camera that its clicks do not give on the base that the document has.
+    /// The clicks give a better camera on the document's base than the one that is stored.
     #[error(
         "the stored camera misses its clicks by {stored_px:.1} px, and they give one within {rms_px:.1} px: the base or the field \
          has changed since; solve the frame again"
     )]
     StaleSolution {
-        /// How far the stored camera is off, px.
+        /// Root mean square residual of the stored camera, px.
         stored_px: f64,
-        /// How far the camera is off that the clicks give, px.
+        /// Root mean square residual of the camera that the clicks give, px.
         rms_px: f64,
     },
-    /// An accepted camera whose lines lie elsewhere than the paint of its picture.
+    /// An accepted camera whose lines are not where its picture shows paint.
     #[error(
         "accepted, but the paint contradicts its camera ({found} of {open} open places of its lines show paint); look at it again"
     )]
     OffPaint {
-        /// Open places with paint.
+        /// Number of open positions on its lines with paint.
         found: usize,
-        /// Open places of the lines.
+        /// Number of open positions on its lines.
         open: usize,
     },
     /// A number is NaN or infinite, or a focal length is not positive.
     #[error("{what} is not a finite number; enter it again")]
     NotFinite {
-        /// Which.
+        /// The quantity that is not finite.
         what: String,
     },
     /// A quantity that can only be above zero.
     #[error("{what} is {value}, expected a number above zero")]
     NotPositive {
-        /// Which.
+        /// The key in the document.
         what: &'static str,
-        /// What it is.
+        /// The value.
         value: f64,
     },
-    /// The hash of the image file is none.
+    /// The hash of the image file is not a SHA-256.
     #[error("sha256 is not 64 hexadecimal digits; remove it")]
     NoSha256,
-    /// The time of the last change is none.
+    /// The time of the last change is not a time.
     #[error("edited.at {stated:?} is not a time such as 2026-05-01T18:30:00Z")]
     NoTime {
-        /// What stands there.
+        /// The stored text.
         stated: String,
     },
-    /// A shot begins or ends at a frame that is not there.
+    /// A shot begins or ends at a frame that is not in the document.
     #[error("names the frame {id}, which the document does not have")]
     UnknownFrame {
-        /// Its id.
+        /// The id of that frame.
         id: String,
     },
     /// A box of pixels with no area, or outside the picture.
     #[error("mask {} covers no pixel of the picture", .mask + 1)]
     EmptyMask {
-        /// Which, from 0.
+        /// The index of the mask.
         mask: usize,
     },
-    /// The same picture twice.
+    /// Two frames show the same picture.
     #[error("the same picture as frames[{first}]; remove one")]
     DuplicateFrame {
-        /// The first frame with it.
+        /// The index of the first frame with it.
         first: usize,
     },
-    /// Neither image nor video.
+    /// The frame has neither an image nor a video.
     #[error("has neither an image nor a video")]
     NoPicture,
     /// The frame's camera is not in the document.
@@ -128,130 +128,130 @@ pub enum Fault {
         "its clicks are {own_rms_px:.1} px off with its camera, {rms_px:.1} px with {camera:?}; assign it to that one"
     )]
     OtherCamera {
-        /// The camera that fits.
+        /// The name of the camera that fits.
         camera: String,
-        /// How well, px.
+        /// Root mean square residual with that camera, px.
         rms_px: f64,
-        /// How well its own does, px.
+        /// Root mean square residual with its own camera, px.
         own_rms_px: f64,
     },
-    /// The base fits the frames before and not those after.
+    /// The base fits the frames before one and not those after.
     #[error(
         "stopped fitting at {frame} ({before_px:.0} px before, {after_px:.0} px since); assign the frames from there on to a new camera"
     )]
     StoppedFitting {
-        /// The first frame that does not fit.
+        /// The name of the first frame that does not fit.
         frame: String,
-        /// Median distance of the clicks before, px.
+        /// Median residual of the clicks before it, px.
         before_px: f64,
-        /// And from there on, px.
+        /// Median residual of the clicks from it on, px.
         after_px: f64,
     },
     /// The frame and its camera disagree about the size of the picture.
     #[error("{} where its camera has {}; assign it to a camera of its own size", size(*frame), size(*camera))]
     CameraSize {
-        /// The frame's.
+        /// The size that the frame states, px.
         frame: ImageSize,
-        /// The camera's.
+        /// The size that the camera states, px.
         camera: ImageSize,
     },
     /// A landmark that the field does not have.
     #[error("click {} names the landmark {name:?}, which the field does not have; `touchline fields` lists them", .click + 1)]
     UnknownLandmark {
-        /// The click.
+        /// The index of the click in its frame, from 0.
         click: usize,
-        /// The name.
+        /// The name in the document.
         name: String,
     },
     /// A line that the field does not have.
     #[error("click {} names the line {name:?}, which the field does not have; `touchline fields` lists them", .click + 1)]
     UnknownLine {
-        /// The click.
+        /// The index of the click in its frame, from 0.
         click: usize,
-        /// The name.
+        /// The name in the document.
         name: String,
     },
-    /// A click that nobody has named.
+    /// A click without a name.
     #[error("click {} has no name yet; name it or delete it", .click + 1)]
     UnnamedClick {
-        /// The click.
+        /// The index of the click in its frame, from 0.
         click: usize,
     },
     /// A landmark clicked twice in one frame.
     #[error("clicks {} and {} both name the landmark {name:?}; delete one", .first + 1, .second + 1)]
     DuplicateLandmark {
-        /// The first click.
+        /// The index of the first of them.
         first: usize,
-        /// The second.
+        /// The index of the second.
         second: usize,
-        /// The name.
+        /// The name in the document.
         name: String,
     },
     /// A click outside the picture.
     #[error("click {} at ({x:.2}, {y:.2}) lies outside the picture of {}", .click + 1, size(*picture))]
     ClickOutside {
-        /// The click.
+        /// The index of the click in its frame, from 0.
         click: usize,
         /// Its x, px.
         x: f64,
         /// Its y, px.
         y: f64,
-        /// The picture's size.
+        /// The size of the picture, px.
         picture: ImageSize,
     },
     /// The document's click noise is not readable or not plausible.
     #[error("click_noise: {message}; click the gold frames again or remove it")]
     ClickNoise {
-        /// What is wrong with it.
+        /// The reason.
         message: String,
     },
     /// A blind click on a landmark that the field does not have.
     #[error("repeat {} names the landmark {name:?}, which the field does not have; `touchline fields` lists them", .repeat + 1)]
     UnknownLandmarkAgain {
-        /// The repeat.
+        /// The index of the repeat, from 0.
         repeat: usize,
-        /// The name.
+        /// The name in the document.
         name: String,
     },
     /// A blind click outside the picture.
     #[error("repeat {} at ({x:.2}, {y:.2}) lies outside the picture of {}", .repeat + 1, size(*picture))]
     RepeatOutside {
-        /// The repeat.
+        /// The index of the repeat, from 0.
         repeat: usize,
         /// Its x, px.
         x: f64,
         /// Its y, px.
         y: f64,
-        /// The picture's size.
+        /// The size of the picture, px.
         picture: ImageSize,
     },
-    /// The status promises a camera that is not there.
+    /// The status requires a camera, but the frame has none.
     #[error("is {} but has no ptz; solve it", status.as_str())]
     Unsolved {
-        /// The status.
+        /// The status of the frame.
         status: FrameStatus,
     },
-    /// Not calibratable, without a reason.
+    /// A rejected frame without a reason.
     #[error("is rejected without a reason")]
     NoReason,
-    /// A camera that sees nothing of a lens: part of the picture has no ray.
+    /// The lens model folds inside the picture, so that part of it has no ray.
     #[error("with k1 = {k1:.4} the lens model folds inside the picture; check the distortion")]
     LensFolds {
         /// k₁ at the frame's focal length.
         k1: f64,
     },
-    /// The camera stands under the ground.
+    /// The camera is under the ground.
     #[error("stands {:.1} m under the ground; check its position and the sign of z", -.z_m)]
     UnderGround {
         /// Its height, m.
         z_m: f64,
     },
-    /// The camera stands too far away to see anything.
+    /// The camera is too far away to show the field.
     #[error(
         "stands {distance_m:.0} m from the middle of the field; check its position and its unit"
     )]
     FarAway {
-        /// From the middle of the field, m.
+        /// Its distance from the middle of the field, m.
         distance_m: f64,
     },
     /// The camera shows no part of the field.
@@ -262,11 +262,11 @@ pub enum Fault {
         "its focal length of {focal_px} px is none of a lens ({shortest:.0} to {longest:.0} px); solve it again"
     )]
     NoSuchFocalLength {
-        /// px.
+        /// The focal length, px.
         focal_px: f64,
-        /// The shortest of a picture of this width, px.
+        /// The shortest plausible one for a picture of this width, px.
         shortest: f64,
-        /// The longest, px.
+        /// The longest plausible one, px.
         longest: f64,
     },
     /// No lens distorts like this.
@@ -275,68 +275,68 @@ pub enum Fault {
         /// k₁ at the frame's focal length.
         k1: f64,
     },
-    /// The solution speaks of a click that does not exist.
+    /// The solution refers to a click that does not exist.
     #[error("its solution refers to click {}, but there are {clicks}; solve it again", .click + 1)]
     NoSuchClick {
-        /// The click.
+        /// The index of the click in its frame, from 0.
         click: usize,
-        /// How many there are.
+        /// Number of clicks.
         clicks: usize,
     },
-    /// The picture cannot be had.
+    /// The picture cannot be read.
     #[error("{message}")]
     Picture {
-        /// What the reader says.
+        /// The reader's error.
         message: String,
-        /// The file is not there.
+        /// Whether the file is missing.
         missing: bool,
     },
-    /// The picture has another size than the document says.
+    /// The picture has another size than the document states.
     #[error("the picture is {}, the document says {}; it is not the one that was labelled", size(*actual), size(*stated))]
     PictureSize {
-        /// The file's.
+        /// The size of the file, px.
         actual: ImageSize,
-        /// The document's.
+        /// The size that the document states, px.
         stated: ImageSize,
     },
-    /// The file's bytes are others than when it was labelled.
+    /// The file's contents have changed since it was labelled.
     #[error("the image changed since it was labelled (its SHA-256 is {actual}); inspect the label")]
     PictureChanged {
         /// The file's SHA-256.
         actual: String,
     },
-    /// The stated time is not the stated frame's.
+    /// The stated time is not that of the stated frame.
     #[error("pts_s {stated} is not the time of frame {index} of the video{}; inspect the label", actual.map_or_else(String::new, |pts| format!(" ({pts:.4})")))]
     VideoTime {
         /// The stated frame, from 0.
         index: u64,
         /// The stated time, s.
         stated: f64,
-        /// When that frame is shown, s.
+        /// The time of that frame, s.
         actual: Option<f64>,
     },
-    /// The same camera in frames between which the picture moves.
+    /// Several frames have the same camera although the picture moves between them.
     #[error(
         "from here to {last} ({frames} frames) the camera does not move although the picture does; check these frames"
     )]
     StillCamera {
-        /// The last of the frames.
+        /// The name of the last of these frames.
         last: String,
-        /// How many there are.
+        /// Number of these frames.
         frames: usize,
     },
-    /// The video has fewer frames.
+    /// The video has fewer frames than the stated number.
     #[error("the video has {frames} frames, numbered from 0; there is no frame {index}")]
     NoSuchVideoFrame {
         /// The stated frame, from 0.
         index: u64,
-        /// How many decode.
+        /// Number of frames that can be decoded.
         frames: usize,
     },
 }
 
 impl Fault {
-    /// The name that machines read.
+    /// The stable name of the error in machine-readable output.
     #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {

@@ -1,4 +1,4 @@
-//! Everything wrong with a document, by name.
+//! Finds everything that is wrong with a document. Each kind of error has a name.
 
 mod cameras;
 mod fault;
@@ -17,7 +17,7 @@ pub use values::check_values;
 
 use touchline_documents::document::Frame;
 
-/// How a problem names a frame.
+/// The name of a frame in a problem.
 fn place_of(index: usize, frame: &Frame) -> String {
     format!("frames[{index}] ({})", frame.name())
 }

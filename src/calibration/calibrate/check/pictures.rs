@@ -1,5 +1,5 @@
-//! What a look at the pictures shows to be wrong: missing, changed, of another size, another frame
-//! of the video.
+//! Compares the pictures with what the document states: missing ones, changed ones, ones of another
+//! size, and other frames of the video.
 
 use super::fault::{Fault, Problem};
 use super::place_of;
@@ -10,7 +10,7 @@ use touchline_core::progress::Progress;
 use touchline_documents::document::{DocumentAt, Frame, VideoFrame};
 use touchline_vision::media::{self, FrameReader, MediaError, VideoInfo};
 
-/// Compares the pictures of a document with what it states of them. Every video is opened once.
+/// Compares the pictures of a document with what it states about them. Every video is opened once.
 pub struct PictureCheck<'a> {
     document: DocumentAt<'a>,
     videos: Videos,
@@ -26,7 +26,7 @@ impl<'a> PictureCheck<'a> {
         }
     }
 
-    /// What is wrong with the picture of a frame, by its position.
+    /// What is wrong with the picture of a frame, by the frame's index.
     #[must_use]
     pub fn faults(&self, index: usize) -> Vec<Fault> {
         let frame = self.document.frames.get(index);
@@ -36,9 +36,9 @@ impl<'a> PictureCheck<'a> {
     }
 }
 
-/// Everything wrong with the pictures of a document, in its order. `progress` hears of each frame,
-/// from any thread; where it cancels this, some frames have not been looked at. Images are read in
-/// parallel, every video is opened once.
+/// Everything wrong with the pictures of a document, in its order. `progress` counts frames, from
+/// any thread; if it cancels this, some frames have not been checked. Images are read in parallel,
+/// every video is opened once.
 #[must_use]
 pub fn check_pictures(document: DocumentAt<'_>, progress: &Progress<'_, ()>) -> Vec<Problem> {
     let check = PictureCheck::open(document);
@@ -47,7 +47,7 @@ pub fn check_pictures(document: DocumentAt<'_>, progress: &Progress<'_, ()>) -> 
             return Vec::new();
         }
         let faults = check.faults(index);
-        // The frames that follow ask whether it is cancelled.
+        // The frames that follow check for cancellation themselves.
         let _ = progress.report(());
         faults
     });
@@ -135,6 +135,7 @@ fn check_video(frame: &Frame, video: &VideoFrame, info: &VideoInfo, faults: &mut
         });
         return;
     };
+    // Number and time must name the same frame of the video.
     if let Some(stated) = video.pts_s
         && info.clock.index_at(stated) != Some(index)
     {

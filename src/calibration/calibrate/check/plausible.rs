@@ -1,6 +1,6 @@
-//! Cameras that no one sets up: under the ground, a kilometre away, turned away from the field, or
-//! with a lens that nobody builds. They come with imported files and by numbers set manually; every
-//! number of them is finite, and no click need disagree.
+//! Implausible cameras: under the ground, a kilometre away, turned away from the field, or with an
+//! impossible lens. They come from imported files and typed numbers; each of their numbers is
+//! finite, and the clicks need not disagree with them.
 
 use super::fault::Fault;
 use touchline_core::camera::{CameraBase, PtzCamera};
@@ -8,18 +8,20 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_documents::document::{Camera, Document, Frame};
 
-/// A camera farther from the middle of the field shows none of it that could be labelled, m.
+/// From farther away than this no field is recognisable, m from its centre.
 const FARTHEST_M: f64 = 1000.0;
-/// Focal lengths beyond these are no lens's, in widths of the picture: views of 136° and 0.2°.
+/// The shortest and the longest plausible focal length, in widths of the picture: angles of view of
+/// 136° and 0.2°.
 const FOCAL_WIDTHS: [f64; 2] = [0.2, 300.0];
-/// The most that a lens moves the corner of a picture, as a share of its distance from the middle.
+/// The largest plausible displacement of a picture's corner by a lens, as a fraction of the
+/// corner's distance from the middle.
 const MOST_BENT: f64 = 0.5;
-/// Ground that lies this far beside the field still counts as a look at it, m.
+/// Ground at most this far beside the field also counts as a view of it, m.
 const BESIDE_M: f64 = 15.0;
-/// The picture is looked through on a grid with this many steps each way, its edges included.
+/// Steps in each direction of the grid of pixels that are tested, both edges included.
 const GRID: u32 = 12;
 
-/// What is implausible about a camera's place.
+/// Checks the position of a camera.
 pub fn check_place(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
     let Some(base) = camera.base().filter(CameraBase::is_finite) else {
         return;
@@ -35,7 +37,7 @@ pub fn check_place(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
     }
 }
 
-/// What is implausible about where and how a solved frame looks.
+/// Checks pan, tilt, focal length and lens of a solved frame.
 pub fn check_view(
     document: &Document,
     frame: &Frame,
@@ -48,7 +50,7 @@ pub fn check_view(
     else {
         return;
     };
-    // A base that is no number and a lens that folds inside the picture are named as such.
+    // `check_values` reports a base that is not finite, and a lens that folds inside the picture.
     let folds = |corner: &ImagePoint| pointed.cam_plane_from_image(*corner).is_err();
     if !pointed.base().is_finite() || frame.image_size.corners().iter().any(folds) {
         return;
@@ -64,6 +66,8 @@ pub fn check_view(
         // What such a camera sees says nothing more.
         return;
     }
+    // k₁ r² at the corner, r in units of the focal length: the relative displacement of the corner
+    // by distortion.
     let corner = frame
         .image_size
         .centre()
@@ -73,7 +77,7 @@ pub fn check_view(
         problem(Fault::NoSuchLens { k1: pointed.k1() });
         return;
     }
-    // A camera that is not above the ground is named as such.
+    // `check_place` reports a camera that is not above the ground.
     if field.is_some_and(|field| {
         pointed.base().position_m.z > 0.0 && !sees_field(&pointed, frame.image_size, field)
     }) {
@@ -81,7 +85,8 @@ pub fn check_view(
     }
 }
 
-/// Whether any part of a picture shows the field or what lies right beside it.
+/// Whether any part of a picture shows the field or the ground right beside it. Pixels above the
+/// horizon have no ground.
 fn sees_field(pointed: &PtzCamera, size: ImageSize, field: &FieldModel) -> bool {
     let [half_x, half_y] = [field.length_m, field.width_m].map(|side| 0.5 * side + BESIDE_M);
     let at = |step: u32, side: u32| f64::from(step) / f64::from(GRID) * f64::from(side);

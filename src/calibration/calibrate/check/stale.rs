@@ -1,4 +1,4 @@
-//! Solutions that say they come from a frame's clicks, and that the document's base does not give.
+//! Stored solutions from clicks that no longer follow from the document's base.
 
 use super::super::{FrameLookup, calibrate, observations};
 use super::fault::{Fault, Problem};
@@ -7,14 +7,14 @@ use rayon::prelude::*;
 use touchline_core::field::FieldModel;
 use touchline_documents::document::{Document, DocumentAt, Fields, Frame};
 
-/// A stored camera lies this much farther from its clicks than the camera that they give, px at
-/// 1920 px width, before it is named. Rounding in a file and other solvers stay far below that; a
-/// base that moved by a metre moves lines by tens of px.
+/// A stored camera may have residuals larger than those of a new solution by at most this, px at
+/// 1920 px width. Rounding in a file and other solvers cause far less; a base that moved by a metre
+/// moves lines by tens of px.
 const TOLERATED_PX: f64 = 2.0;
 
-/// Frames whose stored camera, on the base that the document has, misses the clicks that it was
-/// solved from, although these give a better one: the base or the field has changed since. A field
-/// that is not valid is [`check_values`](super::check_values)' affair.
+/// Frames whose stored camera misses the clicks that it was solved from, although these give a
+/// better one on the document's base: the base or the field has changed since. An invalid field is
+/// reported by [`check_values`](super::check_values).
 #[must_use]
 pub fn check_solutions(document: DocumentAt<'_>) -> Vec<Problem> {
     let Ok(fields) = Fields::of(document) else {
@@ -49,6 +49,8 @@ fn find_stale(
     if stored_px <= tolerated_px {
         return None;
     }
+    // Clicks that contradict each other miss every camera. Only a much better new solution shows
+    // that the stored one is stale. This is computed only for the frames that miss their clicks.
     let solved = calibrate(document, lookup, frame, field, index).ok()?;
     let is_stale = stored_px > solved.rms_px + tolerated_px;
     is_stale.then_some(Fault::StaleSolution {
@@ -57,8 +59,8 @@ fn find_stale(
     })
 }
 
-/// How far a frame's clicks are from what its stored camera shows there, root mean square, px. None
-/// where it has none.
+/// Root mean square residual of a frame's clicks with its stored camera, px; none without a camera
+/// or clicks.
 fn distance_of_clicks_px(document: &Document, frame: &Frame, field: &FieldModel) -> Option<f64> {
     let camera = document.pointed(frame)?;
     let observations = observations(frame, field).ok()?;

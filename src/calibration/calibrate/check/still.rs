@@ -1,4 +1,4 @@
-//! Frames in which the camera is exactly still by its numbers while the picture moves.
+//! Frames in which the camera is exactly still according to its numbers, while the picture moves.
 
 use super::fault::{Fault, Problem};
 use super::place_of;
@@ -7,12 +7,12 @@ use touchline_documents::document::DocumentAt;
 use touchline_vision::features::{ReducedPicture, has_moved};
 use touchline_vision::media::FrameReader;
 
-/// As many pictures of a run are compared with its first.
+/// Maximum number of pictures of a run that are compared with its first.
 const COMPARED: usize = 4;
 
-/// The runs of frames in which the camera is exactly still while the picture moves: what was found
-/// there is fixed on the screen, or a camera was kept for frames that it does not fit. Pictures
-/// that cannot be read are passed over.
+/// The runs of frames in which the camera is exactly still while the picture moves. What was
+/// matched there is fixed on the screen, or a camera was kept for frames that it does not fit.
+/// Pictures that cannot be read are skipped.
 #[must_use]
 pub fn check_still_runs(document: DocumentAt<'_>) -> Vec<Problem> {
     let mut reader = FrameReader::new();
@@ -31,6 +31,7 @@ pub fn check_still_runs(document: DocumentAt<'_>) -> Vec<Problem> {
         let Some(shown) = picture(*first) else {
             continue;
         };
+        // Compare pictures spread evenly over the run, the last one included.
         let compared = COMPARED.min(others.len());
         let mut spread = (1..=compared).map(|at| others[at * others.len() / compared - 1]);
         if spread

@@ -1,4 +1,4 @@
-//! What the document itself shows to be wrong, without a look at the pictures.
+//! Checks of a document that need no pictures.
 
 use super::fault::{Fault, Problem};
 use super::place_of;
@@ -13,7 +13,6 @@ use touchline_documents::document::{
 };
 
 /// Everything wrong with a document that shows without its pictures, in the document's order.
-///
 #[must_use]
 pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
     let mut problems = Vec::new();
@@ -28,6 +27,7 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
             fault,
         })
     };
+    // What the whole document shares: field, click noise and shots.
     if let Err(message) = fields.model(&document.field) {
         problem("field".to_owned(), Fault::Field { message });
     }
@@ -50,6 +50,7 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
             }
         }
     }
+    // Each camera by itself.
     for (index, camera) in document.cameras.iter().enumerate() {
         let place = || format!("camera {}", camera.id);
         if document.cameras[..index]
@@ -64,6 +65,7 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
         check_camera(camera, &mut |fault| problem(place(), fault));
         check_place(camera, &mut |fault| problem(place(), fault));
     }
+    // Each frame, with its clicks and its solution.
     let duplicates = duplicates(&document);
     for (index, frame) in document.frames.iter().enumerate() {
         let mut problem = |fault| {
@@ -86,7 +88,7 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
     problems
 }
 
-/// The models of the fields that a document uses, each built once.
+/// The models of the fields that a document uses; each is built once.
 struct Fields<'a> {
     folder: &'a Path,
     known: Vec<(FieldSpec, Result<FieldModel, String>)>,
@@ -107,8 +109,8 @@ impl Fields<'_> {
     }
 }
 
-/// For each frame the first one with the same image or the same frame of a video, if it is not the
-/// first itself.
+/// For each frame the index of the first one with the same image or the same frame of a video; none
+/// for that first one itself.
 fn duplicates(document: &Document) -> Vec<Option<usize>> {
     let (mut images, mut videos) = (BTreeMap::new(), BTreeMap::new());
     let firsts = document.frames.iter().enumerate().map(|(index, frame)| {
@@ -150,7 +152,8 @@ fn check_camera(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
             what: "principal_point_px".to_owned(),
         });
     }
-    // A word says what somebody noted; a number that is not zero would bend the picture.
+    // A word is a user's note; a number other than zero is a coefficient that would change the
+    // picture.
     let bends = |value: &Value| {
         value.is_object() || value.is_array() || value.as_f64().is_some_and(|x| x != 0.0)
     };
@@ -171,6 +174,7 @@ fn check_camera(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
             problem(Fault::NotPositive { what, value });
         }
     }
+    // Masks for all frames and for ranges of frames.
     let masks: Vec<PixelBox> = camera
         .masks
         .iter()
@@ -181,6 +185,7 @@ fn check_camera(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
 }
 
 fn check_masks(masks: &[PixelBox], picture: ImageSize, problem: &mut dyn FnMut(Fault)) {
+    // A mask must have an area, part of it inside the picture.
     let covers = |mask: &PixelBox| {
         let (right, bottom) = (mask.x + mask.width, mask.y + mask.height);
         mask.width > 0.0
@@ -195,7 +200,7 @@ fn check_masks(masks: &[PixelBox], picture: ImageSize, problem: &mut dyn FnMut(F
     }
 }
 
-/// What is said about the frame beside its clicks: its file's hash, its last change.
+/// Checks what is stored of the frame besides its clicks: the hash of its file and its last change.
 fn check_record(frame: &Frame, problem: &mut dyn FnMut(Fault)) {
     let is_sha256 =
         |text: &String| text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
@@ -228,6 +233,7 @@ fn check_frame(
     if frame.image.is_none() && frame.video.is_none() {
         problem(Fault::NoPicture);
     }
+    // Its camera: present, of the same picture size, with a plausible lens.
     match document.camera_of(frame) {
         None => problem(Fault::UnknownCamera {
             camera: frame.camera.as_str().to_owned(),
@@ -240,6 +246,7 @@ fn check_frame(
         }
         Some(camera) => check_lens(camera, frame, problem),
     }
+    // Its status: what it requires must be there.
     match frame.status {
         FrameStatus::Reference | FrameStatus::Suggested if frame.ptz.is_none() => {
             problem(Fault::Unsolved {
@@ -262,7 +269,8 @@ fn check_frame(
     check_solution(frame, problem);
 }
 
-/// Every corner of a solved frame must have a ray.
+/// Every corner of a solved frame must have a ray; where the lens model folds inside the picture,
+/// one does not.
 fn check_lens(camera: &Camera, frame: &Frame, problem: &mut dyn FnMut(Fault)) {
     let Some(ptz) = &frame.ptz else { return };
     if !ptz.ptz().is_finite() {
@@ -294,6 +302,8 @@ fn check_clicks(frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnM
                         name: name(),
                     });
                 }
+                // A landmark is one point, so that a second click on it contradicts the first. A
+                // line may have several clicks.
                 let before = frame.clicks[..click]
                     .iter()
                     .position(|other| other.target == here.target);
@@ -354,11 +364,13 @@ fn check_solution(frame: &Frame, problem: &mut dyn FnMut(Fault)) {
         return;
     };
     let clicks = frame.clicks.len();
+    // Warnings, suggested names and disputed clicks refer to clicks by index.
     let renamed = solution
         .warnings
         .iter()
         .flat_map(|warning| warning.renames.iter().map(|rename| &rename.click));
     let warned_of = solution.warnings.iter().flat_map(|warning| &warning.clicks);
+    // The largest index that is out of range stands for all.
     let spoken_of = solution.disputed.iter().chain(warned_of).chain(renamed);
     if let Some(&click) = spoken_of.filter(|click| **click >= clicks).max() {
         problem(Fault::NoSuchClick { click, clicks });

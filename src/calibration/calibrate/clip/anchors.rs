@@ -1,4 +1,4 @@
-//! What a document knows of the cameras of a clip.
+//! The known cameras of a clip's frames as pose priors.
 
 use super::frames::ClipFrames;
 use crate::calibrate::own_covariance;
@@ -8,7 +8,7 @@ use touchline_documents::document::{Document, Frame, FrameStatus, SolutionSource
 use touchline_vision::relocalize::CERTAIN;
 use touchline_vision::track::{ClipCamera, PosePrior, PriorSource};
 
-/// What is known of a clip's frames, and how certain the most certain of it is.
+/// The pose priors of a clip's frames, each with its confidence.
 pub(super) fn anchors(
     document: &Document,
     clip: &ClipFrames,
@@ -25,22 +25,21 @@ pub(super) fn anchors(
         .collect()
 }
 
-/// Whether a frame's camera is certain enough to be carried on from, and was not carried there
-/// itself.
+/// Whether a frame's camera is certain enough to be propagated, and was not tracked itself.
 #[must_use]
 pub fn is_anchor(frame: &Frame) -> bool {
     confidence_of(frame).is_some()
 }
 
-/// How certain a person or the forest is of a frame's camera; none where it holds nothing.
+/// The confidence in a frame's camera; none if it is no prior.
 fn confidence_of(frame: &Frame) -> Option<f64> {
     frame.ptz.as_ref()?;
     if is_persons(frame) {
         return Some(1.0);
     }
     let solution = frame.solution.as_ref()?;
-    // Another program's camera says nothing of how exact it is. It holds weakly, and the points and
-    // the paint of the clip judge it.
+    // Another program's camera comes without a confidence. It counts as just certain enough: its
+    // covariance is large, and the points and the paint of the clip correct it.
     let unstated = (solution.source == Some(SolutionSource::Import)).then_some(CERTAIN);
     let confidence = solution.confidence.or(unstated)?;
     (confidence >= CERTAIN && !frame.is_carried()).then_some(confidence)
@@ -60,6 +59,7 @@ fn of_frame(
     let ptz = frame.ptz.as_ref()?.ptz();
     let camera = PtzCamera::new(*base, ptz);
     let covariance = own_covariance(frame, &camera, Some(field));
+    // The source decides the robust loss and which errors count as common.
     let source = match frame.source() {
         _ if is_persons(frame) => PriorSource::Person,
         // Aligned to the painted lines, whoever found it.

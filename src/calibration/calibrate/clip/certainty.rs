@@ -1,25 +1,28 @@
-//! How certain the camera of a carried frame is.
+//! The probability that the camera of a tracked frame is right.
 
 use super::evidence::apart_px;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{ImageSize, Mat3, Vec3};
 use touchline_core::solve::Uncertainty;
 
-/// What the frames of a clip err by alike, 1-σ, as no further frame mends it: their lines are half
-/// a pixel thick far away. Pan and tilt in px at 1920 px width, the focal length as a share of it.
-/// A clip is one draw of it: of ten drawn clips held by exact cameras 90 % of the frames lie within
-/// their stated 68 %, of one held by a person's clicks 60 %.
+/// 1-σ of the error that all frames of a clip have in common, which no further frame reduces: their
+/// lines are half a pixel thick far away. Pan and tilt in px at 1920 px width, the focal length as
+/// a fraction of it.
+///
+/// A clip is one draw of this error: in ten drawn clips constrained by exact cameras 90 % of the
+/// frames lie within their stated 68 %, in one constrained by a person's clicks 60 %.
 const COMMON_PX: f64 = 0.09;
 const COMMON_OF_FOCAL: f64 = 2.5e-4;
 
-/// The covariance (pan rad, tilt rad, focal length px) of a frame's camera with what all frames
-/// have in common; a focal length that is known beforehand has no part of it.
+/// The covariance of a frame's camera (pan rad, tilt rad, focal length px), with the error common
+/// to all frames added. A focal length that is known beforehand has no such error.
 pub(super) fn with_common(
     mut covariance: Mat3,
     ptz: Ptz,
     size: ImageSize,
     is_focal_known: bool,
 ) -> Mat3 {
+    // A displacement in px divided by the focal length in px is a rotation in rad.
     let turn = COMMON_PX * size.scale_from_1920() / ptz.focal_px;
     let of_focal = if is_focal_known {
         0.0
@@ -31,39 +34,41 @@ pub(super) fn with_common(
     covariance
 }
 
-/// An overlay that is off by no more is right, px at 1920 px width.
+/// An overlay with at most this error is right, px at 1920 px width.
 const RIGHT_PX: f64 = 10.0;
 
-/// Cameras that differ by more than this are warned of, px at 1920 px width.
+/// Cameras from the two directions of propagation that differ by more than this get a warning, px
+/// at 1920 px width.
 pub(super) const DIFFER_PX: f64 = 5.0;
 
-/// No camera that nobody has looked at is more certain.
+/// Upper bound of the confidence in a camera that no person has checked.
 const AT_MOST: f64 = 0.99;
 
-/// What is left of the certainty where the paint contradicts, or where both sides do.
+/// Factor on the confidence where the paint contradicts the camera, or where the two directions of
+/// propagation disagree.
 const CONTRADICTED: f64 = 0.3;
 
-/// What the painted lines say about the camera that a frame is given.
+/// The verdict of the painted lines on a frame's camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PaintVerdict {
-    /// They are where it projects them.
+    /// They are where the camera projects them.
     Agrees,
-    /// They do not decide, or the frame was not asked.
+    /// They do not decide, or were not searched.
     Silent,
-    /// They are elsewhere.
+    /// They are not where the camera projects them.
     Contradicts,
 }
 
-/// Frames of a clip whose lines lie on their paint: they show that the base is right where they
-/// look, however far its σ reaches. The base of one clicked frame with five points may be off by
-/// meters, and yet agree with that frame.
+/// Frames of a clip whose lines lie on their paint. They confirm the base in the direction in which
+/// they look, however large its σ is. The base of one clicked frame with five points may be off by
+/// metres and still fit that frame.
 pub(super) struct BaseWitnesses {
     cameras: Vec<Ptz>,
     size: ImageSize,
 }
 
 impl BaseWitnesses {
-    /// Of frames with their cameras, and what paint says about each.
+    /// Selects the frames on whose cameras the paint agrees.
     pub fn new<'a>(
         frames: impl Iterator<Item = (Option<Ptz>, &'a PaintVerdict)>,
         size: ImageSize,
@@ -75,8 +80,8 @@ impl BaseWitnesses {
         }
     }
 
-    /// Whether one of them shows at least half of what a camera shows: what the base leaves open is
-    /// then nearly the same for both.
+    /// Whether one of these frames shows at least half of what a camera shows. The error of the
+    /// base then affects both nearly alike.
     pub fn show(&self, ptz: Ptz) -> bool {
         let half = 0.5 * f64::from(self.size.width);
         self.cameras
@@ -85,8 +90,9 @@ impl BaseWitnesses {
     }
 }
 
-/// How probable it is that a tracked camera's overlay is right: its error has a Rayleigh
-/// distribution. `uncertainty` is without the base where the base is shown to be right.
+/// The probability that a tracked camera's overlay is right within [`RIGHT_PX`]. The error of a
+/// point has two normal components, so its length has a Rayleigh distribution. Pass an
+/// `uncertainty` with exact base where the base is confirmed.
 pub(super) fn confidence(
     camera: &PtzCamera,
     uncertainty: &Uncertainty,
@@ -98,6 +104,7 @@ pub(super) fn confidence(
     // The root of the covariance's trace is √2 times the 1-σ of each coordinate.
     let sigma_px = uncertainty.worst_corner_sigma_px(camera, size) / 2f64.sqrt();
     let right = right_within(RIGHT_PX * px, sigma_px);
+    // Without paint, the two directions of propagation must not contradict each other.
     let both_sides = apart_px.is_none_or(|apart_px| apart_px <= RIGHT_PX * px);
     let is_contradicted = match paint {
         PaintVerdict::Agrees => false,
@@ -107,15 +114,15 @@ pub(super) fn confidence(
     right.min(AT_MOST) * if is_contradicted { CONTRADICTED } else { 1.0 }
 }
 
-/// How much of its certainty a camera keeps where the lines of the field's middle may lie off by
-/// this much, 1-σ, px: the rest of its picture stays right.
+/// Factor on a camera's confidence where the lines of the field's middle have this 1-σ (px) because
+/// the field's length is unknown. It does not fall below [`CONTRADICTED`]: the rest of the picture
+/// stays right.
 pub(super) fn certainty_under_length(sigma_px: f64, size: ImageSize) -> f64 {
     let right = right_within(RIGHT_PX * size.scale_from_1920(), sigma_px);
     right + CONTRADICTED * (1.0 - right)
 }
 
-/// The probability that an error is no larger, where it has a Rayleigh distribution; 1 where
-/// nothing is left open.
+/// The probability that an error with a Rayleigh distribution is at most `px`; 1 for σ = 0.
 fn right_within(px: f64, sigma_px: f64) -> f64 {
     1.0 - (-0.5 * (px / sigma_px).powi(2)).exp()
 }

@@ -1,17 +1,17 @@
-//! Why no camera of a clip was found.
+//! Errors of tracking a clip.
 
 use thiserror::Error;
 use touchline_vision::media::MediaError;
 use touchline_vision::track::TrackError;
 
-/// Why no camera of a clip was found.
+/// Why a clip could not be tracked.
 #[derive(Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TrackClipError {
-    /// Where the camera stands is not known.
+    /// The camera has no base.
     #[error("camera {camera} has no base yet: estimate it first (touchline refine-base)")]
     NoBase {
-        /// The camera.
+        /// The camera's name.
         camera: String,
     },
     /// No frame has a camera to begin with.
@@ -19,7 +19,7 @@ pub enum TrackClipError {
         "none of its {frames} frames has a camera to carry on: solve or accept one of them first"
     )]
     NothingKnown {
-        /// Frames of the clip.
+        /// Number of frames of the clip.
         frames: usize,
     },
     /// A picture could not be read.
@@ -30,12 +30,12 @@ pub enum TrackClipError {
     Size {
         /// The file, and its frame.
         picture: String,
-        /// As it is, px.
+        /// Its size, px.
         actual: (u32, u32),
-        /// As the document says, px.
+        /// The size that the document states, px.
         expected: (u32, u32),
     },
-    /// Points could not be followed.
+    /// Points could not be tracked.
     #[error(transparent)]
     Track(#[from] TrackError),
     /// The adjustment has no solution.
@@ -43,10 +43,10 @@ pub enum TrackClipError {
         "the cameras of its {frames} frames cannot be adjusted: they are not determined by what is known; accept one more of them"
     )]
     Undetermined {
-        /// Frames of the clip.
+        /// Number of frames of the clip.
         frames: usize,
     },
-    /// It was stopped.
+    /// It was cancelled.
     #[error("stopped; nothing was changed")]
     Stopped,
 }

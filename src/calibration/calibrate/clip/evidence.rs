@@ -1,4 +1,4 @@
-//! What the pictures of a clip say about its cameras, kept for another look at the clip.
+//! Tracked points and paint of a clip's pictures, kept for the next adjustment of the clip.
 
 use super::paint::Painted;
 use std::collections::BTreeMap;
@@ -7,8 +7,8 @@ use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_vision::media::FrameRef;
 use touchline_vision::track::{ClipCamera, FollowOptions, PointTracks};
 
-/// The points that were followed through a clip's pictures, and the paint that was looked for in
-/// them. With it the clip is adjusted to a corrected frame without reading its pictures again.
+/// The points that were tracked through a clip's pictures, and the paint that was found in them.
+/// With it a clip is adjusted to a corrected frame without reading its pictures again.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClipEvidence {
     followed: Option<Followed>,
@@ -16,7 +16,7 @@ pub struct ClipEvidence {
     paint: BTreeMap<usize, SeenPaint>,
 }
 
-/// Pictures through which points are followed, and how.
+/// The pictures through which points were tracked, and with which options.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FollowedPictures {
     pub sources: Vec<FrameRef>,
@@ -26,27 +26,28 @@ pub(super) struct FollowedPictures {
 #[derive(Clone, Debug, PartialEq)]
 struct Followed {
     pictures: FollowedPictures,
-    /// Of each picture.
+    /// One entry for each picture.
     masks: Vec<Vec<PixelBox>>,
     tracks: PointTracks,
 }
 
-/// What paint said about a camera.
+/// The verdict of a frame's paint on a camera.
 #[derive(Clone, Debug, PartialEq)]
 struct SeenPaint {
     asked: Ptz,
     says: Painted,
 }
 
-/// A camera that starts no farther from where paint pulled one is pulled to the same place, px at
-/// 1920 px width.
+/// A camera that begins within this distance of where another was aligned is aligned to the same
+/// place, px at 1920 px width.
 const PULLED_ALIKE_PX: f64 = 8.0;
 
-/// Paint that pulled no camera says the same about one no farther away, px at 1920 px width.
+/// If no camera was aligned to the paint, the verdict applies to cameras within this distance, px
+/// at 1920 px width.
 const JUDGED_ALIKE_PX: f64 = 1.0;
 
 impl ClipEvidence {
-    /// Whether points were followed through this picture.
+    /// Whether points were tracked through this picture.
     #[must_use]
     pub fn shows(&self, picture: &FrameRef) -> bool {
         self.followed
@@ -54,8 +55,8 @@ impl ClipEvidence {
             .is_some_and(|followed| followed.pictures.sources.contains(picture))
     }
 
-    /// The points, if they were followed through the same pictures in the same way; those that lie
-    /// under these masks are left out.
+    /// The points, if they were tracked through the same pictures with the same options. Points
+    /// under the new masks are removed.
     pub(super) fn tracks(
         &mut self,
         pictures: &FollowedPictures,
@@ -66,6 +67,8 @@ impl ClipEvidence {
             .as_mut()
             .filter(|followed| followed.pictures == *pictures)?;
         if followed.masks != masks {
+            // A new mask removes points and needs no new tracking. The paint is kept only in frames
+            // whose masks are the same.
             followed.tracks = followed.tracks.outside(masks);
             let Followed { masks: before, .. } = followed;
             self.paint
@@ -75,7 +78,7 @@ impl ClipEvidence {
         Some(followed.tracks.clone())
     }
 
-    /// Takes newly followed points in place of everything.
+    /// Replaces all evidence by newly tracked points.
     pub(super) fn begin(
         &mut self,
         pictures: FollowedPictures,
@@ -92,7 +95,7 @@ impl ClipEvidence {
         };
     }
 
-    /// Forgets the paint if it was seen with another base or other lenses.
+    /// Discards the paint if it was found with another base or other lenses.
     pub(super) fn with_camera(&mut self, camera: &ClipCamera) {
         if self.camera.as_ref() != Some(camera) {
             self.camera = Some(camera.clone());
@@ -100,9 +103,11 @@ impl ClipEvidence {
         }
     }
 
-    /// What the paint of a frame says about a camera, if it was asked about one like it.
+    /// The verdict of a frame's paint on a camera, if it was found for one near it.
     pub(super) fn paint(&self, frame: usize, ptz: Ptz, size: ImageSize) -> Option<Painted> {
         let SeenPaint { asked, says } = self.paint.get(&frame)?;
+        // An alignment is valid around its end, with a wide basin; other verdicts only around the
+        // camera that was checked.
         let (from, alike_px) = match says {
             Painted::Snapped(anchor) => (anchor.ptz, PULLED_ALIKE_PX),
             Painted::Contradicts | Painted::Open => (*asked, JUDGED_ALIKE_PX),
@@ -110,14 +115,14 @@ impl ClipEvidence {
         (apart_px(from, ptz, size) <= alike_px * size.scale_from_1920()).then(|| says.clone())
     }
 
-    /// Keeps what the paint of a frame said.
+    /// Stores the verdict of a frame's paint.
     pub(super) fn keep_paint(&mut self, frame: usize, asked: Ptz, says: Painted) {
         self.paint.insert(frame, SeenPaint { asked, says });
     }
 }
 
-/// About how far apart two cameras' pictures are, px: in the middle, or at the left and right
-/// border.
+/// Approximate distance between the pictures of two cameras, px: the larger of the displacement in
+/// the middle and that by zoom at the left and right border.
 pub(super) fn apart_px(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
     AngularDistance::between(&one, &other).in_image_px(one.focal_px, size)
 }

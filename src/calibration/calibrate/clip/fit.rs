@@ -1,10 +1,12 @@
-//! A clip adjusted to its points, to the cameras that are known and to its painted lines, in
-//! rounds: paint is looked for where the frames are thought to look, and from where it puts them
-//! more of it is found.
+//! Joint adjustment of a clip: cameras of all frames from tracked points, known cameras and painted
+//! lines.
 //!
-//! What the paint says about a camera holds for that camera only. After the last adjustment every
-//! frame that was asked is therefore judged where it ended, and a frame that had a camera before
-//! keeps it where the paint speaks more for that one.
+//! Adjustment and line search alternate, for at most three rounds. Lines are searched for near
+//! where the current cameras project them, so that better cameras find more lines.
+//!
+//! Evidence from painted lines is valid only for the camera that it was measured at. After the last
+//! adjustment, every frame whose paint is searched is therefore checked again at its final camera.
+//! A frame that already had a camera keeps it if the paint supports that one better.
 
 use super::certainty::PaintVerdict;
 use super::error::TrackClipError;
@@ -24,27 +26,27 @@ use touchline_vision::track::{
     AdjustedClip, Carried, ClipCamera, PointTracks, PosePrior, PriorSource, adjust_clip,
 };
 
-/// Rounds of paint and adjustment at most.
+/// Maximum number of rounds of line search and adjustment.
 const MAX_ROUNDS: usize = 3;
 
-/// If no frame moves by more in a round, the next would find the same paint, px at 1920 px width.
+/// The rounds end when no frame moves by more than this, px at 1920 px width: the next round would
+/// find the same paint.
 const SETTLED_PX: f64 = 4.0;
 
-/// A camera this near to another is the same answer, px at 1920 px width: paint is found to half of
-/// it.
+/// Two cameras whose pictures differ by at most this are the same answer, px at 1920 px width.
+/// Paint is localised to half of it.
 const ALIKE_PX: f64 = 1.5;
 
-/// What a clip is adjusted from.
+/// The inputs of the adjustment of one clip.
 pub(super) struct ClipFit<'a> {
     pub camera: &'a ClipCamera,
     pub field: &'a FieldModel,
     pub tracks: &'a PointTracks,
     pub carried: &'a Carried,
-    /// The cameras that the document knows.
+    /// The cameras that the document already has, as pose priors.
     pub known: &'a [PosePrior],
     pub pictures: ClipPictures<'a>,
-    /// Whether the field's size was found from the paint. One that was assumed or typed may be
-    /// another's.
+    /// Whether the field's size was estimated from paint. An assumed or typed size may be wrong.
     pub is_size_fitted: bool,
     pub options: &'a TrackClipOptions,
 }
@@ -52,22 +54,22 @@ pub(super) struct ClipFit<'a> {
 /// A clip after its last adjustment.
 pub(super) struct FittedClip {
     pub adjusted: AdjustedClip,
-    /// Frames that were aligned to their painted lines.
+    /// Number of frames that were aligned to their painted lines.
     pub painted: usize,
-    /// What the paint says about the adjusted cameras.
+    /// Verdicts of the paint on the adjusted cameras.
     pub judged: Judged,
 }
 
-/// What the paint says about the frames of a clip where the last adjustment has put them.
+/// Verdicts of the painted lines on the cameras of the last adjustment.
 pub(super) struct Judged {
-    /// About each frame's adjusted camera.
+    /// The verdict on each frame's adjusted camera.
     pub paint: Vec<PaintVerdict>,
-    /// Frames for whose earlier camera it speaks more.
+    /// Frames whose earlier camera explains the paint better than the adjusted one.
     pub kept: BTreeSet<usize>,
-    /// The share of each frame's paint that lies on no line; 0 where it was not asked, or shows too
-    /// little.
+    /// For each frame, the share of its paint that lies on no line; 0 if it was not measured or the
+    /// picture shows too little.
     pub unexplained: Vec<f64>,
-    /// Whether the paint of some frame lies as on a field of another length.
+    /// Whether the paint of some frame fits a field of another length.
     pub is_of_other_field: bool,
 }
 
@@ -80,6 +82,7 @@ impl ClipFit<'_> {
         evidence: &mut ClipEvidence,
         progress: &Progress<'_, ClipProgress>,
     ) -> Result<FittedClip, TrackClipError> {
+        // The first adjustment has no paint of its own: only points and the known cameras.
         let mut adjusted = self.adjust(&BTreeMap::new(), progress)?;
         let mut painted = 0;
         for _ in 0..if self.options.paint_every > 0 {
@@ -87,6 +90,8 @@ impl ClipFit<'_> {
         } else {
             0
         } {
+            // Align to the paint from the current cameras. `evidence` repeats the earlier answer
+            // for a frame that has hardly moved since, without reading its picture again.
             let asked = self.frames_to_ask(&adjusted);
             let found = self.pictures.ask_paint(
                 reader,
@@ -105,6 +110,8 @@ impl ClipFit<'_> {
                     }
                 })
                 .collect();
+            // Frames that could not be aligned contribute no prior; their cameras follow from the
+            // points.
             painted = aligned.len();
             if aligned.is_empty() {
                 break;
@@ -114,6 +121,7 @@ impl ClipFit<'_> {
                 break;
             }
         }
+        // The last adjustment moved the frames once more, so the answers of the loop do not apply.
         let judged = self.judge(&adjusted, reader, evidence, progress)?;
         Ok(FittedClip {
             adjusted,
@@ -122,19 +130,23 @@ impl ClipFit<'_> {
         })
     }
 
-    /// Adjusts all frames to the points, the known cameras and those aligned to paint.
+    /// Adjusts all frames to the points, the known cameras and the cameras that were aligned to
+    /// paint.
     fn adjust(
         &self,
         aligned: &BTreeMap<usize, PosePrior>,
         progress: &Progress<'_, ClipProgress>,
     ) -> Result<AdjustedClip, TrackClipError> {
         report(progress, ClipProgress::Adjusting)?;
-        // Paint of one picture counts once, however often it was asked.
+        // A known camera that was itself aligned to paint repeats the evidence of the new alignment
+        // of that picture. Only the new one is used, so that no paint counts twice.
         let is_same_paint = |anchor: &PosePrior| {
             anchor.source == PriorSource::Paint && aligned.contains_key(&anchor.frame)
         };
         let known = self.known.iter().filter(|anchor| !is_same_paint(anchor));
         let mut anchors: Vec<PosePrior> = known.chain(aligned.values()).copied().collect();
+        // Frames with the same view share the errors of their paint (and those of a forest's
+        // proposals), so their weight is reduced.
         share_alike(&mut anchors, self.pictures.size);
         let undetermined = TrackClipError::Undetermined {
             frames: self.pictures.clip.frames.len(),
@@ -149,8 +161,8 @@ impl ClipFit<'_> {
         .ok_or(undetermined)
     }
 
-    /// The frames whose paint is looked for, with their cameras: every n-th, and those that had a
-    /// camera before.
+    /// The frames whose paint is searched, with their current cameras: every n-th frame, and each
+    /// frame that had a camera before.
     fn frames_to_ask(&self, adjusted: &AdjustedClip) -> Vec<(usize, Ptz)> {
         let earlier: BTreeSet<usize> = self.earlier().map(|anchor| anchor.frame).collect();
         let reached = adjusted
@@ -163,14 +175,14 @@ impl ClipFit<'_> {
             .collect()
     }
 
-    /// The cameras that frames had before and that no person gave them.
+    /// The earlier cameras of frames, except those that a person determined.
     fn earlier(&self) -> impl Iterator<Item = &PosePrior> {
         self.known
             .iter()
             .filter(|anchor| anchor.source != PriorSource::Person)
     }
 
-    /// How far a frame moved at most from one adjustment to another, px at 1920 px width.
+    /// The largest displacement of a frame between two adjustments, px at 1920 px width.
     fn largest_move_px(&self, before: &AdjustedClip, after: &AdjustedClip) -> f64 {
         let pairs = before.frames.iter().zip(&after.frames);
         let moves = pairs
@@ -178,14 +190,14 @@ impl ClipFit<'_> {
         moves.fold(0.0, f64::max)
     }
 
-    /// How far apart two cameras' pictures are, px at 1920 px width.
+    /// Distance between the pictures of two cameras, px at 1920 px width.
     fn apart(&self, one: Ptz, other: Ptz) -> f64 {
         apart_px(one, other, self.pictures.size) / self.pictures.size.scale_from_1920()
     }
 
-    /// What the paint says about each frame where the last adjustment has put it, and the frames
-    /// whose earlier camera it speaks more for. Frames that are not asked are like the one before
-    /// them.
+    /// Checks the final camera of each searched frame against its paint, and finds the frames whose
+    /// earlier camera explains the paint better. Frames in between take the verdict of the searched
+    /// frame before them.
     fn judge(
         &self,
         adjusted: &AdjustedClip,
@@ -201,9 +213,11 @@ impl ClipFit<'_> {
             unexplained,
             is_of_other_field: false,
         };
+        // Without line search every verdict is `Silent`.
         if self.options.paint_every == 0 {
             return Ok(judged);
         }
+        // First pass: every n-th frame, and those that had a camera before.
         let asked = self.frames_to_ask(adjusted);
         let mut verdicts = Vec::with_capacity(asked.len());
         for (done, &(frame, ptz)) in asked.iter().enumerate() {
@@ -213,8 +227,9 @@ impl ClipFit<'_> {
                 self.judge_frame(reader, evidence, (frame, ptz), &mut judged)?,
             ));
         }
-        // Where one frame lies on its paint and the next that was asked does not, what spoilt the
-        // clip (a dissolve, a graphic that wipes over it) happened at a frame between the two.
+        // Second pass: where the verdict changes between two searched frames, whatever spoilt the
+        // clip (a dissolve, a graphic that wipes over it) began or ended at a frame between the
+        // two. Check each of these frames, so that the boundary is exact.
         let is_off = |verdict: PaintVerdict| verdict == PaintVerdict::Contradicts;
         let changes: Vec<_> = verdicts
             .windows(2)
@@ -230,6 +245,8 @@ impl ClipFit<'_> {
                 self.judge_frame(reader, evidence, (frame, at.ptz), &mut judged)?,
             ));
         }
+        // Each verdict also applies to the unchecked frames after it, for at most `paint_every`
+        // frames: beyond a gap in the clip nothing is known.
         verdicts.sort_by_key(|(frame, _)| *frame);
         for (place, &(frame, verdict)) in verdicts.iter().enumerate() {
             let next = verdicts
@@ -243,8 +260,8 @@ impl ClipFit<'_> {
         Ok(judged)
     }
 
-    /// What the paint says about a frame's adjusted camera; what else the look at its picture shows
-    /// goes into `judged`.
+    /// The verdict of the paint on a frame's adjusted camera. The other findings of the check (kept
+    /// camera, other field length, unexplained paint) are written into `judged`.
     fn judge_frame(
         &self,
         reader: &mut dyn ReadFrames,
@@ -252,11 +269,15 @@ impl ClipFit<'_> {
         (frame, ptz): (usize, Ptz),
         judged: &mut Judged,
     ) -> Result<PaintVerdict, TrackClipError> {
+        // An earlier camera is compared only where it differs from the adjusted one.
         let earlier = self
             .earlier()
             .find(|anchor| anchor.frame == frame)
             .map(|anchor| anchor.ptz);
         let other = earlier.filter(|earlier| self.apart(*earlier, ptz) > ALIKE_PX);
+        // The verdict of the last round is reused if the frame has hardly moved since. It is not
+        // where the field's size was not fitted: only a full check shows that the paint fits a
+        // field of another length.
         let known = self
             .verdict_by_evidence(evidence, frame, ptz)
             .filter(|_| self.is_size_fitted);
@@ -272,8 +293,8 @@ impl ClipFit<'_> {
         Ok(known.unwrap_or_else(|| self.verdict_of(&check)))
     }
 
-    /// What the paint says about a frame's adjusted camera, and whether it speaks more for the one
-    /// that the frame had earlier.
+    /// Checks a frame's adjusted camera against its picture, and whether its earlier camera
+    /// explains the paint better.
     fn look_again(
         &self,
         reader: &mut dyn ReadFrames,
@@ -295,7 +316,7 @@ impl ClipFit<'_> {
         Ok((now, keeps_earlier))
     }
 
-    /// What a line check says about a camera.
+    /// The verdict that follows from a line check.
     fn verdict_of(&self, check: &LineCheck) -> PaintVerdict {
         match check.verdict() {
             _ if self.is_of_other_field(check) => PaintVerdict::Contradicts,
@@ -305,12 +326,13 @@ impl ClipFit<'_> {
         }
     }
 
-    /// Whether a line check finds a field of another length than was assumed or typed.
+    /// Whether a line check finds a field of another length than the one assumed or typed.
     fn is_of_other_field(&self, check: &LineCheck) -> bool {
         !self.is_size_fitted && check.is_of_other_field()
     }
 
-    /// What the paint said about a camera like this one; none where it was asked about others only.
+    /// The stored verdict on a camera at most [`ALIKE_PX`] from this one; none if only other
+    /// cameras were checked.
     fn verdict_by_evidence(
         &self,
         evidence: &ClipEvidence,
@@ -318,6 +340,8 @@ impl ClipFit<'_> {
         ptz: Ptz,
     ) -> Option<PaintVerdict> {
         match evidence.paint(frame, ptz, self.pictures.size)? {
+            // The alignment is evidence for the camera where it ended, not for the one where it
+            // began.
             Painted::Snapped(anchor) => {
                 (self.apart(anchor.ptz, ptz) <= ALIKE_PX).then_some(PaintVerdict::Agrees)
             }

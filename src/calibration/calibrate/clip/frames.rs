@@ -1,4 +1,4 @@
-//! Which frames of a document follow each other in time.
+//! Which frames of a document form a sequence in time.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -9,14 +9,14 @@ use touchline_vision::media::FrameRef;
 /// A picture of a clip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClipFrame {
-    /// Where it is.
+    /// The file, and for a video the frame number.
     pub source: FrameRef,
-    /// The document's frame that shows it, by its place; none for a frame of a video that the
+    /// The index of the document's frame that shows it; none for a frame of a video that the
     /// document leaves out.
     pub place: Option<usize>,
 }
 
-/// Pictures of one camera that follow each other.
+/// Pictures of one camera that form a sequence in time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClipFrames {
     /// The camera.
@@ -25,19 +25,19 @@ pub struct ClipFrames {
     pub frames: Vec<ClipFrame>,
 }
 
-/// A clip in short: which pictures it goes from and to.
+/// The first and the last picture of a clip.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ClipSpan {
     /// The first picture.
     pub first: FrameRef,
     /// The last picture.
     pub last: FrameRef,
-    /// How many pictures there are, these two included.
+    /// Number of pictures, these two included.
     pub num_pictures: usize,
 }
 
 impl ClipFrames {
-    /// The clip in short; none where it has no picture.
+    /// The first and the last picture; none if there are no pictures.
     #[must_use]
     pub fn span(&self) -> Option<ClipSpan> {
         let (first, last) = self.frames.first().zip(self.frames.last())?;
@@ -50,14 +50,14 @@ impl ClipFrames {
     }
 }
 
-/// Where so many frames of a video are missing from the document, a clip ends: nothing is carried
-/// that far.
+/// A clip ends where at least this number of consecutive frames of a video is missing from the
+/// document: no camera can be propagated that far.
 const GAP: usize = 300;
 
-/// The clips of a document: the frames of each video, with those between them that the document
+/// The clips of a document: the frames of each video, with the frames in between that the document
 /// leaves out, and the images of each camera and shot in the document's order. Rejected frames
-/// belong to none. `within` leaves out frames of a video with other numbers, and images at other
-/// places.
+/// belong to none. With `within`, only frames of a video with these numbers and images at these
+/// indices count.
 #[must_use]
 pub fn clips(document: DocumentAt<'_>, within: Option<&RangeInclusive<usize>>) -> Vec<ClipFrames> {
     type Key<'a> = (&'a CameraId, Option<&'a Clip>, Option<PathBuf>);
@@ -82,6 +82,8 @@ pub fn clips(document: DocumentAt<'_>, within: Option<&RangeInclusive<usize>>) -
         } else {
             None
         };
+        // Clips are listed in the order in which their first frames appear in the document, not in
+        // that of the map.
         let group = *of_key
             .entry((&frame.camera, frame.clip.as_ref(), video))
             .or_insert(groups.len());
@@ -103,8 +105,8 @@ pub fn clip_of_frame(document: DocumentAt<'_>, index: usize) -> Option<ClipFrame
     clips(document, None).into_iter().find(has_frame)
 }
 
-/// The frames of one video or folder as clips without large gaps, each with the frames that the
-/// document leaves out.
+/// Splits the frames of one video or folder into clips without large gaps, and adds the frames in
+/// between that the document leaves out.
 fn in_time(camera: &CameraId, mut frames: Vec<(usize, FrameRef)>) -> Vec<ClipFrames> {
     let number = |source: &FrameRef| {
         if let FrameRef::Video { index, .. } = source {
@@ -113,10 +115,13 @@ fn in_time(camera: &CameraId, mut frames: Vec<(usize, FrameRef)>) -> Vec<ClipFra
             None
         }
     };
+    // A video is sorted by frame number, of equal numbers the first in the document is kept. Images
+    // have no number and keep their order.
     frames.sort_by_key(|(place, source)| (number(source), *place));
     frames.dedup_by_key(|(place, source)| number(source).unwrap_or(*place));
     let mut clips: Vec<ClipFrames> = Vec::new();
     for (place, source) in frames {
+        // The frame numbers that the document leaves out before this frame; none for images.
         let between = match (
             number(&source),
             clips.last().and_then(|clip| clip.frames.last()),
@@ -124,6 +129,7 @@ fn in_time(camera: &CameraId, mut frames: Vec<(usize, FrameRef)>) -> Vec<ClipFra
             (Some(index), Some(last)) => number(&last.source).map_or(0..0, |last| last + 1..index),
             _ => 0..0,
         };
+        // A gap of `GAP` frames or more begins a new clip.
         let clip = match clips.last_mut() {
             Some(clip) if between.len() < GAP => clip,
             _ => {

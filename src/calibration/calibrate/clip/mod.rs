@@ -1,5 +1,5 @@
-//! A clip of a document: cameras carried from the frames that are known to all others, adjusted
-//! together.
+//! Tracking of a clip: the cameras of known frames are propagated to all others and adjusted
+//! jointly.
 
 mod anchors;
 mod certainty;

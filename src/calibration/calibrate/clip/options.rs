@@ -1,23 +1,23 @@
-//! How a clip is tracked, and how far that has come.
+//! Options and progress of tracking a clip.
 
 use touchline_vision::track::{AdjustOptions, CarryOptions, FollowOptions};
 
-/// How a clip is tracked.
+/// Options of tracking a clip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackClipOptions {
-    /// How points are followed.
+    /// How points are tracked.
     pub follow: FollowOptions,
-    /// When a frame is not carried on to.
+    /// Where propagation stops.
     pub carry: CarryOptions,
-    /// How all is adjusted.
+    /// Options of the joint adjustment.
     pub adjust: AdjustOptions,
     /// Every n-th frame is aligned to its painted lines; 0 turns this off. Default: 5.
     pub paint_every: usize,
-    /// Whether the motion is smoothed. False by default.
+    /// Whether the motion is smoothed. Default: false.
     pub smooth: bool,
-    /// Whether the focal length of frames that state their lens is sought as in all others, and
-    /// their statement but a start. False by default: it is kept, and pan and tilt alone are
-    /// sought.
+    /// Whether the focal length of frames that state their lens is estimated as in all others,
+    /// beginning at the stated one. Default: false, the stated focal length is fixed and only pan
+    /// and tilt are estimated.
     pub seek_focal: bool,
 }
 
@@ -34,13 +34,13 @@ impl Default for TrackClipOptions {
     }
 }
 
-/// How far it has come.
+/// Progress of tracking a clip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClipProgress {
-    /// Points are followed: frames done, of all.
+    /// Points are being tracked: frames done, of all.
     Following(usize, usize),
-    /// Frames are held to their painted lines: done, of all.
+    /// Frames are being compared with their painted lines: done, of all.
     Painting(usize, usize),
-    /// All frames are adjusted.
+    /// All frames are being adjusted.
     Adjusting,
 }

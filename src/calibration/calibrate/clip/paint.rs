@@ -1,4 +1,4 @@
-//! The painted lines of a clip's frames as further anchors.
+//! The painted lines of a clip's frames as pose priors.
 
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
@@ -8,30 +8,33 @@ use touchline_vision::media::Picture;
 use touchline_vision::paint::{GroundPicture, SnapOptions, check_lines, snap};
 use touchline_vision::track::{PosePrior, PriorSource};
 
-/// A picture of a clip with what covers it.
+/// A picture of a clip with the pixels that are not searched.
 pub(super) struct MaskedPicture {
     pub picture: Picture,
     pub masks: Vec<PixelBox>,
 }
 
-/// What the paint of a picture says about a camera.
+/// The verdict of a picture's paint on a camera.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Painted {
-    /// It is here.
+    /// The camera could be aligned to the paint: here.
     Snapped(PosePrior),
-    /// Not where the camera puts it.
+    /// The paint is not where the camera projects it.
     Contradicts,
-    /// Nothing certain.
+    /// The paint is not decisive.
     Open,
 }
 
-/// Paint is looked for this near to where the points put it, px at 1920 px width.
+/// Paint is searched within this distance of where the points put it, px at 1920 px width.
 const REACH_PX: f64 = 16.0;
 
-/// Frames that show the same err by the same where one source speaks for them: the unevenness of
-/// paint stays, and all answers of a forest repeat the errors of the references that they were read
-/// off. Together they say no more than one of them, so each counts for less by as many as show what
-/// it shows. What people clicked errs by itself in each frame.
+/// Reduces the weight of priors whose errors are common.
+///
+/// Frames that show the same part of the field have the same error if they rely on the same source:
+/// unevenness of the paint stays in place, and all answers of a forest repeat the errors of the
+/// references that it was trained on. Together such frames contain no more information than one of
+/// them, so the information of each is divided by the number of frames that show what it shows.
+/// People's click errors are independent in each frame.
 pub(super) fn share_alike(anchors: &mut [PosePrior], size: ImageSize) {
     for source in [PriorSource::Paint, PriorSource::Proposal] {
         share_alike_of(source, anchors, size);
@@ -45,6 +48,8 @@ fn share_alike_of(source: PriorSource, anchors: &mut [PosePrior], size: ImageSiz
         .map(|anchor| anchor.ptz)
         .collect();
     for anchor in anchors.iter_mut().filter(|anchor| anchor.source == source) {
+        // A sum of overlaps, not a count: it changes smoothly with the cameras and includes the
+        // frame itself (1).
         let alike: f64 = cameras
             .iter()
             .map(|other| overlap(anchor.ptz, *other, size))
@@ -53,9 +58,12 @@ fn share_alike_of(source: PriorSource, anchors: &mut [PosePrior], size: ImageSiz
     }
 }
 
-/// How much of what a camera sees another one sees as large: 1 for the same camera.
+/// The share of a camera's picture that another one shows at nearly the same scale: 1 for the same
+/// camera, 0 from a factor of two in focal length.
 fn overlap(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
     let across = other.pan.turn_from(one.pan).radians() * one.tilt.radians().cos();
+    // Each factor falls linearly from 1 to 0: displacement in x by one picture width, in y by one
+    // height, and a zoom by the factor two.
     let apart = [
         across / f64::from(size.width),
         (other.tilt - one.tilt).radians() / f64::from(size.height),
@@ -66,13 +74,14 @@ fn overlap(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
 }
 
 impl Painted {
-    /// What the paint of a frame's picture says about a camera.
+    /// The verdict of the paint of a frame's picture on a camera.
     pub fn from_picture(
         MaskedPicture { picture, masks }: &MaskedPicture,
         field: &FieldModel,
         base: &CameraBase,
         (frame, ptz): (usize, Ptz),
     ) -> Self {
+        // Clicks take no part: they are in the clip's priors already.
         let ground = GroundPicture::new(picture, masks);
         let options = SnapOptions {
             reach_px: REACH_PX,
@@ -87,6 +96,7 @@ impl Painted {
                 PriorSource::Paint,
             ));
         }
+        // Paint that cannot be aligned to may still show that the camera is wrong.
         let check = check_lines(&ground, field, &PtzCamera::new(*base, ptz));
         if check.verdict() == LineVerdict::Contradicts {
             Self::Contradicts

@@ -1,5 +1,5 @@
-//! The pictures of a clip: read in order, points followed through them, and their paint asked about
-//! cameras.
+//! The pictures of a clip: reading in order, tracking points through them, and searching their
+//! paint.
 
 use super::error::TrackClipError;
 use super::evidence::{ClipEvidence, FollowedPictures};
@@ -24,7 +24,7 @@ pub(super) struct ClipPictures<'a> {
 }
 
 impl ClipPictures<'_> {
-    /// A frame's picture, with its masks.
+    /// A frame's picture with its masks.
     pub fn read_masked(
         &self,
         reader: &mut dyn ReadFrames,
@@ -41,7 +41,7 @@ impl ClipPictures<'_> {
         self.checked(source, reader.read(source))
     }
 
-    /// A picture of the clip, if it could be read and is as large as the others.
+    /// A picture of the clip, if it could be read and has the size of the others.
     fn checked(
         &self,
         source: &FrameRef,
@@ -59,8 +59,8 @@ impl ClipPictures<'_> {
         })
     }
 
-    /// What gives no points in a frame. One that the document leaves out has the masks of the frame
-    /// before.
+    /// The pixels of a frame that give no points. A frame that the document leaves out has the
+    /// masks of the frame before.
     fn masks(&self, frame: usize) -> Vec<PixelBox> {
         let before = self.clip.frames[..=frame]
             .iter()
@@ -72,7 +72,7 @@ impl ClipPictures<'_> {
             .unwrap_or_default()
     }
 
-    /// The points of all pictures.
+    /// Point tracks through all pictures, from `evidence` if it has them.
     pub fn follow_points(
         &self,
         reader: &mut dyn ReadFrames,
@@ -92,6 +92,7 @@ impl ClipPictures<'_> {
         let masks: Vec<_> = (0..self.clip.frames.len())
             .map(|frame| self.masks(frame))
             .collect();
+        // The same pictures and options give the same points.
         if let Some(tracks) = evidence.tracks(&pictures, &masks) {
             return Ok(tracks);
         }
@@ -100,8 +101,8 @@ impl ClipPictures<'_> {
         Ok(tracks)
     }
 
-    /// The points of all pictures, read one after the other; while one picture's are followed the
-    /// next is read.
+    /// Tracks points through all pictures, which are read in order. While points are tracked in one
+    /// picture, the next is read.
     fn follow_afresh(
         &self,
         reader: &mut dyn ReadFrames,
@@ -123,6 +124,7 @@ impl ClipPictures<'_> {
             };
             let picture = self.checked(&source, picture)?;
             let mut ended: Result<usize, TrackError> = Ok(0);
+            // Decoding the next picture overlaps with tracking through this one.
             next = frames.next_during(|| ended = follower.add(&picture, masks));
             ended?;
         }
@@ -132,8 +134,8 @@ impl ClipPictures<'_> {
         Ok(follower.finished())
     }
 
-    /// What the paint of some frames says about their cameras. What it said about cameras like
-    /// these before is not asked again.
+    /// The verdicts of the paint of some frames on their cameras. Verdicts on nearby cameras in
+    /// `evidence` are reused.
     pub fn ask_paint(
         &self,
         reader: &mut dyn ReadFrames,
@@ -164,10 +166,10 @@ impl ClipPictures<'_> {
     }
 }
 
-/// Reports how far a clip has come.
+/// Reports the progress of a clip.
 ///
 /// # Errors
-/// [`TrackClipError::Stopped`] if the receiver ends the tracking.
+/// [`TrackClipError::Stopped`] if the receiver cancels the tracking.
 pub(super) fn report(
     progress: &Progress<'_, ClipProgress>,
     step: ClipProgress,

@@ -9,14 +9,14 @@ use touchline_documents::document::{
     Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
 };
 
-/// The code of a warning that a camera carried from before and one carried from after differ.
+/// The code of a warning that the cameras propagated from before and from after differ.
 pub const SIDES_DIFFER: &str = "sides_differ";
 
-/// The key under which a smoothed frame keeps its camera as it was before.
+/// The key under which a smoothed frame keeps its camera from before smoothing.
 const RAW: &str = "raw_ptz";
 
 /// Writes the cameras of a tracked clip into its frames, as suggestions. Frames that people decided
-/// on keep everything but, where the motion was smoothed, their numbers.
+/// on keep everything except, where the motion was smoothed, pan, tilt and focal length.
 pub fn record_tracked(document: &mut Document, tracked: &TrackedClip) {
     for of_frame in &tracked.frames {
         if let Some(frame) = document.frames.get_mut(of_frame.place) {
@@ -34,7 +34,7 @@ pub fn record_tracked(document: &mut Document, tracked: &TrackedClip) {
     }
 }
 
-/// Keeps a camera as it was before it was smoothed.
+/// Keeps the camera from before smoothing, unless an earlier one is there already.
 fn keep_raw(solution: &mut Solution, base: &CameraBase, raw: Ptz) {
     let lens = Some(PtzCamera::new(*base, raw).lens()).filter(|lens| !lens.is_none());
     if let Ok(raw) = serde_json::to_value(FramePtz::new(raw, lens)) {
@@ -42,13 +42,14 @@ fn keep_raw(solution: &mut Solution, base: &CameraBase, raw: Ptz) {
     }
 }
 
-/// Writes the camera that was carried to a frame into it, as a suggestion.
+/// Writes a tracked camera into its frame, as a suggestion.
 pub(crate) fn record_tracked_frame(frame: &mut Frame, clip: &TrackedClip, tracked: &TrackedFrame) {
     let base = frame.base_from(&clip.base);
     let camera = PtzCamera::new(base, tracked.ptz);
     frame.point(tracked.ptz, camera.lens());
     frame.status = FrameStatus::Suggested;
-    // Of a camera that the paint contradicts nobody knows how far it is off.
+    // Where the paint contradicts the camera, the covariance does not describe its error and is not
+    // stored.
     let known = (!tracked.contradicted).then_some(&tracked.uncertainty);
     let mut solution = Solution {
         covariance: known.map(Uncertainty::ptz_covariance_deg),

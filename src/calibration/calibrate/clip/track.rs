@@ -1,5 +1,6 @@
-//! Cameras of a clip's frames from those that are known: points followed, carried, adjusted, held
-//! to the paint, smoothed.
+//! Cameras of all frames of a clip from the cameras that are known: tracks points, propagates the
+//! known cameras along them, adjusts all frames jointly with the painted lines, and smooths the
+//! motion on request.
 
 use super::anchors::anchors;
 use super::certainty::{
@@ -25,79 +26,80 @@ use touchline_vision::track::{
     Unsmoothed, carry, smooth,
 };
 
-/// Where the field is as long as it is taken for, less of a picture's paint lies on no line: at
-/// most 0.17 in 568 frames of three broadcasts. Where the circle lay 40 to 130 px off, 0.3 to 0.9
-/// did.
+/// Above this share of paint on no line, the assumed length of the field is suspect. With the right
+/// length it was at most 0.17 in 568 frames of three broadcasts. Where the centre circle lay 40 to
+/// 130 px off, it was 0.3 to 0.9.
 const RIGHT_UNEXPLAINED: f64 = 0.2;
 
-/// A frame of the document whose camera was carried there.
+/// A frame of the document to which a camera was propagated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackedFrame {
-    /// Its place in the document.
+    /// Its index in the document.
     pub place: usize,
     /// Pan, tilt, focal length.
     pub ptz: Ptz,
-    /// The same before it was smoothed; none where nothing was smoothed.
+    /// Pan, tilt and focal length before smoothing; none where nothing was smoothed.
     pub raw: Option<Ptz>,
-    /// How far it is to be trusted.
+    /// The uncertainty of the camera.
     pub uncertainty: Uncertainty,
-    /// How probable it is that its overlay is right within 10 px at 1920 px width.
+    /// The probability that its overlay is right within 10 px at 1920 px width.
     pub confidence: f64,
-    /// How far apart the cameras carried here from before and from after are, px; none where it was
-    /// reached from one side, or where the painted lines decide.
+    /// Distance between the cameras propagated from the known frame before and from the one after,
+    /// px; none where only one side reached the frame, or where the painted lines decide.
     pub apart_px: Option<f64>,
-    /// Whether its painted lines contradict.
+    /// Whether the painted lines contradict the camera.
     pub contradicted: bool,
-    /// 1-σ by which the lines of the field's middle may lie off, because nobody has measured its
-    /// length, px; none where it is known, or hardly matters here.
+    /// 1-σ of the projected lines of the field's middle due to an unmeasured field length, px; none
+    /// where the length is known or hardly matters here.
     pub length_px: Option<f64>,
 }
 
-/// A frame that a person decided on, on the smoothed motion as far as its own 1-σ allows.
+/// A frame that a person decided on, moved towards the smoothed motion by at most its own 1-σ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovedReference {
-    /// Its place in the document.
+    /// Its index in the document.
     pub place: usize,
     /// Pan, tilt, focal length.
     pub ptz: Ptz,
-    /// The same as it was.
+    /// The same before it was moved.
     pub raw: Ptz,
 }
 
-/// Where carrying stopped.
+/// A picture that propagation could not reach.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClipStop {
-    /// The picture that could not be reached.
+    /// The file, and its frame.
     pub picture: String,
-    /// Points that could be followed into it.
+    /// Points that could be tracked into it.
     pub seen: usize,
-    /// Those of them that one turn and one zoom explain.
+    /// Those of them that one rotation and one zoom explain.
     pub agreeing: usize,
 }
 
-/// What came of a clip.
+/// The result of tracking a clip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackedClip {
     /// The base of its camera.
     pub base: CameraBase,
-    /// The document's frames that were reached and that nobody decided on, in the order of time.
+    /// The frames of the document that were reached and that no person decided on, in order of
+    /// time.
     pub frames: Vec<TrackedFrame>,
-    /// Frames that people decided on; none unless the motion is smoothed.
+    /// Frames that people decided on; empty unless the motion is smoothed.
     pub references: Vec<MovedReference>,
-    /// Frames of the document that nobody decided on, that have no camera and that were not
-    /// reached, by their places.
+    /// Frames of the document that were not reached, have no camera and were not decided on by a
+    /// person, by their indices.
     pub missed: Vec<usize>,
-    /// How many frames keep the camera that they had, because their paint speaks more for it than
-    /// for the one that was carried there.
+    /// Number of frames that keep their earlier camera because it explains their paint better than
+    /// the tracked one.
     pub kept: usize,
-    /// Where carrying stopped.
+    /// Where propagation stopped.
     pub stops: Vec<ClipStop>,
-    /// 1-σ of a followed point, px.
+    /// 1-σ of a tracked point, px.
     pub sigma_px: f64,
-    /// By how much the points are taken as less exact, so that what is known holds; far above 1 the
-    /// base or its lens is off.
+    /// Factor by which the covariance of the points was inflated so that the known cameras prevail.
+    /// Far above 1, the base or its lens is wrong.
     pub widened: f64,
-    /// Pictures held to their painted lines.
+    /// Number of pictures aligned to their painted lines.
     pub painted: usize,
     /// How unsteady the cameras are from picture to picture.
     pub jitter: Option<Jitter>,
@@ -105,12 +107,14 @@ pub struct TrackedClip {
     pub raw_jitter: Option<Jitter>,
 }
 
-/// Carries the known cameras of a clip to its other frames. Frames that people decided on keep
-/// their cameras. What the pictures say goes into `evidence`; what it holds of the same pictures
-/// already is not looked for again.
+/// Tracks the known cameras of a clip to its other frames. Frames that people decided on keep their
+/// cameras. Tracked points and paint are added to `evidence`; what it already contains for the same
+/// pictures is not computed again.
 ///
 /// # Errors
-/// [`TrackClipError`]: its camera has no base, no frame has a camera, a picture cannot be read, or it was stopped.
+/// [`TrackClipError`]: the clip's camera has no base, no frame has a camera, a picture cannot be
+/// read or has another size, points cannot be tracked, the known cameras do not determine the
+/// others, or the tracking was cancelled.
 pub fn track_clip(
     at: DocumentAt<'_>,
     clip: &ClipFrames,
@@ -121,6 +125,8 @@ pub fn track_clip(
     progress: &Progress<'_, ClipProgress>,
 ) -> Result<TrackedClip, TrackClipError> {
     let document = at.document;
+    // The base and the picture size are those of the clip's camera; lenses that frames state
+    // override the base's lens frame by frame.
     let camera = document
         .cameras
         .iter()
@@ -136,12 +142,14 @@ pub fn track_clip(
             camera: clip.camera.to_string(),
         })?;
     let camera = ClipCamera::with_lenses(base, known_lenses(at, clip, &base, options));
+    // Pose priors: the frames whose cameras are already known.
     let known = anchors(document, clip, field, &camera);
     if known.is_empty() {
         return Err(TrackClipError::NothingKnown {
             frames: clip.frames.len(),
         });
     }
+    // Track points, propagate the priors along them to initialise all frames, then adjust jointly.
     let pictures = ClipPictures { at, clip, size };
     let tracks = pictures.follow_points(reader, options.follow, evidence, progress)?;
     evidence.with_camera(&camera);
@@ -170,6 +178,9 @@ pub fn track_clip(
         unexplained,
         is_of_other_field,
     } = judged;
+    // The field's length is uncertain where it was only assumed, or where the paint contradicts the
+    // stated one. `UnseenLength` then finds which end of the field the known cameras saw; priors
+    // that the paint contradicts say nothing about it.
     let is_length_open = *spec.size() == FieldSize::Assumed || is_of_other_field;
     let open = spec
         .template(at.folder)
@@ -188,6 +199,8 @@ pub fn track_clip(
         .iter()
         .map(|frame| frame.map(|frame| frame.ptz))
         .collect();
+    // Smoothing changes the focal length of all frames; a frame that states its lens gets its own
+    // back.
     let mut smoothed = if options.smooth {
         smoothed(at, clip, &adjusted)
     } else {
@@ -210,6 +223,7 @@ pub fn track_clip(
         raw_jitter: Jitter::of(&raw).filter(|_| options.smooth),
     };
     let witnesses = BaseWitnesses::new(raw.iter().copied().zip(&paint), size);
+    // No tracked frame is more certain than the most certain prior.
     let certain = known
         .iter()
         .map(|(_, confidence)| *confidence)
@@ -221,6 +235,8 @@ pub fn track_clip(
         else {
             continue;
         };
+        // A frame that a person decided on keeps its camera, unless the motion is smoothed: then it
+        // follows by at most 1 σ of its prior.
         if !document_frame.is_open() {
             let anchor = known
                 .iter()
@@ -235,6 +251,8 @@ pub fn track_clip(
             ));
             continue;
         }
+        // The uncertainty of the frame: its part of the joint covariance, the error common to all
+        // frames, and the base's.
         let reached = smoothed[frame]
             .zip(adjusted.frames[frame])
             .and_then(|(ptz, adjusted)| {
@@ -253,19 +271,25 @@ pub fn track_clip(
                 .extend(document_frame.ptz.is_none().then_some(place));
             continue;
         };
+        // The confidence is a product of three factors: of the best prior, of this camera's
+        // overlay, and of the field's length. Where the paint agrees, a disagreement between the
+        // two directions of propagation is settled.
         let apart_px = carried.apart_px[frame].filter(|_| paint[frame] != PaintVerdict::Agrees);
-        // A line that lies beside its paint leaves that paint unexplained.
+        // A wrong length shows as unexplained paint, because its lines lie beside their paint.
+        // Frames without such paint are not affected.
         let of_frame = unseen
             .as_ref()
             .filter(|_| unexplained[frame] > RIGHT_UNEXPLAINED);
         let by_length_px = of_frame.map_or(0.0, |unseen| unseen.sigma_px(camera.ptz(), size));
         let of_length = match paint[frame] {
-            // It lies beside its paint for that reason already.
+            // The confidence is already reduced for the contradiction, whatever its cause.
             PaintVerdict::Contradicts => 1.0,
             PaintVerdict::Agrees | PaintVerdict::Silent => {
                 certainty_under_length(by_length_px, size)
             }
         };
+        // Paint that agrees here, or in a frame that shows nearly the same, confirms the base in
+        // this direction: its σ then does not count.
         let is_base_shown = paint[frame] == PaintVerdict::Agrees || witnesses.show(camera.ptz());
         let of_camera = if is_base_shown {
             uncertainty.with_exact_base()
@@ -292,7 +316,8 @@ pub fn track_clip(
     Ok(tracked)
 }
 
-/// The lenses that the frames of a clip state.
+/// The lenses that the frames of a clip state, one entry per frame. With `seek_focal` a stated
+/// focal length is only a start and is not fixed.
 fn known_lenses(
     at: DocumentAt<'_>,
     clip: &ClipFrames,
@@ -325,7 +350,7 @@ fn stops(clip: &ClipFrames, carried: &Carried) -> Vec<ClipStop> {
     carried.stops.iter().map(stop).collect()
 }
 
-/// The adjusted cameras, each stretch without a gap as one motion.
+/// The smoothed cameras. Each run of reached frames without a gap is smoothed as one motion.
 fn smoothed(at: DocumentAt<'_>, clip: &ClipFrames, adjusted: &AdjustedClip) -> Vec<Option<Ptz>> {
     let is_reference = |frame: usize| {
         let of_document = clip.frames[frame]
@@ -336,6 +361,7 @@ fn smoothed(at: DocumentAt<'_>, clip: &ClipFrames, adjusted: &AdjustedClip) -> V
     let mut smoothed = vec![None; adjusted.frames.len()];
     let mut frame = 0;
     while frame < smoothed.len() {
+        // A frame that was not reached ends a run: across the gap the motion is not known.
         let stretch: Vec<Unsmoothed> = adjusted.frames[frame..]
             .iter()
             .map_while(|adjusted| *adjusted)
