@@ -138,14 +138,13 @@ impl LineEvidence {
         }
         for (proposal, found) in proposals.iter_mut().zip(found) {
             let PaintAnswer { snapped, earlier } = found.unwrap_or_default();
-            let scale = at
-                .document
-                .frames
-                .by_id(&proposal.frame)
-                .map_or(1.0, |frame| frame.image_size.scale_from_1920());
-            let Ok(answer) = &mut proposal.outcome else {
+            let (Some(frame), Ok(answer)) = (
+                at.document.frames.by_id(&proposal.frame),
+                &mut proposal.outcome,
+            ) else {
                 continue;
             };
+            let (image_size, scale) = (frame.image_size, frame.image_size.scale_from_1920());
             // The aligned camera replaces the answer if it reaches the confidence by itself; if the
             // answer did not, it must also be supported and close to it.
             let refused = weigh(answer, scale, min_confidence);
@@ -153,7 +152,7 @@ impl LineEvidence {
                 let stands = weigh(snapped, scale, min_confidence).is_none();
                 stands
                     && (refused.is_none()
-                        || is_borne_out(snapped, answer, proposal.asked.base.as_ref(), scale))
+                        || is_borne_out(snapped, answer, proposal.asked.base.as_ref(), image_size))
             };
             if let Some(snapped) =
                 snapped.and_then(|mut snapped| is_better(&mut snapped).then_some(snapped))
@@ -256,20 +255,21 @@ fn on_paint(
 
 /// Whether the paint supports an aligned answer that lies within [`BESIDE_PX`] of the original, so
 /// that it counts as the same answer.
-fn is_borne_out(snapped: &Answer, answer: &Answer, base: Option<&CameraBase>, scale: f64) -> bool {
+fn is_borne_out(
+    snapped: &Answer,
+    answer: &Answer,
+    base: Option<&CameraBase>,
+    image_size: ImageSize,
+) -> bool {
     let (Some(base), Some(check)) = (base, &snapped.line_check) else {
         return false;
     };
-    let size = ImageSize::new(
-        (1920.0 * scale).round() as u32,
-        (1080.0 * scale).round() as u32,
-    );
     let apart_px = overlays_apart_px(
         &PtzCamera::new(*base, answer.ptz.ptz()),
         snapped.ptz.ptz(),
-        size,
+        image_size,
     );
-    check.verdict() == LineVerdict::Supports && apart_px <= BESIDE_PX * scale
+    check.verdict() == LineVerdict::Supports && apart_px <= BESIDE_PX * image_size.scale_from_1920()
 }
 
 /// The picture of a frame, without its masked pixels.
