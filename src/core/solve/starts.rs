@@ -11,7 +11,7 @@
 //! Starts are ranked by a robust cost over *all* observations, so that one misnamed landmark spoils
 //! the pairs that it is part of and no others; the best distinct ones are refined (`refine.rs`) and
 //! compared (`frame.rs`). Cameras that are known from elsewhere (a prior, the previous solution,
-//! neighbouring frames) stand in where the clicks give none.
+//! neighbouring frames) are used where the clicks give none.
 
 use super::one_point::pan_tilt_from_one_point;
 use super::refine::{cost, refine};
@@ -112,8 +112,7 @@ fn landmark_clicks(observations: &[Observation]) -> Vec<LandmarkClick> {
     observations.iter().filter_map(landmark_click).collect()
 }
 
-/// What is known of the camera without the clicks: a prior, the previous solution, neighbouring
-/// frames.
+/// Cameras known without the clicks: from a prior, the previous solution, or neighbouring frames.
 fn known_cameras(context: &SolveContext) -> Vec<Ptz> {
     let prior = context.prior.iter().map(|prior| prior.ptz);
     prior
@@ -215,6 +214,7 @@ fn sweep_focal_length(
     }
     let mut minima = Vec::new();
     for (index, start) in swept.iter().enumerate() {
+        // The ends of the range count as minima if the cost falls towards them.
         let falls_to = index == 0 || swept[index - 1].cost >= start.cost;
         let rises_from = swept
             .get(index + 1)
