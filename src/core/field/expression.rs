@@ -1,4 +1,5 @@
-//! Arithmetic over a template's parameters, such as `length_m/2 - 16.5`: data, never code.
+//! Arithmetic expressions over a template's parameters, such as `length_m/2 - 16.5`, parsed by
+//! recursive descent. They are data and cannot run code.
 //!
 //! Grammar: `sum = product (("+" | "-") product)*`, `product = factor (("*" | "/") factor)*`,
 //! `factor = "-" factor | number | name | "sqrt" "(" sum ")" | "(" sum ")"`.
@@ -7,9 +8,9 @@ use std::collections::BTreeMap;
 use std::fmt;
 use thiserror::Error;
 
-/// Longer expressions are refused; it also bounds the depth of the tree.
+/// Maximum length of an expression, which also bounds the depth of the tree.
 const MAX_CHARACTERS: usize = 400;
-/// Parentheses and signs may be nested this deep.
+/// Maximum nesting depth of parentheses and signs, which bounds the recursion of the parser.
 const MAX_DEPTH: usize = 32;
 
 /// What is wrong with an expression; positions count characters from 1.
@@ -299,7 +300,7 @@ impl Parser {
         })
     }
 
-    /// Operands joined by operators of one rank, from left to right.
+    /// Operands joined by operators of one precedence, left-associative.
     fn chain(
         &mut self,
         depth: usize,

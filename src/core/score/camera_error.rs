@@ -1,18 +1,18 @@
-//! Errors of a camera's own numbers.
+//! Errors of a camera's parameters.
 
 use crate::camera::{PanTilt, PtzCamera};
 use crate::geometry::rotation::angle_between;
 use crate::geometry::{Angle, ImageSize, Vec3};
 use serde::Serialize;
 
-/// What an estimated camera's numbers err by: estimate less truth.
+/// The errors of an estimated camera's parameters: estimate minus truth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CameraError {
     /// The angle between the two rotations from `world` to `cam`; never negative. Roll counts as
     /// well.
     #[serde(rename = "rotation_deg")]
     pub rotation: Angle,
-    /// Pan of the optical axis, both seen in the truth's base: bases may differ.
+    /// Pan of the optical axis, both axes in the truth's base, because the bases may differ.
     #[serde(rename = "pan_deg")]
     pub pan: Angle,
     /// Tilt of the optical axis, likewise.
