@@ -19,11 +19,11 @@ pub const CHECK_MISFIT: f64 = 2.0;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// No contradiction and a small uncertainty.
+    /// Nothing speaks against it.
     Good,
-    /// The user should check it before accepting it.
+    /// Look at it before accepting it.
     Check,
-    /// The clicks contradict each other, the base or a check click.
+    /// Something in it contradicts something else.
     Wrong,
 }
 
