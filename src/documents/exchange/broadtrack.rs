@@ -22,7 +22,8 @@ use touchline_core::geometry::{ImageSize, Vec3};
 /// The format.
 pub struct BroadTrack;
 
-/// (height / f)²: the unit of their distortion coefficients.
+/// (height / f)²: the factor from k₁ to their first distortion coefficient; its square is that of
+/// k₂.
 fn unit(pinhole: &Pinhole, size: ImageSize) -> f64 {
     (f64::from(size.height) / pinhole.focal_px).powi(2)
 }

@@ -1,10 +1,10 @@
-//! `OpenTrackIO` 1.0.1: a sample a line, a frame each.
+//! `OpenTrackIO` 1.0.1: one sample per line and frame.
 //!
 //! World and metres are ours; angles about Z, X, Y with pan positive to the *left*. Focal length,
-//! offsets and distortion are in mm of the sensor; any width gives the same picture as long as it
-//! stands beside them, so an unknown one is a nominal 9.6 mm and the notes say so. Distortion model
-//! `Brown-Conrady U-D` is ours exactly: `radial` = [k1/F², 0, k2/F⁴, 0] (numerator and denominator
-//! alternate). Source: SMPTE/ris-osvp-metadata-camdkit (schema and documentation).
+//! offsets and distortion are in mm of the sensor. Any sensor width gives the same picture as long
+//! as it is stated, so an unknown width is written as a nominal 9.6 mm, and the notes say so. The
+//! distortion model `Brown-Conrady U-D` equals ours: `radial` = [k1/F², 0, k2/F⁴, 0] (numerator and
+//! denominator alternate). Source: SMPTE/ris-osvp-metadata-camdkit (schema and documentation).
 
 use super::body_angles::{angles_deg, cam_from_world, world_from_body};
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
@@ -25,14 +25,14 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3, hex};
 /// The format.
 pub struct OpenTrackIo;
 
-/// The width of a sensor that nobody knows, mm.
+/// The width that is written for an unknown sensor, mm.
 const NOMINAL_MM: f64 = 9.6;
-/// The static part is repeated after so many seconds.
+/// The interval at which the static part is repeated, s.
 const REPEAT_SECONDS: f64 = 2.0;
-/// The distortion model that is ours.
+/// The name of the distortion model that equals ours.
 const MODEL: &str = "Brown-Conrady U-D";
 
-/// An id that follows from what it is of.
+/// A reproducible id, from a hash of what it identifies.
 fn urn(of: &str) -> String {
     let digest = hex(&Sha256::digest(of.as_bytes()));
     format!(
@@ -160,7 +160,8 @@ fn sample(
     sample
 }
 
-/// The sensor's width (mm) and the size of the picture, which only some samples carry.
+/// The sensor's width (mm) and the size of the picture, which only some samples contain; the last
+/// ones read remain valid.
 #[derive(Clone, Copy, Default)]
 struct Static {
     sensor_mm: Option<f64>,
@@ -185,7 +186,8 @@ impl Static {
     }
 }
 
-/// The camera's place and the rotation of its body, all transforms composed.
+/// The rotation and position (m) of the camera's body in the world: all transforms composed, in the
+/// order of the file.
 fn pose(root: &Node<'_>) -> Result<(Mat3, Vec3), Problem> {
     let mut rotation = Mat3::identity();
     let mut place = Vec3::zeros();
@@ -208,7 +210,7 @@ fn pose(root: &Node<'_>) -> Result<(Mat3, Vec3), Problem> {
     Ok((rotation, place))
 }
 
-/// What samples may say of a picture that is not read.
+/// Entries that affect the picture and are not read.
 const UNREAD: [&[&str]; 7] = [
     &["static", "camera", "anamorphicSqueeze"],
     &["static", "lens", "distortionOverscanMax"],
@@ -221,7 +223,7 @@ const UNREAD: [&[&str]; 7] = [
 /// The version that is read.
 const VERSION: [f64; 3] = [1.0, 0.0, 1.0];
 
-/// What a sample says that changes the picture and is not read.
+/// The entries of a sample that affect the picture and are not read.
 fn unread_of_sample(root: &Node<'_>) -> BTreeSet<String> {
     let find = |path: &[&str]| {
         path.iter()
@@ -247,7 +249,7 @@ fn unread_of_sample(root: &Node<'_>) -> BTreeSet<String> {
     unread
 }
 
-/// Whether a value changes nothing: an offset of zero, a scale of one.
+/// Whether a value has no effect: an offset of zero, a scale of one.
 fn is_neutral(value: &Value) -> bool {
     match value {
         Value::Object(parts) => match (parts.get("num"), parts.get("denom")) {
