@@ -35,7 +35,7 @@ pub struct AuthorsFolder {
     pub field_yd: [f64; 2],
     /// The model of the field that was found; none if the size is the given one.
     pub field_model: Option<PathBuf>,
-    /// The farthest that a frame's full camera is turned from the base turned by its pan and tilt.
+    /// The largest angle between a frame's full camera and the base with its pan and tilt.
     pub worst_turn: Angle,
 }
 
@@ -185,7 +185,7 @@ fn add(document: &mut Document, sequence: &AuthorsSequence, folder: &Path, middl
         .iter()
         .map(|frame| sequence.image_path(&frame.image))
         .collect();
-    // Without images the principal point says how large they are: it is their middle.
+    // Without images, the picture size is twice the principal point, which is their middle.
     let middle = sequence.base_from_corner.principal_point;
     let told = ImageSize::new((2.0 * middle.x - 1.0) as u32, (2.0 * middle.y - 1.0) as u32);
     let size = images
