@@ -163,9 +163,9 @@ impl BaseSigma {
     }
 
     /// The most likely error of all shared parameters, given an error of the position (m): the
-    /// conditional mean C[·, p] C[p, p]⁻¹ e of the joint Gaussian, so that rotation and lens follow
-    /// the position as they are correlated with it. Where the position is exactly known, nothing
-    /// else changes.
+    /// conditional mean `C_xp C_pp⁻¹ e` of the joint Gaussian (`C_pp`: covariance of the position,
+    /// `C_xp`: of all parameters with it), so that rotation and lens follow the position as they
+    /// are correlated with it. Where the position is exactly known, nothing else changes.
     #[must_use]
     pub fn following_position(&self, error_m: Vec3) -> SharedError {
         let covariance = self.covariance();

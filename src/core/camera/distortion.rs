@@ -1,6 +1,6 @@
 //! Radial distortion on normalised coordinates, and its inverse.
 //!
-//! Brown's model maps the ideal point to the distorted one, as in OpenCV: `x_d` = `x_n` (1 + k₁ r²
+//! Brown's model, as in OpenCV, maps the ideal point to the distorted one: `x_d` = `x_n` (1 + k₁ r²
 //! + k₂ r⁴), r = |`x_n`|. In a zoom lens k₁ depends on the focal length, so a camera has a curve of
 //! k₁ over f instead of one number.
 //!

@@ -127,8 +127,8 @@ fn scale<const N: usize>(pairs: &[[f64; N]], first: f64) -> f64 {
     sigma
 }
 
-/// n times the variance of the estimate over σ², from the pairs themselves: Huber's sandwich E[ψ²]
-/// / E[ψ']², where the coordinates of a pair are summed before squaring because they may be
+/// n times the variance of the estimate over σ², from the pairs themselves: Huber's sandwich `E[ψ²]
+/// / E[ψ']²`, where the coordinates of a pair are summed before squaring because they may be
 /// correlated.
 fn variance<const N: usize>(pairs: &[[f64; N]], sigma: f64) -> f64 {
     let (mut squares, mut slope) = (0.0, 0.0);

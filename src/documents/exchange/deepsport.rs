@@ -19,7 +19,7 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 /// The format.
 pub struct DeepSport;
 
-/// Centimetres a metre.
+/// Centimetres per metre.
 const CM: f64 = 100.0;
 
 fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Problem> {

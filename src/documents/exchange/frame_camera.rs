@@ -276,7 +276,7 @@ impl Pinhole {
     }
 
     /// The homography from the ground (z = 0; x, y in m, 1) to the picture (px) without distortion:
-    /// K [r₁ r₂ t].
+    /// `K [r₁ r₂ t]`.
     #[must_use]
     pub fn image_from_ground(&self) -> Mat3 {
         let calibration = Mat3::new(
