@@ -1,4 +1,4 @@
-//! The base: what stays constant while the camera pans, tilts and zooms.
+//! The base: the parameters that are constant while the camera pans, tilts and zooms.
 
 use super::{BaseSigma, FocalCurve};
 use crate::geometry::rotation::{q_pan, rotation_vector};

@@ -348,7 +348,8 @@ impl BaseCorrelation {
         can_be.then_some(of_errors)
     }
 
-    /// The rows of the whole matrix; of the first five parameters where the others go with nothing.
+    /// The rows of the whole matrix, or only those of the first five parameters if the others are
+    /// uncorrelated.
     #[must_use]
     pub fn rows(&self) -> Vec<Vec<f64>> {
         let matrix = self.matrix();

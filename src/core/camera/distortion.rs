@@ -1,8 +1,8 @@
 //! Radial distortion on normalised coordinates, and its inverse.
 //!
-//! Brown's model, as in OpenCV, maps the ideal point to the distorted one: `x_d` = `x_n` (1 + k₁ r²
-//! + k₂ r⁴), r = |`x_n`|. In a zoom lens k₁ depends on the focal length, so a camera has a curve of
-//! k₁ over f instead of one number.
+//! Brown's model of the distorted point: `x_d` = `x_n` (1 + k₁ r² + k₂ r⁴), with the ideal point
+//! `x_n` and r = |`x_n`|, as in OpenCV. In a zoom lens k₁ depends on the focal length, so a camera
+//! has a curve of k₁ over f instead of one number.
 //!
 //! With k₂ = 0 a barrel lens (k₁ < 0) folds: beyond some radius the distorted radius decreases
 //! again, and such points count as having no image. k₂ = α k₁² has no fold where α > 9/20, since

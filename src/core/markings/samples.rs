@@ -5,13 +5,13 @@ use crate::camera::PtzCamera;
 use crate::field::{Curve, FieldModel};
 use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 
-/// How painted lines are sampled.
+/// Options of the sampling of painted lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleOptions {
     /// The distance between neighbouring samples of a line, px. Default 8.
     pub spacing_px: f64,
-    /// Samples this near to the picture's border are left out, px; a negative number takes samples
-    /// beyond it. Default 2.
+    /// Samples nearer to the picture's border than this are skipped, px; a negative number includes
+    /// samples beyond it. Default 2.
     pub border_px: f64,
 }
 
@@ -29,16 +29,16 @@ impl Default for SampleOptions {
 pub struct LineSample {
     /// Which line: index into [`FieldModel::lines`].
     pub line: usize,
-    /// The point, `world`, m; the crown is in it.
+    /// The point on the crowned ground, `world`, m.
     pub at: Vec3,
     /// Its image, px.
     pub image: ImagePoint,
     /// The unit normal of the projected line, to its left as the picture shows it (y down).
     pub normal: Vec2,
-    /// How wide the paint is along the normal, px.
+    /// The width of the paint along the normal, px.
     pub width_px: f64,
-    /// Which way leads out of the playing area: 1 along the normal, −1 against it, 0 where both
-    /// sides belong to it.
+    /// The direction out of the playing area: 1 along the normal, −1 against it, 0 where both sides
+    /// belong to it.
     pub outward: f64,
 }
 

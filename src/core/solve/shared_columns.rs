@@ -1,13 +1,13 @@
-//! How a projected point moves with everything that the frames of a camera share.
+//! Derivatives of a projected point by all parameters that the frames of a camera share.
 
 use crate::camera::{PtzCamera, SHARED_COLUMNS};
 use crate::field::Crown;
 use crate::geometry::{Vec2, Vec3};
 use nalgebra::{Matrix2, Matrix2x3, SMatrix};
 
-/// How a projected point moves with everything that frames share, in the order of
-/// [`crate::camera::BaseSigma::root`]: given its derivatives by the base's pose, by k₁, by the
-/// world point and by a shift of the picture.
+/// The derivatives of a projected point by all shared parameters, in the order of
+/// [`crate::camera::BaseSigma::root`], from its derivatives by the base's pose, by k₁, by the world
+/// point and by a shift of the picture.
 pub(super) fn by_shared(
     camera: &PtzCamera,
     by_pose: &SMatrix<f64, 2, 6>,
