@@ -29,6 +29,7 @@ fn unit(pinhole: &Pinhole, size: ImageSize) -> f64 {
 }
 
 fn to_json(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize) -> Value {
+    // SoccerNet's axes and angles.
     let [pan, tilt, roll] = angles_deg(&flipped_world(&pinhole.cam_from_world));
     let position = flipped(pinhole.position_m);
     let (width, unit, Radial { k1, k2 }) =
@@ -108,6 +109,7 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
             why: "the document's lens has k1 and k2 only",
         });
     }
+    // The unit of the coefficients depends on the focal length, which is known only now.
     let (unit, term) = (unit(&pinhole, size), |index: usize| {
         terms.get(index).copied().unwrap_or(0.0)
     });

@@ -154,6 +154,8 @@ fn frame_at(
     let (first, last) = (before.video.as_ref()?, after.video.as_ref()?);
     let share = (number - first.frame_index) as f64 / (last.frame_index - first.frame_index) as f64;
     let (from, to) = (before.ptz.as_ref()?, after.ptz.as_ref()?);
+    // Linear in the frame number; the focal length in its logarithm, so that equal ratios take
+    // equal times.
     let mix = |from: f64, to: f64| from + (to - from) * share;
     let (pan, pan_after) = (from.ptz().pan, to.ptz().pan);
     let ptz = Ptz {

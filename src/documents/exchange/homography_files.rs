@@ -108,6 +108,7 @@ fn hold(
     context: &WriteContext<'_>,
 ) -> Result<FrameCamera, String> {
     let (pinhole, size) = parts(frame)?;
+    // Without distortion and crown the homography is exact: K [r₁ r₂ t]. Else fit it.
     let ideal = Pinhole {
         lens: Radial::default(),
         ..pinhole

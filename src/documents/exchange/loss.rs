@@ -125,6 +125,9 @@ pub fn loss_between(
         worst_frame: String::new(),
         off_ground: 0,
     };
+
+    // Compare the visible points of each frame under the frame's camera and under what is kept of
+    // it.
     let (mut sum, mut count) = (0.0, 0_usize);
     for (frame, kept) in frames.iter().zip(held) {
         let what = differences(frame, kept);

@@ -87,6 +87,8 @@ fn timing(frame: &FrameCamera, context: &WriteContext<'_>) -> Option<Value> {
 
 fn lens(pinhole: &Pinhole, size: ImageSize, sensor_mm: f64) -> Value {
     let mm_per_px = sensor_mm / f64::from(size.width);
+    // Px to mm by the sensor's pixel pitch. The offset is that of the principal point from the
+    // picture's middle.
     let (focal, offset) = (
         pinhole.focal_px * mm_per_px,
         pinhole.principal_point.offset_from(size.centre()) * mm_per_px,
@@ -204,6 +206,7 @@ fn pose(root: &Node<'_>) -> Result<(Mat3, Vec3), Problem> {
         }
         let (t, r) = (transform.key("translation")?, transform.key("rotation")?);
         let number = |node: &Node<'_>, key: &str| node.key(key)?.number();
+        // Each transform is in the axes of the one before.
         place += rotation * Vec3::new(number(&t, "x")?, number(&t, "y")?, number(&t, "z")?);
         rotation *= world_from_body([number(&r, "pan")?, number(&r, "tilt")?, number(&r, "roll")?]);
     }
@@ -338,6 +341,8 @@ fn read_line(
         );
     }
     let pinhole = Pinhole {
+        // The body's axes turn into the camera's. The entrance pupil, which is the centre of
+        // projection, lies ahead of the tracked point along the body's y axis.
         cam_from_world: cam_from_world([0.0; 3]) * body.transpose(),
         position_m: place + body * Vec3::new(0.0, forward, 0.0),
         focal_px: focal_mm / mm_per_px,

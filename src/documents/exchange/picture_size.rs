@@ -34,6 +34,8 @@ pub fn fit_to_picture(
     let Some(stated) = frame.size.filter(|size| *size != picture) else {
         return Some((frame.clone(), 1.0));
     };
+    // A size that the format does not state may simply be wrong; then the camera already belongs to
+    // the picture.
     let is_as_it_is = match source {
         SizeSource::Stated => false,
         SizeSource::PrincipalPoint => has_its_centre_in(frame, picture),

@@ -121,8 +121,7 @@ impl DatasetPlan {
     }
 }
 
-/// Plans a dataset: which frames it holds, what their pictures are called, and how large it
-/// becomes.
+/// Plans a dataset: its frames, the names of their pictures, and its size.
 ///
 /// # Errors
 /// No frame is left, or two pictures would have one name.
@@ -300,7 +299,7 @@ fn refuse_same_names(frames: &[(&Frame, PlannedFrame)]) -> Result<(), ExchangeEr
             .into_iter()
             .flatten()
         {
-            // Two names that differ in case are one file on many systems.
+            // Two names that differ only in case are one file on many systems.
             if let Some(first) = seen.insert(name.to_lowercase(), frame.name()) {
                 return Err(ExchangeError::SameName {
                     name: name.clone(),
