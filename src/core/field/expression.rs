@@ -32,14 +32,14 @@ pub enum ExpressionError {
         /// Where the limit is passed.
         position: usize,
     },
-    /// Something that does not belong there.
+    /// An unexpected character or word.
     #[error("unexpected {found} at position {position}: {wanted} was expected")]
     Unexpected {
         /// The character or word found.
         found: String,
-        /// Where it stands.
+        /// Its position.
         position: usize,
-        /// What could stand there.
+        /// What was expected.
         wanted: &'static str,
     },
     /// A parenthesis is never closed.
@@ -69,7 +69,7 @@ pub enum ExpressionError {
     /// The divisor is zero.
     #[error("division by zero at position {position}")]
     DivisionByZero {
-        /// Where the sign stands.
+        /// The position of the sign.
         position: usize,
     },
     /// The root of a negative number.
@@ -77,7 +77,7 @@ pub enum ExpressionError {
     NegativeRoot {
         /// The number.
         value: f64,
-        /// Where `sqrt` stands.
+        /// The position of `sqrt`.
         position: usize,
     },
     /// The result overflows.

@@ -97,8 +97,8 @@ pub struct FieldLine {
     /// The centre line of the paint (or of the post): `curve` moved by half the width according to
     /// `edge`.
     pub paint_centre: Curve,
-    /// Painted on the ground as one stroke; false for posts, crossbars, nets, boards and rows of
-    /// dashes.
+    /// Whether it is painted on the ground as one continuous line; false for posts, crossbars,
+    /// nets, boards and dashed lines.
     pub painted: bool,
 }
 
@@ -133,7 +133,8 @@ pub enum Curve {
         radius_m: f64,
         /// The direction of the first point, from +x towards +y.
         start: Angle,
-        /// How far it goes, positive from +x towards +y; a full turn is a circle.
+        /// The angle from the first to the last point, positive from +x towards +y; 360° is a
+        /// circle.
         sweep: Angle,
     },
 }

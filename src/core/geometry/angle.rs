@@ -21,7 +21,7 @@ impl Angle {
     /// An angle of zero.
     pub const ZERO: Self = Self { radians: 0.0 };
 
-    /// One whole turn.
+    /// The full circle, 360°.
     pub const TURN: Self = Self {
         radians: std::f64::consts::TAU,
     };

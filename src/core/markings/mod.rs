@@ -1,6 +1,6 @@
 //! The field's markings as a camera sees them: projected, clipped, ready to draw.
 //!
-//! [`project_lines`] turns every line, circle, arc and post of a field into polylines in px, exact
+//! [`project_lines`] projects every line, circle, arc and post of a field to polylines in px, exact
 //! to a stated tolerance, crown and distortion included. They are clipped at the near plane, at the
 //! fold of the distortion and at the picture's border, so that a point behind the camera never
 //! causes a stray line. [`sample_lines`] gives points along the painted lines with their normals

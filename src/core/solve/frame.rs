@@ -330,7 +330,8 @@ fn choose(mut fits: Vec<Fit>, context: &SolveContext) -> Option<(Candidate, Vec<
     Some((chosen, fits.into_iter().map(|fit| fit.candidate).collect()))
 }
 
-/// A held-out click against what the solution predicts for it.
+/// The error of a held-out click, and its Mahalanobis distance under the sum of click noise and the
+/// overlay's covariance at the nearest point of its shape.
 fn check(camera: &PtzCamera, uncertainty: &Uncertainty, observation: &Observation) -> CheckResult {
     let here = observation.shape.jacobian(camera, observation.image);
     let z_score = |here: &ShapeJacobian| {

@@ -85,6 +85,7 @@ impl LossSum {
             self.cost += cost;
             return weight;
         };
+        // Another scale: finish the product of the old one first.
         if self.c != c {
             *self = Self {
                 cost: self.total(),
@@ -92,6 +93,8 @@ impl LossSum {
                 c,
             };
         }
+
+        // Written so that a NaN is added to the cost at once.
         let factor = 1.0 + z_squared / (c * c);
         self.product *= factor;
         if !(self.product < LARGE) {

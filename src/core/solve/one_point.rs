@@ -8,7 +8,7 @@
 //!
 //! This is the solution of the paper's quadratic in tan(pan), but without its division by the
 //! pixel's x, which is zero on the picture's vertical centre line. The other branch of the arcsine
-//! turns the camera upside down.
+//! gives a camera that is upside down.
 
 use crate::camera::{CameraBase, Ptz, PtzCamera, UndistortError};
 use crate::geometry::{Angle, ImagePoint, Vec2, Vec3};
@@ -54,8 +54,8 @@ pub fn pan_tilt_from_one_ray(
     // After the pan, x of the direction must be `u_x`: h sin(α − θ) = `u_x`, with α the direction's
     // own pan.
     let pan = b.x.atan2(b.z) - (u.x / horizontal).asin();
-    // Tilt turns the direction (y, z) = (`b_y`, √(h² − `u_x`²)) to the pixel's. The product form of
-    // h² − u² does not cancel for u near h.
+    // The tilt is the angle from the direction (y, z) = (`b_y`, √(h² − `u_x`²)) to the pixel's. The
+    // product form of h² − u² does not cancel for u near h.
     let ahead = ((horizontal - u.x) * (horizontal + u.x)).sqrt();
     let tilt = u.y.atan2(u.z) - b.y.atan2(ahead);
     Ok((

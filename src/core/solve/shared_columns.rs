@@ -19,9 +19,11 @@ pub(super) fn by_shared(
     let base = camera.base();
     let mut by = SMatrix::<f64, 2, SHARED_COLUMNS>::zeros();
     by.fixed_columns_mut::<6>(0).copy_from(by_pose);
+    // The other columns would be multiplied by a σ of zero.
     if base.sigma.is_of_pose_alone() {
         return by;
     }
+    // k₁ = value + slope (f − f₀) / 1000.
     let kilo_px = (camera.ptz().focal_px - base.distortion.at_focal_px) / 1000.0;
     by.set_column(6, &by_k1);
     by.set_column(7, &(by_k1 * kilo_px));

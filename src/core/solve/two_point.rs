@@ -22,8 +22,8 @@
 //! ```
 //!
 //! A telephoto lens sees rays a degree or less apart. Then d is nearly 1, and in 1 − d² the leading
-//! digits cancel: six of sixteen for pixels 3 px apart at f = 6000 px. Lagrange's identity turns
-//! the differences into products, and this is the form that is evaluated:
+//! digits cancel: six of sixteen for pixels 3 px apart at f = 6000 px. By Lagrange's identity the
+//! differences are products, and this is the form that is evaluated:
 //!
 //! ```text
 //! S = |r₁ × r₂|² = 1 − d²        X = x₁ × x₂, X² = a b − c²        D = |x₁ − x₂|² = a + b − 2c

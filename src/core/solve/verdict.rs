@@ -46,8 +46,8 @@ pub struct Judgement {
     pub reason: String,
 }
 
-/// Judges a solved frame by its check clicks, its names, the contradiction among its clicks, its
-/// warnings and its worst corner, in this order.
+/// The verdict on a solved frame, by its check clicks, its names, the contradiction among its
+/// clicks, its warnings and its worst corner, in this order.
 #[must_use]
 pub fn judge(solution: &FrameSolution, image_size: ImageSize) -> Judgement {
     let judgement = |verdict, reason| Judgement { verdict, reason };

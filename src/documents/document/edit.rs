@@ -294,6 +294,7 @@ fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
         revision: known.revision,
         frame: frame.clone(),
     };
+    // The usual case: frames changed in place.
     if before.len() == after.len()
         && differ
             .iter()
@@ -306,6 +307,9 @@ fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
         );
         return;
     }
+
+    // Otherwise in the order in which edits are applied: changed frames, removed frames, runs of
+    // added frames with their predecessor, and the new order if kept frames moved.
     let known: BTreeMap<&FrameId, &Shared<Frame>> =
         before.iter().map(|frame| (&frame.id, frame)).collect();
     let kept: BTreeSet<&FrameId> = after

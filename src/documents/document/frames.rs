@@ -307,6 +307,9 @@ impl Frames {
             differ.extend(changed.into_iter().filter(has_changed));
             return differ;
         }
+
+        // Walk the chunks of both vectors in parallel; chunks that both share are skipped by their
+        // address.
         let (mut left, mut right) = (self.ordered.leaves(), other.ordered.leaves());
         let (mut a, mut b): (&[Shared<Frame>], &[Shared<Frame>]) = (&[], &[]);
         let mut position = 0;

@@ -400,6 +400,7 @@ fn descend(
                 if !may_look(size) {
                     break;
                 }
+                // The key is at fault if the error changes when it is removed.
                 let mut without = map.clone();
                 without.shift_remove(key);
                 if fails(&Value::Object(without.clone())).as_ref() == Some(&message) {

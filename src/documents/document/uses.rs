@@ -77,8 +77,8 @@ impl Frame {
         self.solution.as_ref()?.source
     }
 
-    /// Whether its camera was proposed by the program rather than clicked, snapped, imported or set
-    /// manually.
+    /// Whether its camera was proposed by the program rather than clicked, aligned to paint by the
+    /// user, imported or set manually.
     #[must_use]
     pub fn is_suggestion(&self) -> bool {
         self.ptz.is_some()
@@ -88,14 +88,14 @@ impl Frame {
             )
     }
 
-    /// Whether its camera was carried to it from its neighbours in a clip.
+    /// Whether its camera was tracked from its neighbours in a clip.
     #[must_use]
     pub fn is_carried(&self) -> bool {
         self.ptz.is_some() && self.source() == Some(SolutionSource::Tracking)
     }
 
-    /// Whether the program gave it a camera by something else than a forest: no forest is asked for
-    /// it where its answer would be one among others.
+    /// Whether it has a camera from another source than the forest; then the forest is not run for
+    /// it.
     #[must_use]
     pub fn is_answered_without_forest(&self) -> bool {
         self.ptz.is_some() && self.source() != Some(SolutionSource::Forest)

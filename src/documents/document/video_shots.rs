@@ -199,7 +199,7 @@ impl VideoShots {
         at.filter(|at| *at > 0).ok_or(ShotsError::NoCut { frame })
     }
 
-    /// A number that no shot has.
+    /// A clip number that no shot uses.
     fn free_clip(&self, document: &Document) -> Clip {
         let known = document
             .frames
@@ -218,8 +218,7 @@ impl VideoShots {
         Clip::Number(most.unwrap_or(0).saturating_add(1))
     }
 
-    /// Writes the shots in place of those that the document has of this video, and each frame's
-    /// shot into the frame.
+    /// Replaces the document's shots of this video, and stores each frame's shot in the frame.
     pub fn write(mut self, document: &mut Document) {
         // Shots of which no frame is here have shared nothing; give each a name of its own.
         for at in 0..self.starts.len() {
@@ -285,7 +284,7 @@ fn shot(kind: ShotKind) -> Shot {
     }
 }
 
-/// The number of a frame in a video; none where it is of another one or of none.
+/// The number of a frame in a video; none if it belongs to another video or to none.
 fn number(frame: &Frame, video: &str) -> Option<u64> {
     frame
         .video
@@ -294,8 +293,8 @@ fn number(frame: &Frame, video: &str) -> Option<u64> {
         .map(|of| of.frame_index)
 }
 
-/// The numbers that a document's frames have in a video, and where the frames stand, in the order
-/// of the video.
+/// The numbers of a document's frames in a video, with the frames' positions, in the order of the
+/// video.
 fn numbers(document: &Document, video: &str) -> Vec<(u64, usize)> {
     let numbered = document.frames.iter().enumerate();
     let mut numbers: Vec<(u64, usize)> = numbered
@@ -305,8 +304,8 @@ fn numbers(document: &Document, video: &str) -> Vec<(u64, usize)> {
     numbers
 }
 
-/// The number that an end of a shot has in a video; none where it is of another one. A bare number
-/// is of the first video.
+/// The number of a shot's end in a video; none if it belongs to another video. A plain number
+/// refers to the first video.
 fn end(document: &Document, end: &ShotEnd, video: &str) -> Option<u64> {
     match end {
         ShotEnd::VideoFrame(frame) => {

@@ -245,7 +245,7 @@ pub enum ExchangeError {
     OneWay {
         /// The format.
         format: Format,
-        /// What was asked: "imported".
+        /// What was requested: "imported".
         what: &'static str,
         /// What it can be: "exported".
         instead: &'static str,

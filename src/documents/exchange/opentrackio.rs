@@ -341,7 +341,7 @@ fn read_line(
         );
     }
     let pinhole = Pinhole {
-        // The body's axes turn into the camera's. The entrance pupil, which is the centre of
+        // From the body's axes to the camera's. The entrance pupil, which is the centre of
         // projection, lies ahead of the tracked point along the body's y axis.
         cam_from_world: cam_from_world([0.0; 3]) * body.transpose(),
         position_m: place + body * Vec3::new(0.0, forward, 0.0),

@@ -15,7 +15,7 @@ pub enum LensModel {
     K1,
     /// k₁ linear in the focal length, the slope with a prior.
     K1Focal,
-    /// The same with k₂ tied to k₁ so that the lens folds nowhere: k₂ = 2 k₁².
+    /// Like `K1Focal`, with k₂ = 2 k₁², so that the lens folds nowhere.
     K1FocalK2,
 }
 

@@ -33,7 +33,7 @@ pub enum Evidence {
     Clicks,
     /// Both fit, but as named the camera is outside its usual range or motion.
     MotionPrior,
-    /// Nothing: both fit, and the picture alone cannot tell.
+    /// None: both fit, and the picture alone cannot decide.
     None,
 }
 
