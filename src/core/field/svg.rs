@@ -14,6 +14,7 @@ const WIDTH_PX: f64 = 1600.0;
 /// and y.
 #[must_use]
 pub fn svg(field: &FieldModel) -> String {
+    // Half the extent of field and landmarks; the drawing is symmetric about the field's middle.
     let corner = field
         .landmarks
         .iter()

@@ -99,6 +99,7 @@ pub fn variants(id: &str) -> Result<Vec<Variant>, String> {
         if all[0].choices.iter().any(|choice| choice.axis == axis) {
             return Err(format!("{id:?} has two groups of the same kind"));
         }
+        // The Cartesian product of the variants so far with the options of this group.
         let mut longer = Vec::new();
         for variant in &all {
             for (index, option) in options.iter().enumerate() {

@@ -149,6 +149,7 @@ impl Directions {
         self.widest.clear();
         let count = self.sorted.len();
         for from in 0..count {
+            // Insertion into a short sorted list: one pass over all gaps finds the widest three.
             let gap = self.gap(from, (from + 1) % count);
             let place = self
                 .widest

@@ -29,6 +29,8 @@ pub struct CameraError {
 /// The error of a camera. Both are of pictures of one size.
 #[must_use]
 pub fn camera_error(truth: &PtzCamera, estimate: &PtzCamera) -> CameraError {
+    // The optical axis of a camera in `world` is Rᵀ e_z. Both axes are expressed in the truth's
+    // base.
     let axis = PanTilt::from_direction(
         truth.base().base_from_world
             * (estimate.cam_from_world().transpose() * Vec3::new(0.0, 0.0, 1.0)),

@@ -166,6 +166,7 @@ impl MarkingMatch {
             })
             .collect();
         let plain = NamedMatch::of(field, annotated, &seen, size, Some);
+        // Rotate the names of the annotation instead of the estimate.
         let turned = NamedMatch::of(field, annotated, &seen, size, |line| {
             let twin = Symmetry::Turn180.line_twin(field, &field.lines[line])?;
             field.lines.iter().position(|other| other.id == twin.id)
@@ -202,6 +203,7 @@ impl NamedMatch {
                 found.only_annotated += 1;
                 continue;
             };
+            // The worst point decides whether a marking is found at a threshold.
             named[line] = true;
             if seen[line].is_empty() {
                 found.only_annotated += 1;

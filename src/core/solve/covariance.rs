@@ -374,6 +374,8 @@ pub fn covariance_in_radians(covariance_deg: &Mat3) -> Mat3 {
 pub fn covariance_of_four_points(camera: &PtzCamera, image_size: ImageSize, sigma_px: f64) -> Mat3 {
     // Seen from the origin, a ray is a point at unit distance.
     let camera = PtzCamera::new(camera.base().at_origin(), camera.ptz());
+    // Four pixels half-way from the middle to the corners, and the directions that the camera sees
+    // there.
     let quarter = Vec2::new(f64::from(image_size.width), f64::from(image_size.height)) / 4.0;
     let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
     let points: Vec<Observation> = (0..)

@@ -94,6 +94,7 @@ impl MotionPrior {
     /// are extended by it.
     #[must_use]
     pub fn surprise(&self, ptz: &Ptz, slack: &PtzStep) -> f64 {
+        // The larger of both counts, not their sum, because both may describe the same deviation.
         let odd = [self.jump(ptz, slack), self.elsewhere(ptz, slack)];
         odd.into_iter()
             .flatten()

@@ -154,6 +154,8 @@ impl ObservedShape {
             }
             Self::Curve(curve) => {
                 let nearest = nearest_point(camera, curve, click)?;
+                // The image of the nearest point moves with the camera; its component along the
+                // normal changes the distance.
                 let (_, by_ptz) = camera.image_from_world_by_ptz(nearest.in_world()).ok()?;
                 Some((
                     Vec2::new(nearest.distance_px(click), 0.0),

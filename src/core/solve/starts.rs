@@ -63,6 +63,7 @@ pub(super) fn find_starts(
     observations: &[Observation],
     context: &SolveContext,
 ) -> Result<Vec<Ptz>, SolveError> {
+    // One case per number of landmarks, as in the table of the module page.
     let landmarks = landmark_clicks(observations);
     let known = known_cameras(context);
     let mut starts = match landmarks.as_slice() {
@@ -85,6 +86,8 @@ pub(super) fn find_starts(
         }
         many => solve_pairs(base, many)?,
     };
+
+    // The clicks gave no start: use known cameras, else report why the first pair has no solution.
     if starts.is_empty() {
         starts = known;
     }
@@ -318,6 +321,7 @@ fn keep_best_distinct(base: &CameraBase, starts: &[Ptz], observations: &[Observa
         .map(|ptz| rank(base, *ptz, observations))
         .collect();
     ranked.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    // Refinement of nearby starts ends in the same minimum, so only distinct ones are kept.
     let mut kept: Vec<Ptz> = Vec::with_capacity(MAX_STARTS);
     for start in ranked {
         if kept

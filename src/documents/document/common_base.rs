@@ -23,6 +23,7 @@ pub(crate) fn common_base(opened: &Document, written: &Document, theirs: &Docume
     base.frames = common_frames(&opened, &written, &theirs)
         .into_iter()
         .collect();
+    // What `theirs` has as the session wrote it is common; otherwise the opened state is the base.
     if theirs.field == written.field {
         base.field = written.field;
     }

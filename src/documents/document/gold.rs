@@ -28,6 +28,8 @@ impl RepeatedClicks<'_> {
             .enumerate()
             .filter_map(move |(before, click)| {
                 let at = Vec2::new(click.x, click.y);
+                // The mean of the earlier clicks has the variance σ²/j, the difference σ² (j +
+                // 1)/j; the factor makes it σ².
                 let count = before as f64;
                 let difference =
                     (before > 0).then(|| (sum / count - at) * (count / (count + 1.0)).sqrt());

@@ -19,6 +19,7 @@ pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
     let mut conflicts = add_new_cameras(edits, &mut document);
     for held in last_frames(edits) {
         let frame = held.without_suggestion();
+        // The frame with the same id, else one with the same picture.
         let same_picture = || {
             document
                 .frames
@@ -38,6 +39,8 @@ pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
         if frame == **known || has_only_picture(&frame) {
             continue;
         }
+
+        // Report every frame with contents that differs; replace it only if no work is lost.
         if !has_only_picture(known) {
             conflicts.push(known.name());
         }

@@ -54,6 +54,8 @@ fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Prob
             why: "the document's lens has k1 and k2 only",
         });
     }
+    // C = −Rᵀ T, cm to m; then from the far left corner with y towards the camera and z down to our
+    // world.
     let centre = -(rotation.transpose() * translation) / CM;
     let shift = Pixels::Centre.to_corner_px();
     let pinhole = Pinhole {

@@ -93,6 +93,8 @@ pub fn export_clicks(
             .clicks
             .retain(|click| dropped.keeps(click, size, click_format, &context));
     }
+
+    // Names must be unique, because the files are verified by name.
     let mut seen: BTreeMap<&str, &str> = BTreeMap::new();
     for frame in &chosen {
         if let Some(first) = seen.insert(&frame.name, &frame.image) {
@@ -262,6 +264,8 @@ fn prove(
                     f64::INFINITY
                 }
             };
+            // A line has several clicks with one name, so each click is matched with the nearest
+            // mark of its name.
             let nearest = (0..left.len())
                 .min_by(|a, b| off(&left[*a]).total_cmp(&off(&left[*b])))
                 .ok_or_else(otherwise)?;

@@ -156,6 +156,7 @@ impl Sample {
         let [pan, tilt, roll] = angles_deg(&pinhole.cam_from_world);
         let zoom_raw = zoom.raw(pinhole.focal_px, size, sensor_mm)?;
         Ok(Self {
+            // FreeD's pan is positive to the right.
             angles_deg: [-pan, tilt, roll],
             position_m: pinhole.position_m,
             zoom_raw,

@@ -82,6 +82,7 @@ fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
         };
         let (key, value) = (key.trim().to_owned(), value.trim());
         let at = |problem: Problem| problem.at_line(index + 1);
+        // A matrix: collect the indented lines from `data:` up to the closing bracket.
         let values = if value.starts_with(MATRIX) || value.is_empty() {
             let mut data = String::new();
             let mut is_open = false;

@@ -173,6 +173,8 @@ pub(super) fn starting(
     image_width_px: u32,
     model: &BaseModel,
 ) -> Shared {
+    // k₁ refers to a fixed focal length, so that value and slope have the same meaning for all
+    // bases.
     let at_focal_px = LENS_FOCAL_PX * per_1920(image_width_px);
     let value = start.distortion.at(at_focal_px);
     let distortion = match model.lens {
@@ -272,6 +274,7 @@ impl BasePriors {
             // A constant k₁ is that of the frames' mean focal length: evaluate the usual curve of
             // k₁ there, and add the uncertainty of its slope.
             let own_px = view.focal_px.filter(|_| !model.lens.follows_focal());
+            // The distance of that focal length from the reference one, px of a frame 1920 px wide.
             let beyond_px = own_px.map_or(0.0, |own_px| own_px / per_1920 - LENS_FOCAL_PX);
             let expected = self.k1.0 + self.k1_slope.0 * beyond_px / 1000.0;
             found.push(prior(

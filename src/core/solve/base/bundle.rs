@@ -130,6 +130,8 @@ impl<const SHARED: usize> Bundle<SHARED> {
         let mut scales: Vec<f64> = Vec::new();
         for (clicks, ptz) in self.frames.iter().zip(&at.ptz) {
             let view = FrameView::new(&at.shared, *ptz);
+            // The factor of the doc comment, with the free shared parameters divided among frames
+            // by equations.
             let own = equations(clicks);
             let left = (own - 3.0 - free * own / all) / own;
             if left <= 0.0 {

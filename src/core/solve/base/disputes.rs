@@ -165,6 +165,7 @@ fn median_and_cost(
         .iter()
         .map(|click| camera.as_ref().and_then(|camera| click.distance_px(camera)))
         .collect();
+    // Clicks without an image have a large constant cost, and an infinite distance in the median.
     let cost = distances
         .iter()
         .zip(clicks)

@@ -154,6 +154,7 @@ impl CrossValidation<'_> {
                 HeldOutErrors::of(errors.clicks),
             )
         };
+        // Clip the errors, so that a few wrong names or other paint do not decide between models.
         let squares: f64 = deciding
             .iter()
             .map(|error| error.min(clip_px).powi(2))
@@ -174,6 +175,8 @@ impl CrossValidation<'_> {
     /// Adjusts the base to the frames of the other groups. Each frame of this group is refined on
     /// half of its clicks and evaluated on the other half, and the reverse.
     fn held_out_frames(&self, model: &BaseModel, fold: usize) -> Fold {
+        // Adjust without the cameras of this group: a frame without a camera is left out of the
+        // bundle.
         let held_out = |index: usize| index % FOLDS == fold;
         let ptz: Vec<Option<Ptz>> = self
             .start_ptz
@@ -407,6 +410,7 @@ fn shared_difference(adjusted: &AdjustedBase, start: &CameraBase) -> SharedError
 /// Variance Estimation, chapter 4). Unlike the covariance of an adjustment it includes errors that
 /// the frames have in common and that the model does not describe.
 fn jackknife(folds: &[Fold]) -> SharedCovariance {
+    // C = (n − 1)/n Σ (θᵢ − θ̄) (θᵢ − θ̄)ᵀ over the estimates θᵢ with group i held out.
     let count = folds.len() as f64;
     let mean = folds.iter().map(|fold| fold.shared).sum::<SharedError>() / count;
     let squares: SharedCovariance = folds
@@ -427,6 +431,7 @@ pub(super) fn choose(
     scores: &[ModelScore],
     solved_frames: usize,
 ) -> Option<(BaseModel, ModelReason)> {
+    // A single model: nothing to choose.
     if let [only] = scores {
         return Some((only.model, ModelReason::Prescribed));
     }
@@ -437,6 +442,9 @@ pub(super) fn choose(
             ModelReason::HeldOut,
         ));
     }
+
+    // Few frames: start from the model of the usual camera, which must be beaten clearly. Three to
+    // five frames start from the richest lens that never folds.
     let richest = scores.last()?;
     let (usual, chosen) = if frames >= TELL_LENS_FRAMES {
         let usual = scores

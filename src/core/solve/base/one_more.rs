@@ -74,6 +74,7 @@ pub(super) fn one_more_frame(
         );
         (adjusted.position_covariance.trace() / adjusted.noise_scale).sqrt()
     };
+    // The relative gain is predicted; it scales the σ that is stated now.
     let now = sigma_m(clicks.frames, ptz);
     let gain = |side: BesideFrames| {
         let at = if side == BesideFrames::Left {
@@ -103,6 +104,8 @@ pub(super) fn one_more_frame(
             &PtzCamera::new(*base, there),
             clicks.image_size,
         )?;
+        // Adjust again with exact points of this frame: they carry the usual click noise in their
+        // σ.
         let (mut frames, mut ptz) = (clicks.frames.to_vec(), ptz.to_vec());
         frames.push(FrameClicks {
             observations,
