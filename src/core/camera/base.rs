@@ -1,4 +1,4 @@
-//! The base: what stays constant while the camera pans, tilts and zooms.
+//! The base: the parameters that are constant while the camera pans, tilts and zooms.
 
 use super::{BaseSigma, FocalCurve};
 use crate::geometry::rotation::{q_pan, rotation_vector};
@@ -26,12 +26,12 @@ pub struct CameraBase {
 /// A base rotation as heading, pitch and roll.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BaseAngles {
-    /// Where the base's z axis points seen from above; 0 is world +y, positive towards +x
+    /// The direction of the base's z axis seen from above; 0 is world +y, positive towards +x
     /// (clockwise).
     pub heading: Angle,
-    /// How far the base's z axis points above the horizon.
+    /// The elevation of the base's z axis above the horizon.
     pub pitch: Angle,
-    /// How far the camera leans to its right about its z axis.
+    /// The rotation of the camera about its z axis, positive when it leans to its right.
     pub roll: Angle,
 }
 
@@ -56,6 +56,7 @@ impl BaseAngles {
             Angle::from_radians(forward.x.atan2(forward.y))
         };
         let pitch = Angle::from_radians(forward.z.atan2(horizontal));
+        // What heading and pitch do not explain is a rotation about z, the roll.
         let without_roll = Self {
             heading,
             pitch,
@@ -71,7 +72,7 @@ impl BaseAngles {
     }
 }
 
-/// Turns about the viewing axis; positive leans the camera to its right.
+/// The rotation about the viewing axis; positive leans the camera to its right.
 fn q_roll(roll: Angle) -> Mat3 {
     let (s, c) = roll.sin_cos();
     Mat3::new(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0)
@@ -90,8 +91,8 @@ impl CameraBase {
         }
     }
 
-    /// The same lens at the origin of the world with an identity rotation, exactly known: it sees
-    /// rays in `base`.
+    /// The same lens at the origin of the world with an identity rotation, exactly known. Its world
+    /// points are directions in `base`.
     #[must_use]
     pub fn at_origin(&self) -> Self {
         Self {
@@ -106,7 +107,7 @@ impl CameraBase {
         self.base_from_world * (point_in_world - self.position_m)
     }
 
-    /// Every entry is a number.
+    /// Whether all entries are finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.position_m
@@ -129,8 +130,8 @@ impl CameraBase {
     pub fn in_pan_gauge(&self) -> (Self, Angle) {
         let forward = self.base_from_world.row(2).transpose();
         let right = self.base_from_world.row(0).transpose();
-        // A pan of δ turns the forward axis to sin δ · right + cos δ · forward: pick δ so that its
-        // world x vanishes.
+        // A pan of δ rotates the forward axis to sin δ · right + cos δ · forward: choose δ so that
+        // its world x is zero. Of the two solutions, take the one that looks along +y.
         let mut delta = Angle::from_radians((-forward.x).atan2(right.x));
         let turned = q_pan(delta) * self.base_from_world;
         if turned[(2, 1)] < 0.0 {

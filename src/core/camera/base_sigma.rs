@@ -1,19 +1,19 @@
-//! How well what all frames of a camera share is known, and how its errors go together.
+//! The joint uncertainty of the parameters that all frames of a camera share.
 //!
-//! Position, rotation, lens, crown of the pitch and principal point are found in one adjustment,
-//! and their errors make up for each other: a camera that is taken to stand too far off is taken to
-//! look too steeply as well, and its pictures hardly show either. So the errors have one joint
-//! covariance, and it is only ever changed as a whole. Raising the σ of one number and leaving its
-//! correlations adds what used to cancel.
+//! Position, rotation, lens, crown of the pitch and principal point are estimated in one
+//! adjustment, and their errors compensate each other: a position estimated too far away, for
+//! example, comes with a pitch estimated too steep, and the pictures hardly show either error. So
+//! the errors have one joint covariance, which is only ever changed as a whole. If the σ of one
+//! parameter were raised and its correlations kept, errors that cancelled before would add up.
 
 use crate::geometry::{Vec2, Vec3};
 use nalgebra::{DMatrix, Matrix3, SMatrix, SVector};
 use serde::Serialize;
 
-/// How many numbers the frames of a camera share: position along `world` x, y, z (m), rotation
-/// about `world` x and y (rad), k₁ at the curve's focal length, its slope per 1000 px, the height
-/// of the pitch's crown (m), the principal point (px). This is the order of every matrix and vector
-/// of them. Rotation about z is the pan gauge and no error.
+/// The number of parameters that the frames of a camera share: position along `world` x, y, z (m),
+/// rotation about `world` x and y (rad), k₁ at the curve's focal length, its slope per 1000 px, the
+/// height of the pitch's crown (m), the principal point (px). All matrices and vectors of them are
+/// in this order. Rotation about z is the pan gauge, not an error, and is left out.
 pub const SHARED_PARAMETERS: usize = 10;
 
 /// A covariance of the shared parameters.
@@ -22,17 +22,17 @@ pub type SharedCovariance = SMatrix<f64, SHARED_PARAMETERS, SHARED_PARAMETERS>;
 /// One error of the shared parameters.
 pub type SharedError = SVector<f64, SHARED_PARAMETERS>;
 
-/// How the shared parameters enter a projection: the same with rotation about z behind the two
-/// others, as [`BaseSigma::root`] has them.
+/// The number of columns of a Jacobian by the shared parameters: these, with the rotation about z
+/// inserted behind the two others, as in [`BaseSigma::root`].
 pub(crate) const SHARED_COLUMNS: usize = SHARED_PARAMETERS + 1;
 
-/// The column of the rotation about z among them.
+/// The column of the rotation about z in such a Jacobian.
 const GAUGE: usize = 5;
 
-/// A correlation matrix may be off by this much: rounded digits.
+/// Tolerance of a stated correlation matrix, because documents round its digits.
 const ROUNDING: f64 = 1e-3;
 
-/// 1-σ of what all frames of a camera share; zero means exactly known.
+/// 1-σ of the shared parameters, with their correlations; zero means exactly known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct BaseSigma {
     /// Of the position, along world x, y, z, m.
@@ -50,7 +50,7 @@ pub struct BaseSigma {
     pub crown_width_m: f64,
     /// Of the principal point, px.
     pub principal_point_px: Vec2,
-    /// How these errors go together.
+    /// The correlations of these errors.
     pub correlation: BaseCorrelation,
 }
 
@@ -72,6 +72,8 @@ impl BaseSigma {
         let deviation = covariance
             .diagonal()
             .map(|variance| variance.max(0.0).sqrt());
+        // 0 / 0 for a parameter that is exactly known, and ∞ / ∞ for one that is unknown: no
+        // correlation.
         let share = |row: usize, column: usize| {
             let share = covariance[(row, column)] / (deviation[row] * deviation[column]);
             if share.is_finite() {
@@ -100,7 +102,8 @@ impl BaseSigma {
         let (deviation, correlation) = (self.deviations(), self.correlation.matrix());
         SharedCovariance::from_fn(|row, column| {
             let (one, other) = (deviation[row], deviation[column]);
-            // What is not known at all is infinite where it counts, and goes with nothing.
+            // An unknown parameter has an infinite variance and no correlations; ∞ · 0 would be
+            // NaN.
             if row == column {
                 one * one
             } else if one.is_finite() && other.is_finite() {
@@ -146,7 +149,7 @@ impl BaseSigma {
             .all(|deviation| *deviation == 0.0)
     }
 
-    /// The same with one more error, which goes with no other.
+    /// The same with one more error, independent of those so far: C + e eᵀ.
     #[must_use]
     pub fn with_error(&self, error: &SharedError) -> Self {
         self.with_covariance(&(self.covariance() + error * error.transpose()))
@@ -159,16 +162,17 @@ impl BaseSigma {
         changed
     }
 
-    /// The error of all shared parameters that is most likely beside an error of the position (m):
-    /// rotation and lens follow the position as they are correlated with it. Only the position's
-    /// own where it is exactly known.
+    /// The most likely error of all shared parameters, given an error of the position (m): the
+    /// conditional mean `C_xp C_pp⁻¹ e` of the joint Gaussian (`C_pp`: covariance of the position,
+    /// `C_xp`: of all parameters with it), so that rotation and lens follow the position as they
+    /// are correlated with it. Where the position is exactly known, nothing else changes.
     #[must_use]
     pub fn following_position(&self, error_m: Vec3) -> SharedError {
         let covariance = self.covariance();
         let of_position: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into_owned();
         let mut error = SharedError::zeros();
         if of_position.iter().all(|value| value.is_finite()) {
-            // The inverse where the position has three directions, else that of those it has.
+            // The pseudo-inverse, because the position may be exactly known along some directions.
             let eigen = of_position.symmetric_eigen();
             let least = 1e-12 * eigen.eigenvalues.max();
             let inverse = |value: f64| if value > least { value.recip() } else { 0.0 };
@@ -180,9 +184,9 @@ impl BaseSigma {
         error
     }
 
-    /// The same with a position that is known no better than to `least_m` along the direction in
-    /// which it is known worst, everything else following: what errs alike in all frames errs where
-    /// the frames hold it least.
+    /// The same with a position σ of at least `least_m` along its most uncertain direction, and all
+    /// other parameters raised consistently ([`Self::following_position`]). An error common to all
+    /// frames shows where the frames constrain the position least.
     #[must_use]
     pub fn with_position_error_of(&self, least_m: f64) -> Self {
         let of_position: Matrix3<f64> = self.covariance().fixed_view::<3, 3>(0, 0).into_owned();
@@ -200,8 +204,8 @@ impl BaseSigma {
     }
 
     /// The smallest covariance that is at least this one and at least `other` in every direction:
-    /// each direction that `other` makes worse is raised to it, with all correlations. `other`
-    /// counts among the parameters that are uncertain here.
+    /// each direction in which `other` is larger is raised to it, with all correlations. Parameters
+    /// that are exactly known here stay so.
     #[must_use]
     pub fn covering(&self, other: &SharedCovariance) -> Self {
         let mut covariance = self.covariance();
@@ -213,6 +217,7 @@ impl BaseSigma {
                 of[(uncertain[row], uncertain[column])]
             })
         };
+        // Without a Cholesky factor (a singular covariance), the sum is a valid, larger bound.
         let (own, other) = (part(&covariance), part(other));
         let raised = raise_to(&own, &other).unwrap_or_else(|| &own + &other);
         for (row, &to_row) in uncertain.iter().enumerate() {
@@ -223,14 +228,15 @@ impl BaseSigma {
         self.with_covariance(&covariance)
     }
 
-    /// A lower triangular matrix L: L Lᵀ is the covariance of position (m), rotation as a vector in
-    /// `world` (rad), k₁, its slope, crown (m) and principal point (px).
+    /// A lower triangular matrix L with L Lᵀ = the covariance of position (m), rotation vector in
+    /// `world` (rad, the gauge included), k₁, its slope, crown (m) and principal point (px).
     #[must_use]
     pub(crate) fn root(&self) -> SMatrix<f64, SHARED_COLUMNS, SHARED_COLUMNS> {
         let (correlation, deviation) = (self.correlation.matrix(), self.deviations());
         let mut root = SMatrix::<f64, SHARED_COLUMNS, SHARED_COLUMNS>::zeros();
-        // Cholesky's factor of the correlations. Parameters that are known to go together leave
-        // nothing of their own: no division by it.
+        // Cholesky factor of the correlation matrix, which may be semidefinite: a parameter that is
+        // fully determined by the earlier ones has a pivot of zero, and its column stays zero
+        // instead of being divided by the pivot.
         for column in 0..SHARED_PARAMETERS {
             let by_earlier =
                 |row: usize, root: &SMatrix<f64, SHARED_COLUMNS, SHARED_COLUMNS>| -> f64 {
@@ -252,7 +258,8 @@ impl BaseSigma {
             }
         }
         for (row, sigma) in deviation.iter().enumerate() {
-            // What is not known at all is infinite where it counts, and nowhere else.
+            // Scale the rows by σ. An unknown parameter has an infinite σ, and its zeros must stay
+            // zero; ∞ · 0 would be NaN.
             root.row_mut(place(row))
                 .iter_mut()
                 .filter(|entry| **entry != 0.0)
@@ -263,7 +270,7 @@ impl BaseSigma {
     }
 }
 
-/// Where a shared parameter stands in [`BaseSigma::root`].
+/// The index of a shared parameter in [`BaseSigma::root`], where the gauge is inserted.
 const fn place(parameter: usize) -> usize {
     if parameter < GAUGE {
         parameter
@@ -272,17 +279,18 @@ const fn place(parameter: usize) -> usize {
     }
 }
 
-/// The smallest covariance that is at least `own` and at least `other` in every direction: in the
-/// coordinates in which `own` is the identity, each eigenvalue of `other` above 1 takes the place
-/// of that 1. None where `own` has no Cholesky factor.
+/// The smallest covariance that is at least `own` and at least `other` in every direction. In
+/// coordinates in which `own` is the identity, each eigenvalue of `other` above 1 replaces that 1.
+/// None where `own` has no Cholesky factor.
 fn raise_to(own: &DMatrix<f64>, other: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    // In units of each parameter's own σ, so that metres, radians and px do not spoil the
-    // factorisation.
+    // Factorise in units of each parameter's own σ: metres, radians and px make the matrix badly
+    // scaled.
     let sigmas = own.diagonal().map(f64::sqrt);
     let scale = DMatrix::from_diagonal(&sigmas.map(f64::recip));
     let factor = (&scale * own * &scale).cholesky()?.l();
     let inverse = factor.clone().try_inverse()? * &scale;
     let eigen = (&inverse * other * inverse.transpose()).symmetric_eigen();
+    // Raise `own` along each eigenvector with a larger eigenvalue, transformed back.
     let mut raised = own.clone();
     let back = DMatrix::from_diagonal(&sigmas) * factor * &eigen.eigenvectors;
     for (column, value) in eigen
@@ -306,14 +314,14 @@ impl Default for BaseCorrelation {
 }
 
 impl BaseCorrelation {
-    /// Errors that have nothing to do with each other.
+    /// Independent errors.
     pub const NONE: Self = Self {
         below_diagonal: [0.0; BELOW_DIAGONAL],
     };
 
     /// From the rows of a correlation matrix of the shared parameters, or of the first five of
-    /// them: position x, y, z and rotation about x, y. None where it is no such matrix: not
-    /// symmetric, with another diagonal than ones, or of errors that no numbers can have together.
+    /// them: position x, y, z and rotation about x, y. None where it is not a correlation matrix:
+    /// not symmetric, not ones on the diagonal, or not positive semidefinite.
     #[must_use]
     pub fn from_rows(rows: &[Vec<f64>]) -> Option<Self> {
         let size = rows.len();
@@ -340,7 +348,8 @@ impl BaseCorrelation {
         can_be.then_some(of_errors)
     }
 
-    /// The rows of the whole matrix; of the first five parameters where the others go with nothing.
+    /// The rows of the whole matrix, or only those of the first five parameters if the others are
+    /// uncorrelated.
     #[must_use]
     pub fn rows(&self) -> Vec<Vec<f64>> {
         let matrix = self.matrix();

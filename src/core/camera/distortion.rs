@@ -1,12 +1,13 @@
 //! Radial distortion on normalised coordinates, and its inverse.
 //!
-//! Brown's model, the ideal point on the right: `x_d` = `x_n` (1 + k₁ r² + k₂ r⁴), r = |`x_n`|, as
-//! OpenCV has it. With a zoom lens k₁ depends on the focal length, so a camera has a curve instead
-//! of a number.
+//! Brown's model of the distorted point: `x_d` = `x_n` (1 + k₁ r² + k₂ r⁴), with the ideal point
+//! `x_n` and r = |`x_n`|, as in OpenCV. In a zoom lens k₁ depends on the focal length, so a camera
+//! has a curve of k₁ over f instead of one number.
 //!
-//! With k₂ = 0 a barrel (k₁ < 0) folds: beyond some radius points move inwards again and have no
-//! image. k₂ = α k₁² has no fold where α > 9/20, since the derivative 1 + 3 u + 5 α u², u = k₁ r²,
-//! then has no root. So such a lens needs no further parameter, and k₁ keeps its meaning.
+//! With k₂ = 0 a barrel lens (k₁ < 0) folds: beyond some radius the distorted radius decreases
+//! again, and such points count as having no image. k₂ = α k₁² has no fold where α > 9/20, since
+//! the derivative 1 + 3 u + 5 α u², u = k₁ r², then has no root. So such a lens needs no further
+//! parameter, and k₁ keeps its meaning.
 
 use crate::geometry::Vec2;
 use nalgebra::Matrix2;
@@ -14,7 +15,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 /// The lens as a function of the focal length: k₁ = value + `per_1000_px` · (f − `at_focal_px`) /
-/// 1000, and k₂ tied to it.
+/// 1000, and k₂ = α k₁².
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FocalCurve {
     /// The focal length at which `value` holds, px.
@@ -86,7 +87,7 @@ impl FocalCurve {
         }
     }
 
-    /// How the stretch at an ideal radius (squared) changes with k₁, the k₂ tied to it included.
+    /// The derivative of the stretch at an ideal radius (squared) by k₁, with k₂ = α k₁² following.
     #[inline]
     #[must_use]
     pub fn stretch_by_k1(&self, focal_px: f64, radius_squared: f64) -> f64 {
@@ -120,7 +121,7 @@ impl FocalCurve {
             .filter(move |focal| exists && *focal > 0.0)
     }
 
-    /// All of them are numbers.
+    /// Whether all coefficients are finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         [
@@ -135,13 +136,13 @@ impl FocalCurve {
 }
 
 impl Radial {
-    /// One coefficient.
+    /// A lens with k₁ alone.
     #[must_use]
     pub const fn k1(k1: f64) -> Self {
         Self { k1, k2: 0.0 }
     }
 
-    /// By how much a point at this ideal radius (squared) moves outwards, as a factor.
+    /// The factor by which distortion scales a point at this ideal radius (squared).
     #[inline]
     #[must_use]
     pub fn stretch(&self, radius_squared: f64) -> f64 {
@@ -173,13 +174,13 @@ impl Radial {
         )
     }
 
-    /// Nothing is bent.
+    /// Whether there is no distortion.
     #[must_use]
     pub fn is_none(&self) -> bool {
         self.k1 == 0.0 && self.k2 == 0.0
     }
 
-    /// The ideal r² at which points are drawn in most, where there is one.
+    /// The ideal r² at which the stretch has its minimum; none where it has none.
     #[must_use]
     pub fn narrowest_radius_squared(&self) -> Option<f64> {
         (self.k1 < 0.0 && self.k2 > 0.0).then(|| self.k1 / (-2.0 * self.k2))
@@ -197,6 +198,8 @@ impl Radial {
                 f64::INFINITY
             };
         }
+        // The smallest positive root of the slope 1 + 3 k₁ s + 5 k₂ s² in s = r², in the form 2 /
+        // (√(9 k₁² − 20 k₂) − 3 k₁), which does not cancel for k₁ < 0.
         let discriminant = 9.0 * self.k1 * self.k1 - 20.0 * self.k2;
         if discriminant < 0.0 {
             return f64::INFINITY;
@@ -234,7 +237,7 @@ pub(crate) fn distort(ideal: Vec2, lens: Radial) -> Vec2 {
     ideal * lens.stretch(ideal.norm_squared())
 }
 
-/// The ideal point of a distorted one (normalised coordinates), to the last digit.
+/// The ideal point of a distorted one (normalised coordinates), to machine precision.
 ///
 /// # Errors
 /// The lens model folds before it reaches the point.
@@ -243,6 +246,7 @@ pub fn undistort(distorted: Vec2, lens: Radial) -> Result<Vec2, UndistortError> 
         return undistort_k1(distorted, lens.k1);
     }
     let radius_squared = distorted.norm_squared();
+    // Only ideal radii up to the fold have an image; beyond it the inverse is undefined.
     let fold_squared = lens.fold_radius_squared();
     let mut upper = f64::INFINITY;
     if fold_squared.is_finite() {
@@ -257,9 +261,10 @@ pub fn undistort(distorted: Vec2, lens: Radial) -> Result<Vec2, UndistortError> 
         }
         upper = (fold_squared / radius_squared).sqrt();
     }
-    // With s = r / r_d, w = k₁ r_d², v = k₂ r_d⁴: s + w s³ + v s⁵ = 1. It is monotonic up to the
-    // fold, but its slope may come near zero: Newton, held between what is too small and what is
-    // too large.
+    // With s = r / r_d, w = k₁ r_d², v = k₂ r_d⁴: s + w s³ + v s⁵ = 1. The left side is monotonic
+    // up to the fold, but its slope may be near zero there. Hence Newton's method with a bracket:
+    // where a step leaves the bracket, bisect it instead (Press et al., Numerical Recipes, section
+    // 9.4).
     let (w, v) = (
         lens.k1 * radius_squared,
         lens.k2 * radius_squared * radius_squared,
@@ -278,7 +283,8 @@ pub fn undistort(distorted: Vec2, lens: Radial) -> Result<Vec2, UndistortError> 
             lower = s;
         }
         let newton = s - excess / (1.0 + squared * (3.0 * w + squared * 5.0 * v));
-        // The error after a step is of the size of its square.
+        // Newton's method converges quadratically: after a relative step of 1e-9 the error is
+        // rounding.
         if (newton - s).abs() <= 1e-9 * s {
             s = newton;
             break;
@@ -326,7 +332,8 @@ fn undistort_k1(distorted: Vec2, k1: f64) -> Result<Vec2, UndistortError> {
             break;
         }
         s -= step;
-        // The error after a step is of the size of its square.
+        // Newton's method converges quadratically: after a relative step of 1e-9 the error is
+        // rounding.
         if step.abs() <= 1e-9 * s {
             break;
         }

@@ -1,4 +1,4 @@
-//! Derivatives of the projection, analytic.
+//! Analytic derivatives of the projection.
 
 use super::{MIN_DEPTH, ProjectError, PtzCamera};
 use crate::geometry::{ImagePoint, Vec2, Vec3};
@@ -9,14 +9,15 @@ use nalgebra::{Matrix2x3, Matrix2x6};
 pub struct ProjectionJacobian {
     /// The image point, px.
     pub point: ImagePoint,
-    /// By pan (px/rad), tilt (px/rad) and focal length (px/px); the curve of k₁ is followed.
+    /// By pan (px/rad), tilt (px/rad) and focal length (px/px). The change of k₁ with the focal
+    /// length is included.
     pub by_ptz: Matrix2x3<f64>,
     /// By the base: position x, y, z (px/m), then a rotation vector in `world` applied before the
     /// base rotation, `base_from_world · exp([ω]×)` (px/rad).
     pub by_base: Matrix2x6<f64>,
     /// By the world point (px/m).
     pub by_world: Matrix2x3<f64>,
-    /// By k₁ (px); k₂ follows it where it is tied to it.
+    /// By k₁ (px), with k₂ = α k₁² following.
     pub by_k1: Vec2,
 }
 
@@ -25,7 +26,8 @@ pub struct ProjectionJacobian {
 pub struct DirectionJacobian {
     /// The image point, px.
     pub point: ImagePoint,
-    /// By pan (px/rad), tilt (px/rad) and focal length (px/px); the curve of k₁ is followed.
+    /// By pan (px/rad), tilt (px/rad) and focal length (px/px). The change of k₁ with the focal
+    /// length is included.
     pub by_ptz: Matrix2x3<f64>,
     /// By the direction in `base` (px per its unit).
     pub by_direction: Matrix2x3<f64>,
@@ -67,7 +69,9 @@ impl PtzCamera {
         let by_ptz = self.by_ptz(in_base, in_cam, &by_cam, by_focal_fixed_k1, by_k1);
 
         let by_world = by_cam * self.cam_from_world();
-        // A turn by ω moves the point by ω × offset, so a row r of `by_world` gives offset × r.
+        // A rotation by ω moves the point by ω × offset, and r · (ω × offset) = (offset × r) · ω
+        // for a row r of `by_world`. A shift of the camera acts like the opposite shift of the
+        // point.
         let turned = |row: usize| offset.cross(&by_world.row(row).transpose());
         let (x, y) = (turned(0), turned(1));
         let mut by_base = Matrix2x6::zeros();
@@ -104,7 +108,7 @@ impl PtzCamera {
         ))
     }
 
-    /// The derivatives by pan, tilt and focal length, the curve of k₁ followed.
+    /// The derivatives by pan, tilt and focal length; the last one includes dk₁/df.
     #[inline]
     fn by_ptz(
         &self,
@@ -122,7 +126,7 @@ impl PtzCamera {
     }
 
     /// The image of a point in `cam`; its derivatives by that point, by the focal length at fixed
-    /// k₁, and by k₁ with the k₂ tied to it.
+    /// k₁, and by k₁ with k₂ = α k₁² following.
     ///
     /// # Errors
     /// Behind the camera, or beyond the fold of the distortion model.
@@ -144,6 +148,7 @@ impl PtzCamera {
         if radius_squared >= lens.fold_radius_squared() {
             return Err(ProjectError::BeyondFold { k1: lens.k1 });
         }
+        // Chain rule: `cam` → ideal point (x/z, y/z) → distorted point → px.
         let stretch = lens.stretch(radius_squared);
         let distorted = ideal * stretch;
         let by_ideal = lens.by_ideal(ideal);

@@ -1,10 +1,10 @@
 //! One camera: its base (position, base rotation, principal point, distortion) and a frame's pan,
 //! tilt and focal length.
 //!
-//! Frames, signs and units: [`crate::conventions`].
-//! `cam_from_world = Q_tilt(φ) · Q_pan(θ) · base_from_world` and
-//! `x_in_cam ∝ cam_from_world · (X − C)`. Every formula is exact: the separable model of Chen, Zhu,
-//! Little (WACV 2018, eq. 2) is not used, it has errors of up to 30 px within an ordinary frame.
+//! Frames, signs and units: [`crate::conventions`]. `cam_from_world = Q_tilt(φ) · Q_pan(θ) ·
+//! base_from_world` and `x_in_cam ∝ cam_from_world · (X − C)`. Every formula is exact. The
+//! separable model of Chen, Zhu, Little (WACV 2018, eq. 2) is not used, because its errors reach 30
+//! px within an ordinary frame.
 
 mod base;
 mod base_sigma;
@@ -28,7 +28,7 @@ pub use ray::PanTilt;
 use crate::geometry::Angle;
 use serde::Serialize;
 
-/// What a frame adds to its camera's base: pan, tilt and focal length.
+/// The parameters of a frame beside its camera's base: pan, tilt and focal length.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ptz {
     /// Positive to the right.
@@ -52,7 +52,7 @@ impl Ptz {
         }
     }
 
-    /// All three are numbers and the focal length is positive.
+    /// Whether all three are finite and the focal length is positive.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.pan.is_finite()

@@ -1,4 +1,4 @@
-//! From the world to the picture and back, exactly.
+//! Exact projection from the world to the picture and back.
 
 use super::distortion::{UndistortError, distort, undistort};
 use super::{CameraBase, PanTilt, Ptz, Radial};
@@ -6,7 +6,7 @@ use crate::geometry::rotation::{q_pan, q_tilt};
 use crate::geometry::{ImagePoint, Mat3, Vec2, Vec3};
 use thiserror::Error;
 
-/// Points nearer to the camera's plane than this share of their distance are behind the camera.
+/// Points whose depth is less than this fraction of their distance count as behind the camera.
 pub const MIN_DEPTH: f64 = 1e-6;
 
 /// Why a point has no image.
@@ -27,7 +27,7 @@ pub enum ProjectError {
     },
 }
 
-/// A camera that has been pointed: base + pan, tilt and focal length.
+/// The camera of one frame: a base with pan, tilt and focal length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PtzCamera {
     base: CameraBase,
@@ -38,7 +38,8 @@ pub struct PtzCamera {
 }
 
 impl PtzCamera {
-    /// A base, pointed; the lens follows from the base's curve at this focal length.
+    /// The camera with a base and pan, tilt and focal length; the lens is that of the base's curve
+    /// at this focal length.
     #[must_use]
     pub fn new(base: CameraBase, ptz: Ptz) -> Self {
         let cam_from_base = q_tilt(ptz.tilt) * q_pan(ptz.pan);
@@ -177,8 +178,8 @@ impl PtzCamera {
         Ok(self.cam_from_world().transpose() * self.cam_from_image(point)?)
     }
 
-    /// Where the ray of an image point meets the plane z = `height_m`; none if it does not, ahead
-    /// of the camera.
+    /// The intersection of the ray of an image point with the plane z = `height_m`, `world`, m;
+    /// none where the ray does not meet it in front of the camera.
     #[must_use]
     pub fn plane_from_image(&self, point: ImagePoint, height_m: f64) -> Option<Vec3> {
         let direction = self.world_direction_from_image(point).ok()?;

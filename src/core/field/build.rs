@@ -12,18 +12,18 @@ use std::collections::BTreeMap;
 /// 1-σ of a click on a line, px at 1920 px width.
 const LINE_CLICK_SIGMA_PX: f64 = 2.0;
 
-/// No field is larger; a coordinate beyond this is a mistake in the template.
+/// Maximum absolute coordinate, m; a larger one is a mistake in the template.
 const MAX_COORDINATE_M: f64 = 1000.0;
-/// Lines shorter than this are none.
+/// Minimum length of a line, m.
 const MIN_LENGTH_M: f64 = 1e-3;
 
 impl Template {
     /// The field of a venue: parameters that are not given take their defaults.
     ///
-    /// `crown_m` is how much the middle is higher than the touchlines, m.
+    /// `crown_m` is the height of the middle above the touchlines, m.
     ///
     /// # Errors
-    /// A parameter that the template does not take or whose value the rules do not allow, or an
+    /// A parameter that the template does not have or whose value the rules do not allow, or an
     /// impossible crown.
     pub fn model(
         &self,
@@ -74,7 +74,7 @@ impl Template {
     /// The field with every parameter at its default and no crown.
     ///
     /// # Errors
-    /// None for a template that was read: it was tried then.
+    /// None for a template that was read: reading it builds its default model.
     pub fn default_model(&self) -> Result<FieldModel, FieldError> {
         self.model(&BTreeMap::new(), 0.0)
     }
@@ -90,6 +90,7 @@ fn filled_in(
         template,
         scope: params.clone(),
     };
+    // Dimensions are evaluated in order; each may use the ones before it.
     for dimension in &template.dimensions {
         let value = builder.value(
             &format!("dimension {:?}", dimension.name),
@@ -165,7 +166,7 @@ fn filled_in(
     })
 }
 
-/// Two landmarks in one place cannot be told apart.
+/// Checks that no two landmarks coincide.
 pub fn check_distinct(template: &Template, model: &FieldModel) -> Result<(), FieldError> {
     for (index, landmark) in model.landmarks.iter().enumerate() {
         let twin = model.landmarks[..index]
@@ -330,8 +331,8 @@ impl Builder<'_> {
     }
 }
 
-/// A curve moved sideways: a straight one towards `inside`, a round one towards its centre;
-/// backwards where negative.
+/// A curve moved sideways by `shift_m`: a straight one towards `inside`, a round one towards its
+/// centre; away from it if negative.
 fn shifted_inward(curve: &Curve, inside: Option<Vec3>, shift_m: f64) -> Result<Curve, String> {
     match *curve {
         Curve::Segment { from, to } => {
@@ -385,7 +386,7 @@ fn arc_through(from: Vec3, through: Vec3, to: Vec3) -> Result<Curve, String> {
     let direction = |point: Vec3| (point.y - centre.y).atan2(point.x - centre.x);
     let start = direction(from);
     let turn = (direction(to) - start).rem_euclid(std::f64::consts::TAU);
-    // Positive area: from, through, to run from +x towards +y.
+    // A positive area means counter-clockwise (from +x towards +y), so the sweep is positive.
     let sweep = if twice_area > 0.0 {
         turn
     } else {

@@ -1,5 +1,5 @@
-//! The crown of the ground: it is higher along the middle than at the touchlines, so that water
-//! runs off.
+//! The crown of the ground: pitches are built higher along the middle than at the touchlines, so
+//! that water runs off.
 
 use super::FieldModel;
 use crate::geometry::Vec3;
@@ -7,7 +7,7 @@ use crate::geometry::Vec3;
 /// A crowned ground: z = −height (2 y / width)² within the field, the touchline's height beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crown {
-    /// How much the middle is higher than the touchlines, m.
+    /// The height of the middle above the touchlines, m.
     pub height_m: f64,
     /// The field's extent along y, m.
     pub width_m: f64,
@@ -20,8 +20,8 @@ impl Crown {
         width_m: 1.0,
     };
 
-    /// How far the ground has dropped at a place, as a share of the height: (2 y / width)², at most
-    /// 1.
+    /// The drop of the ground below the middle at a given y, as a fraction of the crown's height:
+    /// (2 y / width)², at most 1.
     #[must_use]
     pub fn drop_share(&self, y_m: f64) -> f64 {
         (2.0 * y_m / self.width_m).clamp(-1.0, 1.0).powi(2)
@@ -62,11 +62,11 @@ impl Crown {
     }
 }
 
-/// Only large fields, those of grass, are built higher in the middle, m.
+/// The minimum width of a crowned field, m: only large grass pitches have a crown.
 const MIN_CROWNED_WIDTH_M: f64 = 40.0;
 
 impl FieldModel {
-    /// Whether fields of this width are built higher in the middle.
+    /// Whether fields of this width may have a crown.
     #[must_use]
     pub fn may_be_crowned(&self) -> bool {
         self.width_m >= MIN_CROWNED_WIDTH_M

@@ -2,14 +2,14 @@
 
 use super::{FieldModel, Symmetry};
 
-/// A landmark or line by its place in the lists of a [`FieldModel`]. A template gives the same
+/// A landmark or line by its index in the lists of a [`FieldModel`]. A template gives the same
 /// lists in the same order whatever its parameters are, so an element means the same thing on a
 /// field of another size or crown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FieldElement {
     /// An index into [`FieldModel::landmarks`].
     Landmark(usize),
-    /// An index into [`FieldModel::lines`]: the line itself, as the rule has it.
+    /// An index into [`FieldModel::lines`]: the line itself, as defined by the rules.
     Line(usize),
     /// An index into [`FieldModel::lines`]: the middle of the line's paint, which may lie half its
     /// width beside it.
@@ -84,7 +84,7 @@ impl FieldElement {
     }
 }
 
-/// The line onto which a symmetry moves a line, by its place.
+/// The index of the line onto which a symmetry maps a line.
 fn line_twin(symmetry: Symmetry, field: &FieldModel, index: usize) -> Option<usize> {
     let twin = symmetry.line_twin(field, field.lines.get(index)?)?;
     field.lines.iter().position(|line| line.id == twin.id)

@@ -3,7 +3,7 @@
 use super::ExpressionError;
 use thiserror::Error;
 
-/// Why there is no field: each message says what is wrong, where, and how to fix it.
+/// Why a field cannot be built. Each message states what is wrong, where, and how to fix it.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FieldError {
@@ -73,17 +73,17 @@ pub enum FieldError {
         /// What is wrong with it.
         problem: Box<ExpressionError>,
     },
-    /// The template takes no such parameter.
+    /// The template has no such parameter.
     #[error("the field template {template:?} takes no parameter {name:?}; it takes {known}")]
     UnknownParam {
         /// The template.
         template: String,
         /// As given.
         name: String,
-        /// The parameters that it takes.
+        /// The parameters that it has.
         known: String,
     },
-    /// A parameter outside what the rules allow.
+    /// A parameter outside the range that the rules allow.
     #[error("{template} field: {name} = {value} is outside {min} to {max} ({source_text})")]
     ParamOutOfRange {
         /// The template.
@@ -104,7 +104,7 @@ pub enum FieldError {
     CrownOutOfRange {
         /// The value.
         crown_m: f64,
-        /// The largest height that is believed, m.
+        /// The maximum height, m.
         limit: f64,
     },
 }

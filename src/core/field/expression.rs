@@ -1,4 +1,5 @@
-//! Arithmetic over a template's parameters, such as `length_m/2 - 16.5`: data, never code.
+//! Arithmetic expressions over a template's parameters, such as `length_m/2 - 16.5`, parsed by
+//! recursive descent. They are data and cannot run code.
 //!
 //! Grammar: `sum = product (("+" | "-") product)*`, `product = factor (("*" | "/") factor)*`,
 //! `factor = "-" factor | number | name | "sqrt" "(" sum ")" | "(" sum ")"`.
@@ -7,9 +8,9 @@ use std::collections::BTreeMap;
 use std::fmt;
 use thiserror::Error;
 
-/// Longer expressions are refused; it also bounds the depth of the tree.
+/// Maximum length of an expression, which also bounds the depth of the tree.
 const MAX_CHARACTERS: usize = 400;
-/// Parentheses and signs may be nested this deep.
+/// Maximum nesting depth of parentheses and signs, which bounds the recursion of the parser.
 const MAX_DEPTH: usize = 32;
 
 /// What is wrong with an expression; positions count characters from 1.
@@ -31,14 +32,14 @@ pub enum ExpressionError {
         /// Where the limit is passed.
         position: usize,
     },
-    /// Something that does not belong there.
+    /// An unexpected character or word.
     #[error("unexpected {found} at position {position}: {wanted} was expected")]
     Unexpected {
         /// The character or word found.
         found: String,
-        /// Where it stands.
+        /// Its position.
         position: usize,
-        /// What could stand there.
+        /// What was expected.
         wanted: &'static str,
     },
     /// A parenthesis is never closed.
@@ -68,7 +69,7 @@ pub enum ExpressionError {
     /// The divisor is zero.
     #[error("division by zero at position {position}")]
     DivisionByZero {
-        /// Where the sign stands.
+        /// The position of the sign.
         position: usize,
     },
     /// The root of a negative number.
@@ -76,7 +77,7 @@ pub enum ExpressionError {
     NegativeRoot {
         /// The number.
         value: f64,
-        /// Where `sqrt` stands.
+        /// The position of `sqrt`.
         position: usize,
     },
     /// The result overflows.
@@ -299,7 +300,7 @@ impl Parser {
         })
     }
 
-    /// Operands joined by operators of one rank, from left to right.
+    /// Operands joined by operators of one precedence, left-associative.
     fn chain(
         &mut self,
         depth: usize,

@@ -10,7 +10,7 @@ pub const FORMAT: &str = "touchline-field";
 /// The newest version of the format.
 pub const VERSION: u64 = 1;
 
-/// Enough of a file to tell whether the rest can be read.
+/// The part of a file that determines whether the rest can be read.
 #[derive(serde::Deserialize)]
 #[serde(expecting = "a field template, which is a JSON object")]
 pub struct Header {

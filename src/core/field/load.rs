@@ -8,16 +8,16 @@ use crate::files::{plain, read_named_text};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The largest template file that is read; those of the program have 20 KB.
+/// The maximum size of a template file, bytes; the program's own have 20 KB.
 const MAX_BYTES: u64 = 16 << 20;
 
 impl Template {
-    /// Reads and checks a template; `place` is what its errors call it, usually the file's path.
+    /// Reads and checks a template; `place` is its name in errors, usually the file's path.
     ///
     /// # Errors
-    /// What is wrong, where in the file, and what could stand there. The template is tried with its
-    /// default parameters and with each of them at its smallest and largest value, so one that is
-    /// accepted can be filled in.
+    /// What is wrong, where in the file, and what is allowed there. The field is built with the
+    /// default parameters and with each of them at its smallest and largest value, so that an
+    /// accepted template can be built for a venue.
     pub fn from_json(text: &str, place: &str) -> Result<Self, FieldError> {
         let json = |problem: String| FieldError::Json {
             place: place.to_owned(),

@@ -55,28 +55,27 @@ name_type! {
 pub struct Landmark {
     /// Its name in documents.
     pub id: LandmarkId,
-    /// What a person reads: "Centre mark".
+    /// The label for the user: "Centre mark".
     pub label: String,
     /// Two to four letters to type: "cm".
     pub code: String,
-    /// Where the rules put it, `world`, m; the crown is not in it.
+    /// Its position by the rules, `world`, m, without the crown.
     pub nominal_m: Vec3,
     /// The click noise: 1-σ of a click in px at 1920 px width.
     pub click_sigma_px: f64,
-    /// The part of it that is the place's and not the clicking's: paint is wide, and grounds are
-    /// not painted to the centimetre. It stays however exactly a point is placed. 1-σ, px at 1920
-    /// px width.
+    /// The part of the click noise that comes from the landmark's position on the ground, not from
+    /// clicking: paint is wide, and pitches are not painted to the centimetre. It remains however
+    /// exactly a point is placed. 1-σ, px at 1920 px width.
     pub place_sigma_px: f64,
-    /// The diameter of the spot that is painted around it, m; none where there is none.
+    /// The diameter of the spot painted around it, m; none where there is no spot.
     pub spot_diameter_m: Option<f64>,
-    /// Nothing painted marks it: a point somewhere along a curve, defined by a direction on the
-    /// ground. In a picture it is not where the curve looks widest, so that only who knows the
-    /// camera finds it.
+    /// Whether no paint marks it: a point along a curve, defined by a direction on the ground. In a
+    /// picture it is not where the curve looks widest, so it can be found only with a known camera.
     pub is_unmarked: bool,
 }
 
-/// The share of a template's click noise `σ²` that comes from clicking; the rest is the place
-/// itself (see `calibrate`'s own noise).
+/// The fraction of a template's click variance `σ²` that comes from clicking; the rest comes from
+/// the landmark's position (see `calibrate`'s own noise).
 pub const CLICKING_SHARE: f64 = 0.5;
 
 /// A straight marking, circle, arc or post on which a click can lie.
@@ -84,22 +83,22 @@ pub const CLICKING_SHARE: f64 = 0.5;
 pub struct FieldLine {
     /// Its name in documents.
     pub id: LineId,
-    /// What a person reads: "Halfway line".
+    /// The label for the user: "Halfway line".
     pub label: String,
     /// Two to four letters to type.
     pub code: String,
-    /// Where the rules put it.
+    /// Its curve by the rules.
     pub curve: Curve,
     /// The width of the paint (or of the post), m.
     pub width_m: f64,
-    /// Which edge of the paint the nominal line is; for painting, drawing to scale and snapping
-    /// only.
+    /// Which edge of the paint the nominal line is; used only for painting, drawing to scale and
+    /// aligning to paint.
     pub edge: PaintEdge,
-    /// Where the middle of the paint (or of the post) runs: `curve` moved by half the width as
-    /// `edge` says.
+    /// The centre line of the paint (or of the post): `curve` moved by half the width according to
+    /// `edge`.
     pub paint_centre: Curve,
-    /// Painted on the ground as one stroke; false for posts, crossbars, nets, boards and rows of
-    /// dashes.
+    /// Whether it is painted on the ground as one continuous line; false for posts, crossbars,
+    /// nets, boards and dashed lines.
     pub painted: bool,
 }
 
@@ -134,7 +133,8 @@ pub enum Curve {
         radius_m: f64,
         /// The direction of the first point, from +x towards +y.
         start: Angle,
-        /// How far it goes, positive from +x towards +y; a full turn is a circle.
+        /// The angle from the first to the last point, positive from +x towards +y; 360° is a
+        /// circle.
         sweep: Angle,
     },
 }
@@ -150,7 +150,7 @@ impl PaintEdge {
         }
     }
 
-    /// How far the middle of the paint lies from the nominal line towards the inside, in widths.
+    /// The distance of the paint's centre line from the nominal line towards the inside, in widths.
     #[must_use]
     pub const fn inward_shift(self) -> f64 {
         match self {
@@ -208,7 +208,7 @@ impl Curve {
         }
     }
 
-    /// How far a point lies from the nearest point of the curve, m.
+    /// The distance of a point from the nearest point of the curve, m.
     #[must_use]
     pub fn distance_m(&self, point: Vec3) -> f64 {
         match *self {
@@ -222,6 +222,8 @@ impl Curve {
                 start,
                 sweep,
             } => {
+                // Within the angles of the arc the nearest point is on the radius; otherwise it is
+                // an end.
                 let offset = point - centre;
                 let turned =
                     (offset.y.atan2(offset.x) - start.radians()) * sweep.radians().signum();
@@ -286,10 +288,10 @@ impl FieldModel {
     }
 }
 
-/// Two landmarks nearer than this are one.
+/// Points nearer to each other than this coincide, m.
 const SAME_PLACE_M: f64 = 1e-6;
 
-/// Whether two places are one.
+/// Whether two points coincide.
 pub(super) fn same_place(a: Vec3, b: Vec3) -> bool {
     (a - b).norm() <= SAME_PLACE_M
 }

@@ -1,8 +1,9 @@
-//! Landmarks and lines of a template: expressions, one entry for each place.
+//! Landmarks and lines of a template, with expressions for their coordinates; groups of variants
+//! are expanded.
 
 use super::{Expression, PaintEdge};
 
-/// A landmark whose place is still an expression.
+/// A landmark whose coordinates are still expressions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LandmarkPart {
     pub id: String,
@@ -14,7 +15,7 @@ pub struct LandmarkPart {
     pub is_unmarked: bool,
 }
 
-/// A line whose place is still an expression.
+/// A line whose coordinates are still expressions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinePart {
     pub id: String,
@@ -23,8 +24,7 @@ pub struct LinePart {
     pub curve: CurvePart,
     pub width_m: Scoped,
     pub edge: PaintEdge,
-    /// A point of the area that a straight line bounds; there is one where `edge` is not the
-    /// centre.
+    /// A point of the area that a straight line bounds; present if `edge` is not the centre.
     pub inside: Option<PointPart>,
     pub painted: bool,
 }
@@ -43,7 +43,7 @@ pub struct Scoped {
     pub names: Vec<(&'static str, f64)>,
 }
 
-/// Where a line runs.
+/// The curve of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CurvePart {
     /// Straight.

@@ -1,4 +1,5 @@
-//! From a template's JSON to its parts: names checked, groups spread, expressions read.
+//! From a template's JSON to its parts: checks names, expands groups of variants and parses
+//! expressions.
 
 use super::file::{Formula, LandmarkFile, LineFile, Ordered, ParamFile, PointFile, TemplateFile};
 use super::parts::{CurvePart, LandmarkPart, LinePart, PointPart, Scoped};
@@ -6,14 +7,15 @@ use super::variants::{Variant, variants};
 use super::{Dimension, Expression, FieldError, PaintEdge, Param, Symmetry, Template};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// More entries than any sport needs.
+/// The maximum number of landmarks, and of lines.
 const MAX_ENTRIES: usize = 2000;
-/// The most parameters: the template is tried with each at its smallest and largest value.
+/// The maximum number of parameters: loading builds the field with each at its smallest and largest
+/// value.
 const MAX_PARAMS: usize = 100;
-/// Names that expressions have of their own.
+/// Names with a meaning in expressions.
 const RESERVED: [&str; 4] = ["sqrt", "x_side", "y_side", "number"];
 
-/// Reads everything that needs no values.
+/// Reads all parts of a template; expressions are parsed, but not evaluated.
 pub fn read_parts(file: TemplateFile, place: &str) -> Result<Template, FieldError> {
     let reader = Reader { place };
     if !is_name(&file.name) {
@@ -429,8 +431,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Ids are unique among landmarks and among lines, codes among both: a typed code means one
-    /// thing.
+    /// Checks that ids are unique among landmarks and among lines, and codes among both, because a
+    /// typed code must have one meaning.
     fn unique(&self, landmarks: &[LandmarkPart], lines: &[LinePart]) -> Result<(), FieldError> {
         let mut codes = BTreeSet::new();
         let mut ids = BTreeSet::new();

@@ -4,15 +4,17 @@ use super::{Curve, FieldLine, FieldModel};
 use crate::geometry::Vec3;
 use std::fmt::Write as _;
 
-/// Ground around the field, m, at least; boards and posts outside it are kept in view.
+/// The minimum margin around the field, m; landmarks outside the field are included.
 const MARGIN_M: f64 = 2.0;
 
 /// The drawing's width, px.
 const WIDTH_PX: f64 = 1600.0;
 
-/// Draws a field from above, x to the right and y up; off-ground parts are drawn where they stand.
+/// Draws a field from above, x to the right and y up; parts above the ground are drawn at their x
+/// and y.
 #[must_use]
 pub fn svg(field: &FieldModel) -> String {
+    // Half the extent of field and landmarks; the drawing is symmetric about the field's middle.
     let corner = field
         .landmarks
         .iter()
@@ -60,7 +62,7 @@ pub fn svg(field: &FieldModel) -> String {
     out
 }
 
-/// Where the field lies in the drawing.
+/// The scale and origin of the drawing.
 struct Plan {
     /// From the middle to the drawing's border, m.
     reach_m: Vec3,
@@ -68,7 +70,7 @@ struct Plan {
 }
 
 impl Plan {
-    /// A place of the field, px.
+    /// A point of the field in the drawing, px.
     fn at(&self, place_m: Vec3) -> [String; 2] {
         [(self.reach_m.x + place_m.x), (self.reach_m.y - place_m.y)]
             .map(|metres| self.length(metres))
@@ -99,8 +101,7 @@ impl Plan {
                 radius_m, sweep, ..
             } => {
                 let large = u8::from(sweep.radians().abs() > std::f64::consts::PI);
-                // The picture's y runs down: what turns from +x towards +y turns the other way
-                // there.
+                // In the drawing y points down, which reverses the sense of rotation.
                 let clockwise = u8::from(sweep.radians() < 0.0);
                 let radius = self.length(radius_m);
                 (

@@ -1,5 +1,5 @@
-//! The field's symmetries: which landmarks and lines are confused when a picture is named from the
-//! wrong side.
+//! The field's symmetries: they map each landmark and line to the one for which it is mistaken when
+//! a picture is named from the wrong side.
 
 use super::model::same_place;
 use super::{Curve, FieldLine, FieldModel, Landmark};
@@ -9,11 +9,11 @@ use serde::{Serialize, Serializer};
 /// A symmetry of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symmetry {
-    /// x → −x: left and right change places.
+    /// x → −x: left and right are exchanged.
     MirrorX,
-    /// y → −y: near and far change places.
+    /// y → −y: near and far are exchanged.
     MirrorY,
-    /// Both: half a turn about the middle, what a camera on the other side sees.
+    /// Both: rotation by 180° about the middle, the view of a camera on the other side.
     Turn180,
 }
 
@@ -45,7 +45,7 @@ impl Symmetry {
             .find(|symmetry| symmetry.name() == name)
     }
 
-    /// Where a point comes to lie.
+    /// The image of a point, `world`, m.
     #[must_use]
     pub fn apply(self, point: Vec3) -> Vec3 {
         match self {
@@ -55,7 +55,7 @@ impl Symmetry {
         }
     }
 
-    /// The landmark where this one comes to lie: itself, another, or none where the field is not
+    /// The landmark at the image of this one: itself, another, or none where the field is not
     /// symmetric.
     #[must_use]
     pub fn landmark_twin<'a>(
@@ -70,7 +70,7 @@ impl Symmetry {
             .find(|other| same_place(other.nominal_m, there))
     }
 
-    /// The line where this one comes to lie.
+    /// The line at the image of this one; none where the field is not symmetric.
     #[must_use]
     pub fn line_twin<'a>(self, model: &'a FieldModel, line: &FieldLine) -> Option<&'a FieldLine> {
         model
@@ -79,7 +79,7 @@ impl Symmetry {
             .find(|other| self.maps(&line.curve, &other.curve))
     }
 
-    /// Whether one curve comes to lie on another, whichever way that one runs.
+    /// Whether the image of one curve is another, in either direction.
     fn maps(self, curve: &Curve, other: &Curve) -> bool {
         match (*curve, *other) {
             (
@@ -110,6 +110,8 @@ impl Symmetry {
                 if curve.is_closed() || other.is_closed() {
                     return curve.is_closed() && other.is_closed();
                 }
+                // Two arcs of one circle with the same ends may be complements; their middles
+                // decide.
                 let [from, middle, to] = [0.0, 0.5, 1.0].map(|t| self.apply(curve.point_at(t)));
                 let [first, halfway, last] = [0.0, 0.5, 1.0].map(|t| other.point_at(t));
                 same_place(middle, halfway)

@@ -4,23 +4,23 @@ use super::parts::{LandmarkPart, LinePart};
 use super::{Expression, Symmetry};
 use std::collections::BTreeMap;
 
-/// A crown higher than this is a mistake: pitches are 0.05 to 0.25 m higher in the middle.
+/// The maximum height of a crown, m; pitches have 0.05 to 0.25 m.
 pub const MAX_CROWN_M: f64 = 2.0;
 
-/// A sport's field: named landmarks and lines whose places are expressions over parameters.
+/// A sport's field: named landmarks and lines whose coordinates are expressions over parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Template {
-    /// What documents call it: "soccer".
+    /// Its name in documents: "soccer".
     pub name: String,
-    /// What people read: "Soccer (IFAB)".
+    /// Its title for the user: "Soccer (IFAB)".
     pub title: String,
-    /// What to know before trusting it.
+    /// Notes for the user about its reliability.
     pub notes: Vec<String>,
-    /// What differs between venues, in the template's order.
+    /// The parameters, which differ between venues, in the template's order.
     pub params: Vec<Param>,
-    /// What the rules fix, in the template's order.
+    /// The dimensions, which the rules fix, in the template's order.
     pub dimensions: Vec<Dimension>,
-    /// The symmetries that the template promises; checked when it is read.
+    /// The symmetries that the template states; they are checked when it is read.
     pub symmetry: Vec<Symmetry>,
     pub(super) extent_m: [Expression; 2],
     pub(super) landmarks: Vec<LandmarkPart>,
@@ -28,38 +28,38 @@ pub struct Template {
     pub(super) place: String,
 }
 
-/// Something that differs between venues, such as `length_m`.
+/// A quantity that differs between venues, such as `length_m`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Param {
     /// Its name in documents; the unit is its ending.
     pub name: String,
-    /// What people read: "Length".
+    /// Its label for the user: "Length".
     pub label: String,
     /// Always "m".
     pub unit: String,
-    /// Where nothing is said.
+    /// Its default value.
     pub default: f64,
     /// The smallest that the rules allow.
     pub min: f64,
     /// The largest.
     pub max: f64,
-    /// Where the range comes from.
+    /// The source of the range.
     pub source: String,
 }
 
-/// Something that the rules fix, such as `penalty_area_depth_m`; it may follow from parameters.
+/// A quantity that the rules fix, such as `penalty_area_depth_m`; it may depend on parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dimension {
     /// Its name in expressions.
     pub name: String,
     /// Its value, over parameters and the dimensions before it.
     pub value: Expression,
-    /// Where it comes from.
+    /// The source of the value.
     pub source: String,
 }
 
 impl Template {
-    /// The parameters where nothing is said.
+    /// The default values of all parameters.
     #[must_use]
     pub fn default_params(&self) -> BTreeMap<String, f64> {
         self.params

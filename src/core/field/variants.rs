@@ -8,7 +8,7 @@
 
 use crate::files::plain;
 
-/// What a group in braces chooses between.
+/// What the choices of a group in braces vary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Axis {
     /// `{left,right}`: `x_side` is −1 or 1.
@@ -28,7 +28,7 @@ const SPELLINGS: [(Axis, [&str; 2]); 6] = [
     (Axis::Y, ["n", "f"]),
 ];
 
-/// A text cut at its groups.
+/// A piece of a text that is split at its groups.
 enum Piece<'a> {
     Text(&'a str),
     Group { axis: Axis, options: Vec<&'a str> },
@@ -49,7 +49,7 @@ struct Choice {
 }
 
 impl Variant {
-    /// The names that this choice gives to expressions, with their values.
+    /// The names that expressions can use for this choice, with their values.
     pub fn names(&self) -> impl Iterator<Item = (&'static str, f64)> + '_ {
         self.choices.iter().map(|choice| {
             let name = match choice.axis {
@@ -61,10 +61,10 @@ impl Variant {
         })
     }
 
-    /// The text with every group replaced by what is chosen.
+    /// The text with every group replaced by the chosen option.
     ///
     /// # Errors
-    /// A group that is not one, or that the id does not have.
+    /// An invalid group, or one that the id does not have.
     pub fn fill(&self, text: &str) -> Result<String, String> {
         pieces(text)?
             .into_iter()
@@ -89,7 +89,7 @@ impl Variant {
 /// Every variant of an id, the last group running fastest; a plain id has one.
 ///
 /// # Errors
-/// A group that is not one, or two of the same kind.
+/// An invalid group, or two of the same kind.
 pub fn variants(id: &str) -> Result<Vec<Variant>, String> {
     let mut all = vec![Variant::default()];
     for piece in pieces(id)? {
@@ -99,6 +99,7 @@ pub fn variants(id: &str) -> Result<Vec<Variant>, String> {
         if all[0].choices.iter().any(|choice| choice.axis == axis) {
             return Err(format!("{id:?} has two groups of the same kind"));
         }
+        // The Cartesian product of the variants so far with the options of this group.
         let mut longer = Vec::new();
         for variant in &all {
             for (index, option) in options.iter().enumerate() {

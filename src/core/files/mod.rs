@@ -1,5 +1,5 @@
-//! Opening files that may come from anybody: nothing hangs on a pipe, nothing reads a device,
-//! nothing is larger than expected.
+//! Safe opening of files from untrusted sources: no blocking on a pipe, no reading from a device,
+//! no larger size than expected.
 //!
 //! | what | for |
 //! |---|---|
@@ -7,7 +7,8 @@
 //! | [`read_regular`], [`open_regular`] | the program's own files in a folder that is not trusted; links are refused |
 //! | [`replace_folder`], [`refuse_other_files`], [`refuse_part_of_project`] | results: what `--force` may replace |
 //!
-//! Temporary files are made here too, so that all have one name and go when they are left behind.
+//! Temporary files are created here too, so that all have the same kind of name and stray ones can
+//! be removed.
 
 mod named_file;
 mod not_readable;

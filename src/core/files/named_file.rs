@@ -1,5 +1,5 @@
-//! Files that a person names: links are followed, but what is behind them must be a file, and not a
-//! larger one than expected.
+//! Files named by the user: links are followed, but the target must be a regular file of limited
+//! size.
 
 use super::not_readable::NotReadable;
 use super::regular_file::kind_of;
@@ -10,12 +10,13 @@ use std::path::Path;
 /// Opens a file for reading.
 ///
 /// # Errors
-/// [`NotReadable`], as the inner error, for a folder, a pipe, a socket or a device; else what the system says.
+/// [`NotReadable`], as the inner error, for a folder, a pipe, a socket or a device; else the
+/// system's error.
 pub fn open_named(path: &Path) -> io::Result<File> {
     refuse_kind(fs::metadata(path)?.file_type())?;
     let mut options = OpenOptions::new();
     options.read(true);
-    // Between the look above and the opening somebody may put a pipe there.
+    // A pipe may be put there between the check above and the opening.
     #[cfg(unix)]
     {
         use std::os::unix::fs::OpenOptionsExt;
@@ -26,7 +27,7 @@ pub fn open_named(path: &Path) -> io::Result<File> {
     Ok(file)
 }
 
-/// Reads a file of at most so many bytes.
+/// Reads a file of at most `limit` bytes.
 ///
 /// # Errors
 /// As [`open_named`]; [`NotReadable`], as the inner error, where it is larger.
@@ -39,7 +40,7 @@ pub fn read_named(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     }
     let mut content = Vec::with_capacity(bytes as usize);
     file.take(limit + 1).read_to_end(&mut content)?;
-    // It may have grown meanwhile.
+    // The file may have grown in the meantime.
     if content.len() as u64 > limit {
         Err(refuse(content.len() as u64))
     } else {
@@ -47,10 +48,10 @@ pub fn read_named(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     }
 }
 
-/// Reads a text of at most so many bytes, without a byte order mark.
+/// Reads a UTF-8 text of at most `limit` bytes, without its byte order mark.
 ///
 /// # Errors
-/// As [`read_named`]; [`NotReadable`], as the inner error, where it is no UTF-8.
+/// As [`read_named`]; [`NotReadable`], as the inner error, where it is not UTF-8.
 pub fn read_named_text(path: &Path, limit: u64) -> io::Result<String> {
     let not_utf8 = |offset| io::Error::other(NotReadable::NotUtf8 { offset });
     let text = String::from_utf8(read_named(path, limit)?);

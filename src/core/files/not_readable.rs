@@ -1,4 +1,4 @@
-//! Why a file is not read.
+//! Why a file is not read: kind, size or encoding.
 
 use thiserror::Error;
 
@@ -6,7 +6,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum NotReadable {
-    /// It is no file.
+    /// It is not a regular file.
     #[error("it is {found}, not a file")]
     Kind {
         /// What it is: "a pipe".
@@ -17,13 +17,13 @@ pub enum NotReadable {
     TooLarge {
         /// Its size.
         bytes: u64,
-        /// The most that is read.
+        /// The maximum size, bytes.
         limit: u64,
     },
-    /// It is no text.
+    /// It is not UTF-8 text.
     #[error("it is not UTF-8 text (byte {offset})")]
     NotUtf8 {
-        /// The first byte that is none.
+        /// The offset of the first invalid byte.
         offset: usize,
     },
 }

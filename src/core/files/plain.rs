@@ -1,6 +1,6 @@
-//! Names and texts of strangers in messages.
+//! Untrusted names and texts in messages.
 
-/// A text without characters that a terminal obeys or that turn the order of the others around.
+/// A text without control characters, and without characters that change the writing direction.
 #[must_use]
 pub fn plain(text: &str) -> String {
     let is_obeyed = |letter: char| {

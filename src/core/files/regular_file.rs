@@ -1,9 +1,9 @@
 //! Opens files in a folder that may come from an untrusted source: regular files only, and no
 //! symbolic links.
 //!
-//! A project from somebody else may contain a link where the program keeps its own files; writing
-//! through it would destroy one of the user's files. A pipe would block the program for ever, a
-//! device would receive what is written.
+//! A project from someone else may contain a link in place of one of the program's own files;
+//! writing through it would destroy one of the user's files. A pipe would block the program
+//! forever, a device would receive the data.
 
 use super::not_readable::NotReadable;
 use std::fs::{self, File, FileType, OpenOptions};
@@ -11,7 +11,7 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// There is something else where one of the program's own files or folders should be.
+/// Something else is in the place of one of the program's own files or folders.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{} is {found}, not {wanted}; move it away", path.display())]
 pub struct WrongKind {
@@ -24,23 +24,25 @@ pub struct WrongKind {
 }
 
 impl WrongKind {
-    /// The reason behind an error of this file, if it is this one.
+    /// The inner error of an I/O error, if it is this one.
     #[must_use]
     pub fn behind(error: &io::Error) -> Option<&Self> {
         error.get_ref()?.downcast_ref()
     }
 }
 
-/// Opens a regular file. `options` must not truncate: what is there is only known once it is open.
+/// Opens a regular file. `options` must not truncate, because the kind of the file is only known
+/// once it is open.
 ///
 /// # Errors
-/// [`WrongKind`], as the inner error, where a link, a folder, a pipe or a device is there; else what the system says.
+/// [`WrongKind`], as the inner error, where a link, a folder, a pipe or a device is there; else the
+/// system's error.
 pub fn open_regular(path: &Path, options: &OpenOptions) -> io::Result<File> {
     if let Ok(metadata) = fs::symlink_metadata(path) {
         refuse_irregular(path, metadata.file_type())?;
     }
     let mut options = options.clone();
-    // Between the look above and the opening somebody may put a link or a pipe there.
+    // A link or a pipe may be put there between the check above and the opening.
     #[cfg(unix)]
     {
         use std::os::unix::fs::OpenOptionsExt;
@@ -51,7 +53,7 @@ pub fn open_regular(path: &Path, options: &OpenOptions) -> io::Result<File> {
     Ok(file)
 }
 
-/// Reads a regular file whole.
+/// Reads a whole regular file.
 ///
 /// # Errors
 /// As [`open_regular`].
@@ -61,7 +63,7 @@ pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reads a regular file of at most so many bytes whole.
+/// Reads a whole regular file of at most `limit` bytes.
 ///
 /// # Errors
 /// As [`open_regular`]; [`NotReadable`], as the inner error, where it is larger.
@@ -76,11 +78,11 @@ pub fn read_regular_within(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     Ok(content)
 }
 
-/// Refuses a link, or anything else that is no folder, where a folder of the program's own is or
-/// will be.
+/// Rejects a link, or anything else that is not a folder, in the place of one of the program's own
+/// folders.
 ///
 /// # Errors
-/// [`WrongKind`], as the inner error. That nothing is there is no error.
+/// [`WrongKind`], as the inner error. A missing folder is not an error.
 pub fn refuse_linked_folder(path: &Path) -> io::Result<()> {
     let Ok(metadata) = fs::symlink_metadata(path) else {
         return Ok(());
@@ -107,7 +109,7 @@ fn refuse_irregular(path: &Path, file_type: FileType) -> io::Result<()> {
     }))
 }
 
-/// What is no regular file, in words.
+/// The kind of a file that is not regular, in words.
 pub(super) fn kind_of(file_type: FileType) -> Option<&'static str> {
     #[cfg(unix)]
     {

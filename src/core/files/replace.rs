@@ -1,11 +1,11 @@
-//! What `--force` may replace: files under the names that are written again. Nothing else in a
-//! folder goes.
+//! What `--force` may replace: files whose names are written again. All other files of a folder are
+//! kept.
 //!
-//! A folder of results is written beside its place and renamed onto it, so that it is there whole
-//! or not at all. The folder that it replaces may hold anything by then: a project, somebody's
-//! notes, labels that another program added. [`refuse_other_files`] names the first file that would
-//! be lost; [`replace_folder`] asks again when the result is ready, and even then deletes only
-//! files that are replaced.
+//! A folder of results is written beside its target and renamed onto it, so that it is there
+//! completely or not at all. The folder that it replaces may contain anything by then: a project,
+//! the user's notes, labels added by another program. [`refuse_other_files`] returns the first file
+//! that would be lost; [`replace_folder`] checks again when the result is ready, and even then
+//! deletes only files that are replaced.
 
 use super::way_out::way_out;
 use std::fs::{self, DirEntry};
@@ -16,23 +16,24 @@ use thiserror::Error;
 
 /// The document's file in a project folder.
 pub const PROJECT_FILE: &str = "project.json";
-/// What a folder of frames or a video gives its project's name: `match.mp4` lies beside
+/// The suffix of a project's name for a folder of frames or a video: `match.mp4` lies beside
 /// `match.mp4.touchline/`.
 pub const PROJECT_SUFFIX: &str = ".touchline";
-/// What the program keeps beside a document, by the ending that is added to its name.
+/// The suffixes of files that the program keeps beside a document.
 const BESIDE_DOCUMENT: [&str; 3] = [".journal", ".history", ".lock"];
-/// What file managers put into every folder. It neither hinders a replacement nor goes with it.
+/// Files that file managers create in every folder. They neither prevent a replacement nor move
+/// with it.
 const OF_FILE_MANAGERS: [&str; 3] = [".DS_Store", "Thumbs.db", "desktop.ini"];
 
-/// Whether a file of a folder is replaced, by its name from the folder with `/` between the parts,
-/// and its path.
+/// Whether a file of a folder is replaced, given its name within the folder (with `/` between the
+/// parts) and its path.
 pub type IsReplaced<'a> = &'a dyn Fn(&str, &Path) -> bool;
 
-/// Why a result is not put where it was to go. Nothing was changed then.
+/// Why a result was not put in its place. Nothing was changed.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum NotReplaced {
-    /// The folder holds a file that is not written again.
+    /// The folder contains a file that is not written again.
     #[error("{} holds {name}, which would be lost; move it away, or give another folder", folder.display())]
     OtherFile {
         /// The folder.
@@ -45,16 +46,16 @@ pub enum NotReplaced {
     Project {
         /// The folder.
         folder: PathBuf,
-        /// The document, or what is kept beside it.
+        /// The document, or a file beside it.
         name: String,
     },
-    /// A folder is to be written where a file is.
+    /// The target of a folder is a file.
     #[error("{} is a file; give a folder", path.display())]
     File {
         /// The file.
         path: PathBuf,
     },
-    /// A file is to be written where a project keeps one of its own.
+    /// The target of a file belongs to a project.
     #[error("{} belongs to a project; give another name", path.display())]
     PartOfProject {
         /// The file.
@@ -70,11 +71,11 @@ pub enum NotReplaced {
     },
 }
 
-/// Refuses to replace a file that a project keeps: its document, or what lies beside a document.
-/// Only the store writes these.
+/// Rejects the replacement of a file of a project: its document, or a file beside a document. Only
+/// the store writes these.
 ///
 /// # Errors
-/// It is one.
+/// It is such a file.
 pub fn refuse_part_of_project(path: &Path) -> Result<(), NotReplaced> {
     let path = &follow_link(path);
     if path.is_file() && is_part_of_project(path) {
@@ -83,11 +84,11 @@ pub fn refuse_part_of_project(path: &Path) -> Result<(), NotReplaced> {
     Ok(())
 }
 
-/// Refuses to replace a folder that holds a project or any file that is not replaced. That nothing
-/// is there is no error.
+/// Rejects the replacement of a folder with a project or with any file that is not replaced. A
+/// missing folder is not an error.
 ///
 /// # Errors
-/// It holds one, which is named; or it is a file, or cannot be looked into.
+/// It contains one, which is named; or it is a file, or cannot be read.
 pub fn refuse_other_files(folder: &Path, is_replaced: IsReplaced) -> Result<(), NotReplaced> {
     let failed = |source| NotReplaced::Io {
         path: folder.to_path_buf(),
@@ -137,7 +138,7 @@ pub fn replace_folder(
         let _ = new.keep();
         return Ok(());
     }
-    // The old folder goes only when the new one stands in its place.
+    // The old folder is deleted only when the new one is in its place.
     let aside = super::temporary_folder_in(super::folder_of(path)).map_err(failed)?;
     let old = aside.path().join("old");
     fs::rename(path, &old).map_err(failed)?;
@@ -146,16 +147,15 @@ pub fn replace_folder(
         return Err(failed(error));
     }
     let _ = new.keep();
-    // From here on what cannot be moved stays where it is, and is not deleted with the temporary
-    // folder.
+    // From here on, files that cannot be moved stay in the old folder, which must not be deleted as
+    // a temporary one.
     let aside = aside.keep();
     empty_folder(&old, path, "", is_replaced)
         .and_then(|()| fs::remove_dir(aside))
         .map_err(failed)
 }
 
-/// The path behind a link; any other path as it is. What is written to a link goes to what it leads
-/// to.
+/// The target of a link; any other path unchanged. Writing to a link writes to its target.
 #[must_use]
 pub fn follow_link(path: &Path) -> PathBuf {
     let target = if path.is_symlink() {

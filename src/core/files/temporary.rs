@@ -1,4 +1,4 @@
-//! Temporary files and folders beside the place that they are renamed to once they are whole.
+//! Temporary files and folders beside the path to which they are renamed once they are complete.
 
 use std::fs::{self, Metadata};
 use std::io;
@@ -6,15 +6,15 @@ use std::path::Path;
 use std::time::Duration;
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-/// What they are called.
+/// Prefix and suffix of their names.
 const NAME: (&str, &str) = (".touchline-", ".tmp");
-/// One that is older belongs to no program that still runs.
+/// An older one does not belong to a running program.
 const STRAY: Duration = Duration::from_hours(24);
 
 /// Makes a temporary file in a folder, with the permissions that any new file gets.
 ///
 /// # Errors
-/// What the system says, without the temporary name: it tells nobody anything.
+/// The system's error, without the temporary name, which would not help the user.
 pub fn temporary_file_in(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = Builder::new();
     builder.prefix(NAME.0).suffix(NAME.1);
@@ -47,9 +47,9 @@ fn without_name(error: &io::Error) -> io::Error {
     io::Error::new(error.kind(), said)
 }
 
-/// Takes away temporary files that a program left in a folder when it was killed. What cannot be
-/// looked at stays, and so do temporary folders: one may hold the only copy of a dataset that was
-/// being replaced.
+/// Removes temporary files that a killed program left in a folder. Files that cannot be inspected
+/// stay, and so do temporary folders: one may contain the only copy of a dataset that was being
+/// replaced.
 pub fn remove_stray_files(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else {
         return;
@@ -65,7 +65,7 @@ pub fn remove_stray_files(folder: &Path) {
                 .and_then(|modified| modified.elapsed().ok());
             metadata.is_file() && age.is_some_and(|age| age > STRAY)
         };
-        // Of a link this is the link itself, which is no file.
+        // For a link these are the metadata of the link itself, which is not a regular file.
         if is_ours && fs::symlink_metadata(entry.path()).is_ok_and(|metadata| is_stray(&metadata)) {
             let _ = fs::remove_file(entry.path());
         }

@@ -1,9 +1,8 @@
-//! What a person can do about a place that takes nothing.
+//! Remedies for a place that cannot be written to.
 
 use std::io::{Error, ErrorKind};
 
-/// The end of a message about what could not be written; nothing where the system's reason says it
-/// all.
+/// The remedy at the end of a message about a failed write; empty if the system's reason suffices.
 #[must_use]
 pub fn way_out(error: &Error) -> &'static str {
     match error.kind() {

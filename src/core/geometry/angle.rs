@@ -18,10 +18,10 @@ impl Serialize for Angle {
 }
 
 impl Angle {
-    /// No turn at all.
+    /// An angle of zero.
     pub const ZERO: Self = Self { radians: 0.0 };
 
-    /// One whole turn.
+    /// The full circle, 360°.
     pub const TURN: Self = Self {
         radians: std::f64::consts::TAU,
     };
@@ -65,7 +65,7 @@ impl Angle {
         }
     }
 
-    /// The shortest turn from another direction to this one, within (−π, π].
+    /// The shortest signed rotation from another direction to this one, within (−π, π].
     #[must_use]
     pub fn turn_from(self, from: Self) -> Self {
         (self - from).wrapped()

@@ -1,4 +1,4 @@
-//! Arcs of directions. Pan wraps at ±180°, and this is the only place that knows it.
+//! Arcs of directions. Pan wraps at ±180°; only this file handles that.
 //!
 //! The minimum and maximum of wrapped angles do not give a range: 179° and −179° are two degrees
 //! apart, as a camera on the far side shows.
@@ -13,7 +13,7 @@ use std::fmt;
 pub struct AngleRange {
     /// Within (−π, π], or −π for the whole circle.
     start: Angle,
-    /// Not below `start`, and at most a turn above.
+    /// Not below `start`, and at most 2π above.
     end: Angle,
 }
 
@@ -24,8 +24,8 @@ impl AngleRange {
         end: Angle::from_radians(PI),
     };
 
-    /// The arc from `start` in the positive sense to `end`; an end below the start lies beyond the
-    /// seam. From one whole turn on it is the full circle.
+    /// The arc from `start` in the positive sense to `end`; an end below the start lies beyond
+    /// ±180°. If they differ by 360° or more, the full circle.
     #[must_use]
     pub fn new(start: Angle, end: Angle) -> Self {
         let width = end - start;
@@ -33,7 +33,7 @@ impl AngleRange {
             return Self::FULL;
         }
         let wrapped = start.wrapped();
-        // An angle that needs no wrapping must stay exactly equal.
+        // An angle that needs no wrapping must stay bit-identical; adding the width would round it.
         let end = if wrapped == start {
             end
         } else {
@@ -60,8 +60,8 @@ impl AngleRange {
     }
 
     /// The smallest arc that contains all of some directions: the complement of the largest gap
-    /// between them. None without any. If several gaps are equally large, the one that contains
-    /// ±180° is left out, or else the first above it.
+    /// between them. None without any. If several gaps are equally large, the arc leaves out the
+    /// one that contains ±180°, or else the first above it.
     #[must_use]
     pub fn smallest(angles: impl IntoIterator<Item = Angle>) -> Option<Self> {
         Self::smallest_of(&angles.into_iter().collect())
@@ -83,8 +83,8 @@ impl AngleRange {
             .map(|[start, end]| Self { start, end })
     }
 
-    /// The places of some directions in the order in which the smallest arc runs through them;
-    /// equal ones as they come.
+    /// The indices of directions in their order along the smallest arc; equal ones keep their
+    /// order.
     #[must_use]
     pub fn along_smallest(angles: &[Angle]) -> Vec<usize> {
         let Some(arc) = Self::smallest(angles.iter().copied()) else {
@@ -96,20 +96,20 @@ impl AngleRange {
         order
     }
 
-    /// Where it begins, within (−π, π]; −π for the full circle.
+    /// The start, within (−π, π]; −π for the full circle.
     #[must_use]
     pub const fn start(&self) -> Angle {
         self.start
     }
 
-    /// Where it ends: not below the start, so above π where the arc holds the seam.
-    /// [`Angle::wrapped`] makes it a direction.
+    /// The end: not below the start, so above π where the arc contains ±180°. [`Angle::wrapped`]
+    /// makes it a direction.
     #[must_use]
     pub const fn end(&self) -> Angle {
         self.end
     }
 
-    /// How far it is from the start to the end, at most a turn.
+    /// The angle from the start to the end, at most 2π.
     #[must_use]
     pub fn width(&self) -> Angle {
         self.end - self.start
@@ -139,7 +139,7 @@ impl AngleRange {
         self.is_full() || above_start <= self.end
     }
 
-    /// How far a direction is from the nearer end; zero within.
+    /// The angle from a direction to the nearer end; zero within.
     #[must_use]
     pub fn distance(&self, angle: Angle) -> Angle {
         if self.contains(angle) {
@@ -154,7 +154,7 @@ impl AngleRange {
         }
     }
 
-    /// The arc that reaches farther by a margin on either side.
+    /// The arc extended by a margin on either side.
     #[must_use]
     pub fn extended(&self, margin: Angle) -> Self {
         if (self.width() + margin * 2.0).radians() < TAU {
@@ -164,7 +164,7 @@ impl AngleRange {
         }
     }
 
-    /// A direction as the angle within half a turn of the arc's middle: what lies in the arc runs
+    /// A direction as the angle within π of the arc's middle, so that angles in the arc increase
     /// from its start to its end without a jump.
     #[must_use]
     pub fn unwrapped(&self, angle: Angle) -> Angle {
@@ -176,14 +176,14 @@ impl AngleRange {
         }
     }
 
-    /// The angle at a share of the way from the start (0) to the end (1), without a jump.
+    /// The angle at a fraction of the way from the start (0) to the end (1), without a jump.
     #[must_use]
     pub fn at(&self, share: f64) -> Angle {
         self.start + self.width() * share
     }
 
-    /// Where a direction lies on the way from the start (0) to the end (1); outside of these if it
-    /// is not in the arc, not finite if the arc is a single direction.
+    /// The position of a direction from the start (0) to the end (1); outside of these if it is not
+    /// in the arc, not finite if the arc is a single direction.
     #[must_use]
     pub fn share(&self, angle: Angle) -> f64 {
         (self.unwrapped(angle) - self.start).radians() / self.width().radians()

@@ -1,5 +1,5 @@
-//! The mean, the quantiles, and the two medians: between the two in the middle, or the greater of
-//! them.
+//! Mean, quantiles, and two medians, which differ for an even count: the mean of the two middle
+//! numbers, or the larger one.
 
 /// The mean; none without any.
 #[must_use]
@@ -19,7 +19,7 @@ pub fn quantile(ascending: &[f64], share: f64) -> f64 {
         ascending[at.floor() as usize],
         ascending[at.ceil() as usize],
     );
-    // Equal neighbours need no step between them: two infinities have none.
+    // ∞ − ∞ would be NaN.
     if below == above {
         below
     } else {
@@ -47,8 +47,8 @@ pub fn median_high(values: &mut [f64]) -> Option<f64> {
     split_at_middle(values).map(|(_, at)| at)
 }
 
-/// The number in the middle, the greater of two, with those that are no greater; quicker than
-/// sorting all.
+/// The middle number, the larger of two, and the numbers before it, which are not larger; takes
+/// linear time, unlike sorting.
 fn split_at_middle(values: &mut [f64]) -> Option<(&[f64], f64)> {
     if values.is_empty() {
         return None;

@@ -1,4 +1,4 @@
-//! A set of directions that knows the smallest arc of all of them, and of all but one.
+//! A set of directions, with the smallest arc of all of them and of all but one.
 
 use super::Angle;
 use std::cmp::Reverse;
@@ -19,8 +19,8 @@ pub struct Directions {
 /// The number of known gaps: enough that the widest gap not beside a given direction is among them.
 const KNOWN: usize = 3;
 
-/// A gap between one direction and the next, by their places; the gap that holds ±180° leads from
-/// the last to the first.
+/// A gap between one direction and the next, by their indices; the gap that contains ±180° leads
+/// from the last to the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Gap {
     width: f64,
@@ -30,8 +30,8 @@ struct Gap {
 }
 
 impl Gap {
-    /// Whether this gap is left out rather than another: the wider one; if equal, the one at ±180°,
-    /// or else the first.
+    /// Whether the smallest arc leaves out this gap rather than another: the wider one; of equal
+    /// ones the one at ±180°, or else the first.
     fn precedes(&self, other: &Self) -> bool {
         let rank = |gap: &Self| (gap.holds_seam, Reverse(gap.from));
         self.width
@@ -88,16 +88,16 @@ impl Directions {
         self.find_widest();
     }
 
-    /// The ends of the smallest arc that holds all of them, the second not below the first; none
-    /// without any. Of gaps of one size the one that holds ±180° is left out, or else the first
+    /// The ends of the smallest arc that contains all of them, the second not below the first; none
+    /// without any. Of equally wide gaps the one that contains ±180° is left out, or else the first
     /// above it.
     #[must_use]
     pub fn smallest_arc(&self) -> Option<[Angle; 2]> {
         self.widest.first().map(|gap| self.arc_without(gap))
     }
 
-    /// The ends of the smallest arc that holds all but one of them; all of them if that one is not
-    /// there.
+    /// The ends of the smallest arc that contains all but one of them; all of them if that one is
+    /// not in the set.
     #[must_use]
     pub fn smallest_arc_without(&self, angle: Angle) -> Option<[Angle; 2]> {
         let Ok(left_out) = self.place_of(angle) else {
@@ -107,6 +107,8 @@ impl Directions {
         if count < 2 {
             return None;
         }
+        // Without the direction, its two gaps become one. The smallest arc leaves out this joined
+        // gap or the widest of the others.
         let joined = self.gap((left_out + count - 1) % count, (left_out + 1) % count);
         let beside = |gap: &&Gap| gap.from == left_out || gap.to == left_out;
         let other = self
@@ -122,7 +124,7 @@ impl Directions {
             .binary_search_by(|known| known.total_cmp(&angle.wrapped().radians()))
     }
 
-    /// From one direction to a later one, or across ±180° to one that is not later.
+    /// The gap from one direction to a later one, or across ±180° to one that is not later.
     fn gap(&self, from: usize, to: usize) -> Gap {
         let holds_seam = to <= from;
         let (start, end) = (self.sorted[from], self.sorted[to]);
@@ -147,6 +149,7 @@ impl Directions {
         self.widest.clear();
         let count = self.sorted.len();
         for from in 0..count {
+            // Insertion into a short sorted list: one pass over all gaps finds the widest three.
             let gap = self.gap(from, (from + 1) % count);
             let place = self
                 .widest

@@ -4,8 +4,8 @@ use super::{Mat3, Vec2, Vec3};
 use nalgebra::{SMatrix, SVector, SymmetricEigen};
 use thiserror::Error;
 
-/// Points on one line, or nearly so, show up as a second solution: its share of the largest
-/// eigenvalue.
+/// Minimum second smallest eigenvalue, as a fraction of the largest. Points nearly on one line have
+/// a second solution, whose eigenvalue vanishes too.
 const MIN_SECOND_EIGENVALUE: f64 = 1e-9;
 
 /// Why point pairs give no homography.
@@ -40,6 +40,7 @@ pub fn homography(pairs: &[(Vec2, Vec2)]) -> Result<Mat3, HomographyError> {
     let to_normal = normalisation(pairs.iter().map(|pair| pair.1));
     let mut normal = SMatrix::<f64, 9, 9>::zeros();
     for (from, to) in pairs {
+        // q × (H p) = 0 gives two independent equations in the nine entries of H.
         let p = from_normal * Vec3::new(from.x, from.y, 1.0);
         let q = to_normal * Vec3::new(to.x, to.y, 1.0);
         let rows = [
@@ -50,6 +51,8 @@ pub fn homography(pairs: &[(Vec2, Vec2)]) -> Result<Mat3, HomographyError> {
             normal += row * row.transpose();
         }
     }
+
+    // The solution is the eigenvector of Aᵀ A with the smallest eigenvalue.
     let eigen = SymmetricEigen::new(normal);
     let mut order: Vec<usize> = (0..9).collect();
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
@@ -57,6 +60,8 @@ pub fn homography(pairs: &[(Vec2, Vec2)]) -> Result<Mat3, HomographyError> {
     if !(share > MIN_SECOND_EIGENVALUE) {
         return Err(HomographyError::Degenerate { share });
     }
+
+    // Undo the normalisation of both sides.
     let h = eigen.eigenvectors.column(order[0]);
     let normalised = Mat3::new(h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8]);
     let back = to_normal
@@ -65,7 +70,8 @@ pub fn homography(pairs: &[(Vec2, Vec2)]) -> Result<Mat3, HomographyError> {
     Ok(back * normalised * from_normal)
 }
 
-/// Moves points to the origin and scales them to a mean distance of √2.
+/// The similarity that moves the points' centroid to the origin and scales their mean distance to
+/// √2, which conditions the equations (Hartley 1997).
 fn normalisation(points: impl Iterator<Item = Vec2> + Clone) -> Mat3 {
     let count = points.clone().count() as f64;
     let mean = points.clone().fold(Vec2::zeros(), |sum, point| sum + point) / count;

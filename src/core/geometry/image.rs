@@ -38,7 +38,7 @@ impl ImagePoint {
         (self.x - other.x).hypot(self.y - other.y)
     }
 
-    /// Both coordinates are numbers.
+    /// Whether both coordinates are finite.
     #[must_use]
     pub const fn is_finite(self) -> bool {
         self.x.is_finite() && self.y.is_finite()
@@ -83,7 +83,7 @@ impl ImageSize {
         Self { width, height }
     }
 
-    /// Whether a picture may be so wide or high, px.
+    /// Whether this is a valid width or height of a picture, px.
     #[must_use]
     pub fn is_side_px(value: f64) -> bool {
         (1.0..=f64::from(Self::MAX_SIDE_PX)).contains(&value)

@@ -2,7 +2,8 @@
 
 use super::{Angle, Mat3, Vec3};
 
-/// How far a matrix may be from a rotation before it is rejected instead of being orthogonalised.
+/// The maximum distance of a matrix from a rotation ([`distance_from_rotation`]) at which it is
+/// orthogonalised instead of rejected.
 pub const ROTATION_TOLERANCE: f64 = 1e-3;
 
 /// The cross-product matrix: `skew(a) * b = a × b`.
@@ -23,6 +24,7 @@ pub fn from_rotation_vector(w: Vec3) -> Mat3 {
 #[must_use]
 pub fn rotation_vector(rotation: &Mat3) -> Vec3 {
     let r = rotation;
+    // R − Rᵀ = 2 sin θ [a]ₓ and tr R = 1 + 2 cos θ.
     let sine_axis = Vec3::new(
         r[(2, 1)] - r[(1, 2)],
         r[(0, 2)] - r[(2, 0)],
@@ -71,8 +73,8 @@ pub fn angle_between(a: &Mat3, b: &Mat3) -> Angle {
     Angle::from_radians(sine.atan2(difference.trace() - 1.0))
 }
 
-/// How far a matrix is from being a rotation: the largest entry of `RᵀR` − 1, or infinity for a
-/// reflection or NaN.
+/// The distance of a matrix from a rotation: the largest absolute entry of `RᵀR` − I, or infinity
+/// for a reflection or NaN.
 #[must_use]
 pub fn distance_from_rotation(matrix: &Mat3) -> f64 {
     if !matrix.iter().all(|x| x.is_finite()) || matrix.determinant() <= 0.0 {
@@ -88,18 +90,20 @@ pub fn nearest_rotation(matrix: &Mat3) -> Mat3 {
     let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
         return Mat3::identity();
     };
+    // Of the orthogonal matrices U D Vᵀ nearest to the matrix, the one with determinant +1 flips
+    // the direction of the smallest singular value (Kabsch).
     let sign = (u * v_t).determinant().signum();
     u * Mat3::from_diagonal(&Vec3::new(1.0, 1.0, sign)) * v_t
 }
 
-/// `Q_pan(θ)` of the conventions: turns `base` into the panned frame (about the base's y axis).
+/// `Q_pan(θ)` of the conventions: from `base` to the panned frame (about the base's y axis).
 #[must_use]
 pub fn q_pan(pan: Angle) -> Mat3 {
     let (s, c) = pan.sin_cos();
     Mat3::new(c, 0.0, -s, 0.0, 1.0, 0.0, s, 0.0, c)
 }
 
-/// `Q_tilt(φ)` of the conventions: turns the panned frame into `cam` (about the camera's x axis).
+/// `Q_tilt(φ)` of the conventions: from the panned frame to `cam` (about the camera's x axis).
 #[must_use]
 pub fn q_tilt(tilt: Angle) -> Mat3 {
     let (s, c) = tilt.sin_cos();

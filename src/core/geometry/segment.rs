@@ -3,8 +3,8 @@
 use super::ImagePoint;
 use nalgebra::SVector;
 
-/// The distance of a point from the segment between two ends, in any number of dimensions; ends in
-/// one place are a point.
+/// The distance of a point from the segment between two ends, in any number of dimensions; a
+/// segment of zero length is a point.
 #[must_use]
 pub fn distance_from_segment<const D: usize>(
     point: SVector<f64, D>,

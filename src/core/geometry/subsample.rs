@@ -1,15 +1,15 @@
-//! Some of too many values, evenly spread: all would take longer and say hardly more.
+//! Evenly spaced subsamples of long lists.
 
 use std::iter::StepBy;
 
-/// Every how many of `count` values are taken so that they are `most` at most; never 0.
+/// The stride with which at most `most` of `count` values are taken; at least 1.
 #[must_use]
 pub const fn stride_of_subsample(count: usize, most: usize) -> usize {
     let stride = count.div_ceil(most);
     if stride == 0 { 1 } else { stride }
 }
 
-/// At most `most` of some values, evenly spread, the first one among them.
+/// At most `most` of the values, evenly spaced, including the first.
 pub fn subsample<I>(values: I, most: usize) -> StepBy<I::IntoIter>
 where
     I: IntoIterator<IntoIter: ExactSizeIterator>,

@@ -1,4 +1,4 @@
-//! Formatting numbers for people and files.
+//! Formatting of numbers for the user and for files.
 
 use std::fmt::Write as _;
 
@@ -16,7 +16,7 @@ pub fn thousands(number: usize) -> String {
     text
 }
 
-/// A count with what is counted: "1 frame", "2 frames", "41,200 frames".
+/// A count with its noun: "1 frame", "2 frames", "41,200 frames".
 #[must_use]
 pub fn counted(number: usize, singular: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
@@ -35,15 +35,16 @@ pub fn hex(bytes: &[u8]) -> String {
         })
 }
 
-/// Whether a spreadsheet would calculate a cell, or would if apostrophes were taken from its front.
+/// Whether a spreadsheet would evaluate a cell as a formula, possibly after removing leading
+/// apostrophes.
 #[must_use]
 pub fn is_formula(cell: &str) -> bool {
     cell.trim_start_matches('\'')
         .starts_with(['=', '+', '-', '@', '\t', '\r'])
 }
 
-/// A cell of somebody's words. One that a spreadsheet would take for a formula and calculate gets
-/// an apostrophe in front.
+/// A cell with foreign text. Text that a spreadsheet would evaluate as a formula gets a leading
+/// apostrophe.
 #[must_use]
 pub fn text_cell(text: &str) -> String {
     if is_formula(text) {

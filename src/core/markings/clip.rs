@@ -1,10 +1,10 @@
-//! Straight pieces cut to what can be seen: in `cam` at the near plane, the window's sides and the
-//! fold, in `image` at the frame.
+//! Clips straight pieces to the visible part: in `cam` at the near plane, the window's sides and
+//! the fold, in `image` at the frame.
 
 use super::window::{NEAR_M, Window};
 use crate::geometry::{ImagePoint, Vec3};
 
-/// The part of a straight piece that is left, as shares of it from 0 to 1.
+/// The remaining part of a straight piece, as fractions of its length from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
     /// Where it begins.
@@ -14,13 +14,13 @@ pub struct Span {
 }
 
 impl Span {
-    /// All of it.
+    /// The whole piece.
     pub const WHOLE: Self = Self {
         start: 0.0,
         end: 1.0,
     };
 
-    /// Keeps where `at_0 + (at_1 − at_0) t` is not negative.
+    /// Keeps the part where `at_0 + (at_1 − at_0) t` is not negative.
     fn keep(self, at_0: f64, at_1: f64) -> Option<Self> {
         if at_0 >= 0.0 && at_1 >= 0.0 {
             return Some(self);
@@ -44,8 +44,8 @@ impl Span {
     }
 }
 
-/// The part of the piece from `a` to `b` (`cam`, m) that lies in the window's pyramid widened by
-/// `slack_m` all around.
+/// The part of the piece from `a` to `b` (`cam`, m) that lies in the window's pyramid, enlarged by
+/// `slack_m` on all sides.
 pub fn within_pyramid(window: &Window, a: Vec3, b: Vec3, slack_m: f64) -> Option<Span> {
     let mut span = Span::WHOLE.keep(a.z - NEAR_M + slack_m, b.z - NEAR_M + slack_m)?;
     // A side through the camera: x = bound · z; its distance is (x − bound z) / √(1 + bound²).
@@ -64,6 +64,7 @@ pub fn within_pyramid(window: &Window, a: Vec3, b: Vec3, slack_m: f64) -> Option
 
 /// The part of a span before the camera that lies in the cone of the ideal radius: within the fold.
 pub fn within_cone(window: &Window, a: Vec3, b: Vec3, span: Span) -> Option<Span> {
+    // The cone as a quadratic form: R² z² − x² − y² ≥ 0.
     let radius_squared = window.ideal_radius * window.ideal_radius;
     let form = |p: Vec3, q: Vec3| radius_squared * p.z * q.z - p.x * q.x - p.y * q.y;
     let along = b - a;
@@ -74,8 +75,8 @@ pub fn within_cone(window: &Window, a: Vec3, b: Vec3, span: Span) -> Option<Span
     if inside(span.start) && inside(span.end) {
         return Some(span);
     }
-    // The cone before the camera is convex: what is left is one span between the roots of a
-    // quadratic.
+    // The cone in front of the camera is convex, so the remaining part is one span, bounded by the
+    // roots of the quadratic form along the piece.
     let (square, half_linear, constant) = (form(along, along), form(a, along), form(a, a));
     let discriminant = half_linear * half_linear - square * constant;
     if !(discriminant >= 0.0) || square == 0.0 {
@@ -87,6 +88,8 @@ pub fn within_cone(window: &Window, a: Vec3, b: Vec3, span: Span) -> Option<Span
         (-half_linear + root) / square,
     );
     let (first, second) = (first.min(second), first.max(second));
+    // A negative leading coefficient: inside between the roots. A positive one: inside beyond them,
+    // where one side belongs to the cone behind the camera.
     let kept = if square < 0.0 {
         Span {
             start: span.start.max(first),

@@ -1,4 +1,5 @@
-//! A field's curve as straight pieces in `cam`, as fine as the picture's resolution needs.
+//! Approximates a field's curve by straight pieces in `cam`, as fine as the picture's resolution
+//! requires.
 
 use super::clip::within_pyramid;
 use super::window::{NEAR_M, Window};
@@ -6,16 +7,16 @@ use crate::camera::PtzCamera;
 use crate::field::{Curve, FieldModel};
 use crate::geometry::{Mat3, Vec3};
 
-/// A curve is halved at most this often.
+/// Maximum depth of the bisection of a curve.
 const MAX_DEPTH: u32 = 10;
 
-/// What all curves of one picture share.
+/// The camera, the window and the tolerance for all curves of one picture.
 pub struct Flattener<'a> {
     field: &'a FieldModel,
     window: &'a Window,
     cam_from_world: Mat3,
     origin_in_cam: Vec3,
-    /// px in the picture per radian at most: how far a small turn of a ray moves its image.
+    /// Upper bound of the motion of an image point per rotation of its ray, px/rad.
     px_per_radian: f64,
     tolerance_px: f64,
 }
@@ -35,6 +36,8 @@ impl<'a> Flattener<'a> {
         window: &'a Window,
         tolerance_px: f64,
     ) -> Self {
+        // d(tan θ) = (1 + r²) dθ in the radial direction, times the slope of the distortion at the
+        // window's largest radius.
         let radius_squared = window.ideal_radius * window.ideal_radius;
         let stretch = camera.lens().slope(radius_squared).max(1.0);
         Self {
@@ -47,11 +50,11 @@ impl<'a> Flattener<'a> {
         }
     }
 
-    /// Gives `piece` the straight pieces of a curve that can be seen, in order: their ends in
+    /// Calls `piece` for the visible straight pieces of a curve, in order, with their ends in
     /// `cam`, m.
     pub fn flatten(&self, curve: &Curve, piece: &mut impl FnMut(Vec3, Vec3)) {
-        // A circle's chord from 0 to 1 is a point, and half a circle may bend away from its chord:
-        // begin with quarters.
+        // The chord of a whole circle is a point, and half a circle may leave the view of its
+        // chord: start with quarters.
         let parts = match curve {
             Curve::Segment { .. } => 1,
             Curve::Arc { sweep, .. } => (sweep.radians().abs() / std::f64::consts::FRAC_PI_2)
@@ -76,6 +79,7 @@ impl<'a> Flattener<'a> {
         }
     }
 
+    /// Bisects the curve between two knots until the chord is within the tolerance in the picture.
     fn halve(
         &self,
         curve: &Curve,
@@ -92,10 +96,15 @@ impl<'a> Flattener<'a> {
         {
             return;
         }
+        // Discard a part that lies outside the view even if the curve deviates from its chord by
+        // `bend_m`.
         let bend_m = self.bend_m(curve, a, b);
         let Some(span) = within_pyramid(self.window, a.in_cam, b.in_cam, bend_m) else {
             return;
         };
+
+        // The deviation, seen from the smallest depth of the visible part, is an angle; times
+        // px/rad it is a distance in the picture.
         let depth_at = |t: f64| a.in_cam.z + (b.in_cam.z - a.in_cam.z) * t;
         let nearest_m = (depth_at(span.start).min(depth_at(span.end)) - bend_m).max(NEAR_M);
         if depth == 0 || bend_m / nearest_m * self.px_per_radian <= self.tolerance_px {
@@ -107,8 +116,9 @@ impl<'a> Flattener<'a> {
         self.halve(curve, middle, b, depth - 1, piece);
     }
 
-    /// How far the curve can be from its chord at most, m: (Δt)²/8 · max |second derivative|, and
-    /// more where the crown ends within the piece and the ground has an edge.
+    /// Upper bound of the distance of the curve from its chord, m: (Δt)²/8 · max |second
+    /// derivative|, plus a term where the crown ends within the piece, because the ground has an
+    /// edge there.
     fn bend_m(&self, curve: &Curve, a: Knot, b: Knot) -> f64 {
         let width_m = self.field.width_m;
         let crown_m = self.field.crown_m.abs();

@@ -4,14 +4,14 @@ use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Vec3};
 
-/// Points on each edge of the picture: enough to follow an edge that distortion bends.
+/// Points on each edge of the picture, because distortion makes the edges curved.
 const POINTS_PER_EDGE: u32 = 24;
 
 /// The border of the ground that a picture shows, as points of `world` (m) in the order of the
 /// picture's corners, from the top left clockwise.
 ///
-/// Where the picture shows the horizon or the sky the border runs `reach_m` away from the camera.
-/// Empty where no border of the picture shows ground within that reach.
+/// Where the picture shows the horizon or the sky, the border runs at the distance `reach_m` from
+/// the camera. Empty if no point of the picture's border shows ground within that distance.
 #[must_use]
 pub fn visible_ground(
     field: &FieldModel,
@@ -38,7 +38,8 @@ pub fn visible_ground(
     if sees_ground { border } else { Vec::new() }
 }
 
-/// Where the ray of an image point meets the crowned ground, within `reach_m` of the camera.
+/// The intersection of the ray of an image point with the crowned ground, within `reach_m` of the
+/// camera, `world`, m.
 fn ground_from_image(
     field: &FieldModel,
     camera: &PtzCamera,
@@ -46,8 +47,9 @@ fn ground_from_image(
     reach_m: f64,
 ) -> Option<Vec3> {
     let mut ground = camera.plane_from_image(point, 0.0)?;
-    // The crown is a few centimetres over tens of metres: each step shrinks the error tenfold, at
-    // grazing angles less.
+    // Fixed-point iteration: intersect with the plane at the ground's height of the last point. The
+    // crown is a few centimetres over tens of metres, so each step reduces the error about tenfold,
+    // at grazing angles less.
     for _ in 0..12 {
         ground = camera.plane_from_image(point, field.ground_z(ground.y))?;
     }

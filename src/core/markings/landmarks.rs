@@ -9,7 +9,7 @@ use crate::geometry::{ImagePoint, ImageSize};
 pub struct ProjectedLandmark {
     /// Which landmark: index into [`FieldModel::landmarks`].
     pub landmark: usize,
-    /// Where it is, px.
+    /// Its image, px.
     pub image: ImagePoint,
 }
 

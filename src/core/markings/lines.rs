@@ -7,13 +7,13 @@ use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 
-/// How lines are projected.
+/// Options of the projection of lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarkingOptions {
-    /// How far a polyline may be from the exact curve, px. Default 0.1.
+    /// Maximum distance of a polyline from the exact curve, px. Default 0.1.
     pub tolerance_px: f64,
-    /// How far lines go on beyond the picture's border, px, so that wide strokes end outside.
-    /// Default 16.
+    /// Lines extend beyond the picture's border by this, px, so that the ends of wide lines are not
+    /// visible. Default 16.
     pub margin_px: f64,
 }
 
@@ -64,7 +64,8 @@ pub fn project_lines(
     pen.polylines
 }
 
-/// Draws straight pieces of `cam` into the picture, each going on from the last where it can.
+/// Projects straight pieces in `cam` into the picture, and joins each to the previous one where
+/// their ends coincide.
 struct Pen<'a> {
     camera: &'a PtzCamera,
     window: &'a Window,
@@ -75,6 +76,8 @@ struct Pen<'a> {
 impl Pen<'_> {
     /// Draws the piece from `a` to `b` (`cam`, m) of a line whose polylines begin at index `first`.
     fn piece(&mut self, line: usize, first: usize, a: Vec3, b: Vec3) {
+        // Clip in `cam`, before the division by z: to the window's pyramid, then to the fold's
+        // cone.
         let Some(span) = within_pyramid(self.window, a, b, 0.0) else {
             return;
         };
@@ -87,8 +90,9 @@ impl Pen<'_> {
             Vec2::new(p.x / p.z, p.y / p.z)
         };
         let (start, end) = (ideal(span.start), ideal(span.end));
-        // Straight before distortion: uniform steps, as many as its curvature of at most (6 |k₁| r
-        // + 20 |k₂| r³) f asks for.
+        // The piece is straight before distortion, and curved by at most (6 |k₁| r + 20 |k₂| r³) f
+        // after it. A chord of n equal steps deviates by at most curvature · length² / (8 n²),
+        // which gives n.
         let (lens, radius) = (self.camera.lens(), start.norm().max(end.norm()));
         let curvature = radius * (6.0 * lens.k1.abs() + 20.0 * lens.k2.abs() * radius * radius);
         let bend_px = curvature * self.camera.ptz().focal_px / 8.0 * (end - start).norm_squared();
@@ -112,13 +116,13 @@ impl Pen<'_> {
         }
     }
 
-    /// Draws from `from` to `to` (`image`, px), as far as the frame shows it.
+    /// Adds the part of a piece from `from` to `to` (`image`, px) inside the frame.
     fn stroke(&mut self, line: usize, first: usize, from: ImagePoint, to: ImagePoint) {
         let Some(span) = within_frame(self.window, from, to) else {
             return;
         };
-        // Rounding may leave a cut point slightly outside; points inside are not moved by the
-        // clamp.
+        // Rounding may leave a clipped point slightly outside; points inside are not moved by the
+        // clamp. Exact ends are kept, because the next piece is joined by equality.
         let held = |point: ImagePoint| {
             ImagePoint::new(
                 point.x.clamp(self.window.min.x, self.window.max.x),

@@ -1,11 +1,10 @@
 //! The field's markings as a camera sees them: projected, clipped, ready to draw.
 //!
-//! [`project_lines`] turns every line, circle, arc and post of a field into polylines in px, exact to a stated
-//! tolerance with the crown and the distortion in them, and clipped before anything is drawn: at
-//! the near plane, where the distortion folds, and at the picture's border. A point behind the
-//! camera never makes a stray line.
-//! [`sample_lines`] gives points along the painted lines with their normals and the paint's width, for detecting
-//! the paint in the picture.
+//! [`project_lines`] projects every line, circle, arc and post of a field to polylines in px, exact
+//! to a stated tolerance, crown and distortion included. They are clipped at the near plane, at the
+//! fold of the distortion and at the picture's border, so that a point behind the camera never
+//! causes a stray line. [`sample_lines`] gives points along the painted lines with their normals
+//! and the paint's width, for detecting the paint in the picture.
 //!
 //! Frames, signs and units: [`crate::conventions`].
 

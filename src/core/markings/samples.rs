@@ -1,17 +1,17 @@
-//! Points along the painted lines as a camera sees them: where, across which direction, how wide
-//! the paint is.
+//! Samples along the painted lines in a camera's picture, with the normal and the width of the
+//! paint.
 
 use crate::camera::PtzCamera;
 use crate::field::{Curve, FieldModel};
 use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 
-/// How painted lines are sampled.
+/// Options of the sampling of painted lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleOptions {
     /// The distance between neighbouring samples of a line, px. Default 8.
     pub spacing_px: f64,
-    /// Samples this near to the picture's border are left out, px; a negative number takes samples
-    /// beyond it. Default 2.
+    /// Samples nearer to the picture's border than this are skipped, px; a negative number includes
+    /// samples beyond it. Default 2.
     pub border_px: f64,
 }
 
@@ -29,27 +29,28 @@ impl Default for SampleOptions {
 pub struct LineSample {
     /// Which line: index into [`FieldModel::lines`].
     pub line: usize,
-    /// The point, `world`, m; the crown is in it.
+    /// The point on the crowned ground, `world`, m.
     pub at: Vec3,
     /// Its image, px.
     pub image: ImagePoint,
     /// The unit normal of the projected line, to its left as the picture shows it (y down).
     pub normal: Vec2,
-    /// How wide the paint is along the normal, px.
+    /// The width of the paint along the normal, px.
     pub width_px: f64,
-    /// Which way leads out of the playing area: 1 along the normal, −1 against it, 0 where both
-    /// sides belong to it.
+    /// The direction out of the playing area: 1 along the normal, −1 against it, 0 where both sides
+    /// belong to it.
     pub outward: f64,
 }
 
-/// A step outside the picture never passes more than this share of a line, so that no part that the
-/// picture shows is stepped over.
+/// The largest step outside the picture, as a fraction of a line, so that no visible part is
+/// stepped over.
 const MAX_STEP: f64 = 1.0 / 128.0;
 
-/// A step outside the picture passes at least this share of a line.
+/// The smallest step outside the picture, as a fraction of a line.
 const SHORTEST_STEP: f64 = 1e-5;
 
-/// What lies this far beside a line tells whether the line bounds the playing area, m.
+/// The playing area is tested at this distance on either side of a line, to see whether the line
+/// bounds it, m.
 const BESIDE_M: f64 = 0.5;
 
 /// Samples at even distances in the picture along every painted line, in the field's order.
@@ -69,6 +70,7 @@ pub fn sample_lines(
         let curve = &of.paint_centre;
         let mut t = 0.0;
         while t <= 1.0 {
+            // Step along the curve by px in the picture: the speed |d image / dt| converts to t.
             let Some(here) = project(field, camera, curve, t) else {
                 t += MAX_STEP;
                 continue;
@@ -87,7 +89,8 @@ pub fn sample_lines(
             t += if outside_px == 0.0 {
                 spacing_px / here.px_per_t
             } else {
-                // Half the distance cannot pass the border at this speed.
+                // Outside, the distance from the picture bounds the step: half of it does not reach
+                // the border at the current speed.
                 (spacing_px.max(0.5 * outside_px) / here.px_per_t).clamp(SHORTEST_STEP, MAX_STEP)
             };
         }
@@ -103,7 +106,7 @@ struct Projected {
     px_per_t: f64,
     /// The horizontal direction across the curve, `world`, unit.
     across: Vec3,
-    /// How far the image moves along the normal when the point moves across the curve, px/m.
+    /// The derivative of the image along the normal by a shift of the point across the curve, px/m.
     px_across_per_m: f64,
 }
 
@@ -125,6 +128,7 @@ impl Projected {
 fn project(field: &FieldModel, camera: &PtzCamera, curve: &Curve, t: f64) -> Option<Projected> {
     let nominal = curve.point_at(t);
     let at = field.world_from_nominal(nominal);
+    // The tangent on the crowned ground: dz/dt = −c · d(drop)/dy · dy/dt.
     let mut tangent = curve.tangent_at(t);
     let crown = field.crown();
     let [drop_by_y, _] = crown.drop_share_by_y_and_width(nominal.y);
@@ -135,6 +139,9 @@ fn project(field: &FieldModel, camera: &PtzCamera, curve: &Curve, t: f64) -> Opt
     if !(px_per_t > 0.0) || !here.point.is_finite() {
         return None;
     }
+
+    // The paint's width is horizontal and perpendicular to the line on the ground; its image along
+    // the normal gives the visible width.
     let normal = Vec2::new(along.y, -along.x) / px_per_t;
     let across = Vec3::new(-tangent.y, tangent.x, 0.0).try_normalize(0.0)?;
     let px_across_per_m = normal.dot(&(here.by_world * across));
@@ -148,7 +155,7 @@ fn project(field: &FieldModel, camera: &PtzCamera, curve: &Curve, t: f64) -> Opt
     })
 }
 
-/// How far a point lies outside the picture less its border, px; 0 inside.
+/// The distance of a point from the picture reduced by its border, px; 0 inside.
 fn outside_px(point: ImagePoint, size: ImageSize, border_px: f64) -> f64 {
     let beyond = |x: f64, extent: u32| {
         (border_px - x)

@@ -1,25 +1,25 @@
-//! What the paint of a picture says about a camera, in a word.
+//! The verdict of the paint of a picture on a camera.
 
-/// With fewer open places of the lines the paint says nothing.
+/// The minimum number of unoccluded line samples for a verdict.
 pub const FEWEST_OPEN: usize = 30;
 
-/// A verdict is given where it is right with this probability.
+/// The probability of being right from which on a verdict is given.
 const SUPPORTS: f64 = 0.9;
 
-/// What the paint says about a camera.
+/// The verdict of the paint on a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineVerdict {
     /// The paint lies where the camera predicts it.
     Supports,
     /// The paint lies elsewhere.
     Contradicts,
-    /// Too little paint is predicted or can be seen.
+    /// Too little paint is predicted or visible.
     CannotSay,
 }
 
 impl LineVerdict {
-    /// What a score, the probability that the camera is right by the paint alone, says with this
-    /// many open places.
+    /// The verdict for a score, the probability by the paint alone that the camera is right, and a
+    /// number of unoccluded line samples.
     #[must_use]
     pub fn of(score: f64, open: usize) -> Self {
         match score {

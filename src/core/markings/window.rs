@@ -1,25 +1,26 @@
-//! What a picture can show, on the plane z = 1 of `cam` before distortion.
+//! The part of the plane z = 1 of `cam`, before distortion, that a picture can show.
 
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, ImageSize, Vec2};
 
-/// Nothing nearer to the camera's plane than this is drawn, m.
+/// Minimum depth of what is drawn, m.
 pub const NEAR_M: f64 = 0.05;
-/// Lines end this far before the fold of the distortion model, as a share of its radius.
+/// Lines end at this fraction of the radius at which the distortion model folds.
 const FOLD_SHARE: f64 = 1.0 - 1e-4;
 
-/// The part of the picture's plane to draw in, and what of the undistorted plane it can show.
+/// The rectangle of the picture to draw in, and bounds of what it can show on the undistorted
+/// plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// The frame with its margin, px.
     pub min: ImagePoint,
     /// The opposite corner, px.
     pub max: ImagePoint,
-    /// Smallest ideal x and y that can be seen.
+    /// Smallest visible ideal x and y.
     pub ideal_min: Vec2,
-    /// Largest.
+    /// Largest visible ideal x and y.
     pub ideal_max: Vec2,
-    /// The largest ideal radius that can be seen or has an image.
+    /// The largest ideal radius that is visible and has an image.
     pub ideal_radius: f64,
 }
 
@@ -41,9 +42,9 @@ impl Window {
         if !(min.x < max.x && min.y < max.y) {
             return None;
         }
-        // The lens scales a radius by a factor that depends on it alone, so the extremes of an edge
-        // are its two ends, its point nearest to the principal point, and the points where that
-        // factor is least.
+        // The lens scales a radius by a factor that depends on it alone, so the extremes of the
+        // ideal coordinates on an edge can only lie at its two ends, at its point nearest to the
+        // principal point, and where that factor is smallest.
         let principal = camera.base().principal_point;
         let (near_x, near_y) = (
             principal.x.clamp(min.x, max.x),
@@ -64,6 +65,7 @@ impl Window {
         };
         let (mut low, mut high) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
         for point in on_edges {
+            // A point beyond the fold has no ray: then the fold bounds the window.
             if let Ok(ideal) = camera.cam_plane_from_image(point) {
                 window.ideal_radius = window.ideal_radius.max(ideal.norm());
                 (low, high) = (low.inf(&ideal), high.sup(&ideal));
@@ -79,8 +81,8 @@ impl Window {
     }
 }
 
-/// The points on a box's edges at the radius at which the lens shrinks most; none where there is no
-/// such radius.
+/// The points on a rectangle's edges at the radius where the stretch of the lens is smallest; none
+/// where there is no such radius.
 fn most_shrunk(
     camera: &PtzCamera,
     min: ImagePoint,

@@ -1,8 +1,8 @@
-//! How far a long function has come, and whether it is cancelled.
+//! Progress reports and cancellation of long functions.
 //!
 //! A long function takes a `&Progress` and reports each step to it. The caller decides at each
-//! report whether to go on, and `&Progress::default()` is for a caller who does not care. What a
-//! step looks like is up to the function: a share, or an event.
+//! report whether to continue; `&Progress::default()` ignores reports and never cancels. The type
+//! of a step is up to the function: a fraction, or an event.
 
 mod panic_message;
 
@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A step of a function that does the same thing for a number of parts: how many are done.
+/// A step of a function that processes a number of equal parts: how many are done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Share {
     /// Parts that are done.
@@ -57,7 +57,8 @@ impl<'a, S> Progress<'a, S> {
         }
     }
 
-    /// Reports a step. A break tells the function to return early; it stays one after the first.
+    /// Reports a step. A break means that the function must return early; after the first break all
+    /// reports return one.
     pub fn report(&self, step: S) -> ControlFlow<()> {
         if (self.receive)(step).is_break() {
             self.is_cancelled.store(true, Ordering::Relaxed);
@@ -65,7 +66,7 @@ impl<'a, S> Progress<'a, S> {
         self.check()
     }
 
-    /// Whether to go on, without a report.
+    /// Whether to continue, without a report.
     pub fn check(&self) -> ControlFlow<()> {
         if self.is_cancelled() {
             ControlFlow::Break(())
@@ -74,15 +75,15 @@ impl<'a, S> Progress<'a, S> {
         }
     }
 
-    /// Whether a report was answered with a break. Threads that work side by side ask this before
-    /// they begin another step.
+    /// Whether a report was answered with a break. Parallel threads check this before they begin
+    /// another step.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.is_cancelled.load(Ordering::Relaxed)
     }
 
-    /// A progress with the same receiver for another run of the function, which begins uncancelled
-    /// even if this one was cancelled.
+    /// A progress with the same receiver for another run of the function; not cancelled initially,
+    /// even if this one was.
     #[must_use]
     pub fn renew(&self) -> Progress<'_, S> {
         Progress::new(|step| (self.receive)(step))

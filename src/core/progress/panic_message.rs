@@ -1,4 +1,4 @@
-//! What a long function said when it panicked.
+//! The message of a panic in a long function.
 
 use std::any::Any;
 

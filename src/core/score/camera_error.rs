@@ -1,18 +1,18 @@
-//! Errors of a camera's own numbers.
+//! Errors of a camera's parameters.
 
 use crate::camera::{PanTilt, PtzCamera};
 use crate::geometry::rotation::angle_between;
 use crate::geometry::{Angle, ImageSize, Vec3};
 use serde::Serialize;
 
-/// What an estimated camera's numbers err by: estimate less truth.
+/// The errors of an estimated camera's parameters: estimate minus truth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CameraError {
     /// The angle between the two rotations from `world` to `cam`; never negative. Roll counts as
     /// well.
     #[serde(rename = "rotation_deg")]
     pub rotation: Angle,
-    /// Pan of the optical axis, both seen in the truth's base: bases may differ.
+    /// Pan of the optical axis, both axes in the truth's base, because the bases may differ.
     #[serde(rename = "pan_deg")]
     pub pan: Angle,
     /// Tilt of the optical axis, likewise.
@@ -29,6 +29,8 @@ pub struct CameraError {
 /// The error of a camera. Both are of pictures of one size.
 #[must_use]
 pub fn camera_error(truth: &PtzCamera, estimate: &PtzCamera) -> CameraError {
+    // The optical axis of a camera in `world` is Rᵀ e_z. Both axes are expressed in the truth's
+    // base.
     let axis = PanTilt::from_direction(
         truth.base().base_from_world
             * (estimate.cam_from_world().transpose() * Vec3::new(0.0, 0.0, 1.0)),

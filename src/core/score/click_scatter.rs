@@ -1,14 +1,14 @@
-//! How far an annotator's clicks scatter, from independent clicks on the same spots.
+//! An annotator's click noise, estimated from independent clicks on the same points.
 //!
 //! The input is differences scaled so that each coordinate has the variance σ² of a single click:
 //! for two clicks a and b, (a − b) / √2. Their mean is assumed to be 0.
 //!
 //! 1. A first scale from the median of |d| (the MAD about 0). A pair farther out than 5 times this
-//!    scale (its uncertainty allowed for) shows another spot, not noise: it is set aside and
+//!    scale (plus its uncertainty) is not noise but shows another point: it is excluded and
 //!    counted.
-//! 2. Huber's M-estimate of scale ("proposal 2" with a known centre): mean of min(d² / σ², 4) =
-//!    0.9205, what a normal distribution has. Its efficiency on normal noise is 89 %, where the
-//!    MAD's is 37 %: the same interval needs less than half the clicks.
+//! 2. Huber's M-estimate of scale ("proposal 2" with a known centre): the σ at which the mean of
+//!    min(d² / σ², 4) is 0.9205, its value for a normal distribution. Its efficiency on normal
+//!    noise is 89 %, where the MAD's is 37 %: the same interval needs less than half the clicks.
 //! 3. The interval is that of a χ² variable with n / (2 V) degrees of freedom, where V is the
 //!    larger of the variance for normal noise and the variance that the pairs show, both
 //!    coordinates of a pair together.
@@ -20,30 +20,29 @@ use serde::Serialize;
 
 /// No estimate from fewer pairs: the interval would span a factor of three or more.
 const MIN_PAIRS: usize = 5;
-/// A pair farther out than this multiple of the first scale shows another spot.
+/// A pair farther out than this multiple of the first scale shows another point.
 const ANOTHER_SPOT: f64 = 5.0;
-/// √n times two relative 1-σ of the first scale, on normal noise.
+/// √n times twice the relative 1-σ of the first scale, on normal noise.
 const FIRST_SCALE_2_SIGMA: f64 = 2.33;
-/// Where the square ends, in sigmas.
+/// The value at which the squares are clipped, in sigmas.
 const BEND: f64 = 2.0;
 /// The mean of min(d², 4) of a normal variable.
 const EXPECTED: f64 = 0.920_536_925_636_323;
 /// n times the variance of the estimate over σ², on normal noise.
 const NORMAL_VARIANCE: f64 = 0.564_855_397_115_199;
-/// The fewest degrees of freedom assumed for any estimate: intervals are then a factor of seven
-/// wide.
+/// The minimum degrees of freedom of an estimate; its interval then spans a factor of seven.
 const LEAST_FREEDOM: f64 = 3.0;
 
-/// How far an annotator's clicks scatter.
+/// The estimated click noise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ClickScatter {
     /// 1-σ of one click in each direction, in the unit of the differences.
     pub sigma: f64,
     /// The 95 % interval of σ.
     pub interval_95: [f64; 2],
-    /// Pairs that took part.
+    /// Number of pairs used.
     pub pairs: usize,
-    /// Pairs that show another spot.
+    /// Number of pairs excluded because they show another point.
     pub set_aside: usize,
     /// The estimate's degrees of freedom.
     #[serde(rename = "worth")]
@@ -51,8 +50,8 @@ pub struct ClickScatter {
 }
 
 impl ClickScatter {
-    /// The noise that differences show, x and y together; none from fewer than five pairs, and
-    /// where half of the differences and more are exactly 0 (copies, not clicks).
+    /// Estimates the noise from differences, x and y together. None from fewer than five pairs, and
+    /// where at least half of the differences are exactly 0 (copies, not clicks).
     #[must_use]
     pub fn of(differences: &[Vec2]) -> Option<Self> {
         let pairs: Vec<[f64; 2]> = differences
@@ -73,6 +72,8 @@ impl ClickScatter {
     }
 
     fn of_groups<const N: usize>(all: &[[f64; N]]) -> Option<Self> {
+        // Step 1: first scale, and exclusion of pairs that show another point. Finite values only:
+        // a NaN would sort to an end and shift the median.
         let mut sizes: Vec<f64> = all.iter().flatten().map(|value| value.abs()).collect();
         if all.len() < MIN_PAIRS || sizes.iter().any(|size| !size.is_finite()) {
             return None;
@@ -89,6 +90,8 @@ impl ClickScatter {
         if kept.len() < MIN_PAIRS {
             return None;
         }
+
+        // Steps 2 and 3: the M-estimate, and its interval from a χ² with the matching variance.
         let sigma = scale(&kept, first);
         let freedom = (kept.len() * N) as f64 / (2.0 * variance(&kept, sigma).max(NORMAL_VARIANCE));
         let freedom = freedom.max(LEAST_FREEDOM);
@@ -103,7 +106,8 @@ impl ClickScatter {
     }
 }
 
-/// The M-estimate, from a first scale.
+/// The M-estimate, by fixed-point iteration from a first scale: σ² is multiplied by the ratio of
+/// the mean of clipped squares and its expectation.
 fn scale<const N: usize>(pairs: &[[f64; N]], first: f64) -> f64 {
     const STEPS: usize = 60;
     let count = (pairs.len() * N) as f64;
@@ -123,7 +127,9 @@ fn scale<const N: usize>(pairs: &[[f64; N]], first: f64) -> f64 {
     sigma
 }
 
-/// n times the variance of the estimate over σ², from the pairs themselves (Huber's sandwich).
+/// n times the variance of the estimate over σ², from the pairs themselves: Huber's sandwich `E[ψ²]
+/// / E[ψ']²`, where the coordinates of a pair are summed before squaring because they may be
+/// correlated.
 fn variance<const N: usize>(pairs: &[[f64; N]], sigma: f64) -> f64 {
     let (mut squares, mut slope) = (0.0, 0.0);
     for pair in pairs {

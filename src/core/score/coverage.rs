@@ -4,14 +4,14 @@ use super::chi_squared_quantile;
 use crate::geometry::{Mat3, Vec3};
 use serde::Serialize;
 
-/// The share of a normal number within 1 σ.
+/// The probability of a normal variable within 1 σ.
 const ONE_SIGMA: f64 = 0.682_689_492_137_086;
 
 /// The square of an error in its own sigmas, eᵀ Σ⁻¹ e (Mahalanobis): 3 on average where Σ is right.
 /// None where the covariance cannot be inverted.
 #[must_use]
 pub fn squared_sigmas(error: Vec3, covariance: &Mat3) -> Option<f64> {
-    // In units of the sigmas, so that degrees and px do not spoil the inverse.
+    // In units of the sigmas: degrees and px together make the covariance badly scaled.
     let sigmas = covariance.diagonal().map(f64::sqrt);
     let scale = Mat3::from_diagonal(&sigmas.map(f64::recip));
     let correlation = scale * covariance * scale;
@@ -20,7 +20,7 @@ pub fn squared_sigmas(error: Vec3, covariance: &Mat3) -> Option<f64> {
     (squared.is_finite() && squared >= 0.0).then_some(squared)
 }
 
-/// How often errors of three numbers stay within the region that was stated for them.
+/// How often errors of three parameters lie within their stated confidence regions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SigmaCoverage {
     /// Errors with a stated covariance.
@@ -29,8 +29,8 @@ pub struct SigmaCoverage {
     pub within_68: f64,
     /// The share within the 95 % ellipsoid.
     pub within_95: f64,
-    /// How many times larger than stated errors are: the root of the mean χ² over 3. 1 where the
-    /// statement is right.
+    /// The ratio of actual to stated errors: the root of the mean χ² over 3. 1 if the stated
+    /// covariance is right.
     pub error_over_sigma: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Quantiles and shares of the distributions that errors are compared with.
+//! Quantiles and probabilities of the distributions to which errors are compared.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
@@ -9,22 +9,22 @@ pub fn chi_squared_quantile(freedom: f64, share: f64) -> f64 {
     ChiSquared::new(freedom).map_or(f64::NAN, |chi_squared| chi_squared.inverse_cdf(share))
 }
 
-/// The median size |d| of a normal number, in sigmas.
+/// The median of |d| of a normal variable d, in sigmas.
 #[must_use]
 pub fn median_normal_size() -> f64 {
     Normal::standard().inverse_cdf(0.75)
 }
 
-/// The median distance of a point whose two coordinates scatter alike (Rayleigh's distribution), in
-/// sigmas of one coordinate.
+/// The median distance of a point whose two coordinates have equal normal noise (Rayleigh
+/// distribution), in sigmas of one coordinate.
 #[must_use]
 pub fn median_rayleigh() -> f64 {
-    // Half of the squares, which are χ² of two degrees of freedom, lie below 2 ln 2.
+    // The squared distance is χ² with two degrees of freedom, whose median is 2 ln 2.
     (2.0 * std::f64::consts::LN_2).sqrt()
 }
 
-/// The share of points within a distance, in sigmas of one coordinate, where both coordinates
-/// scatter alike.
+/// The probability of a point within a distance, in sigmas of one coordinate, if both coordinates
+/// have equal normal noise.
 #[must_use]
 pub fn rayleigh_share(distance_sigmas: f64) -> f64 {
     ChiSquared::new(2.0).map_or(f64::NAN, |squared| {

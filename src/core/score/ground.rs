@@ -5,12 +5,11 @@ use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, Vec2, Vec3};
 
-/// Nothing nearer to the camera's plane than this is seen, m.
+/// Minimum depth of visible ground, m.
 const NEAR_M: f64 = 0.05;
-/// Points on each edge of a picture whose border distortion bends: the chords leave 10⁻⁴ of the
-/// bend.
+/// Points on each edge of a picture with distortion, whose border is curved.
 const POINTS_PER_EDGE: u32 = 64;
-/// The picture ends this far before the fold of the distortion model, as a share of its radius.
+/// The visible radius ends at this fraction of the radius at which the distortion model folds.
 const FOLD_SHARE: f64 = 1.0 - 1e-6;
 
 /// The corners of the field on the plane z = 0, m.
@@ -27,9 +26,9 @@ pub(super) fn field_corners(field: &FieldModel) -> [Vec2; 4] {
 /// The part of the field (its playing area on the plane z = 0, m) that a picture shows: polygons
 /// that do not overlap, none where it shows nothing of it.
 ///
-/// Exact for a lens without distortion. With it the picture's bent border is followed in 256 steps,
-/// and pixels beyond the fold of the model show nothing. The crown of a few centimetres is left
-/// out.
+/// Exact for a lens without distortion. With distortion the picture's curved border is approximated
+/// by 256 points, and pixels beyond the fold of the model show nothing. The crown of a few
+/// centimetres is neglected.
 #[must_use]
 pub fn seen_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Vec<Vec2>> {
     let border = ideal_border(camera, size);
@@ -42,7 +41,8 @@ pub fn seen_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Ve
     }
     let corners = field_corners(field)
         .map(|corner| camera.cam_from_world_point(Vec3::new(corner.x, corner.y, 0.0)));
-    // In `cam` the picture's bounding box is a pyramid: x ≥ low z and so on.
+    // Clip in `cam`, before the division by z, because corners of the field may lie behind the
+    // camera. There the bounding box of the picture's border is a pyramid: x ≥ low z and so on.
     let sides: [&dyn Fn(&Vec3) -> f64; 5] = [
         &|p| p.z - NEAR_M,
         &|p| p.x - low.x * p.z,
@@ -60,6 +60,8 @@ pub fn seen_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Ve
     if ideal.len() < 3 {
         return Vec::new();
     }
+    // Without distortion the border is the bounding box itself. (It is a rectangle on the plane z =
+    // 1.)
     let ideal = if camera.lens().is_none() {
         vec![ideal]
     } else {
@@ -74,7 +76,7 @@ pub fn seen_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Ve
 }
 
 /// The picture's border on the plane z = 1 of `cam`, before distortion: its corners, or points
-/// along its bent edges.
+/// along its curved edges.
 fn ideal_border(camera: &PtzCamera, size: ImageSize) -> Ring {
     let steps = if camera.lens().is_none() {
         1
@@ -93,6 +95,8 @@ fn ideal_border(camera: &PtzCamera, size: ImageSize) -> Ring {
             let offset = from
                 .moved(along * (f64::from(step) / f64::from(steps)))
                 .offset_from(principal);
+            // A point beyond the fold has no ray: move it towards the principal point to just
+            // inside.
             let shrink = if fold.is_finite() {
                 (fold_px / offset.norm()).min(1.0)
             } else {
@@ -108,7 +112,7 @@ fn ideal_border(camera: &PtzCamera, size: ImageSize) -> Ring {
     border
 }
 
-/// Where the ray of a point of the ideal plane meets z = 0.
+/// The intersection of the ray of an ideal point with the plane z = 0, `world` x and y, m.
 fn ground_from_ideal(camera: &PtzCamera, ideal: Vec2) -> Option<Vec2> {
     let direction = camera.cam_from_world().transpose() * Vec3::new(ideal.x, ideal.y, 1.0);
     let position = camera.base().position_m;

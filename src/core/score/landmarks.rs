@@ -1,4 +1,4 @@
-//! Landmarks: where the estimate puts what the truth shows.
+//! Errors at the landmarks that the true camera shows.
 
 use super::FieldView;
 use super::view::same_names;
@@ -14,8 +14,8 @@ pub struct LandmarkError {
     /// The distance between its images by the two cameras, px; none where the estimate gives it no
     /// image.
     pub image_px: Option<f64>,
-    /// How far from it the estimate puts the pixel that shows it, on the ground, m; none for
-    /// landmarks above the ground, and where the estimate sees no ground at that pixel.
+    /// The distance on the ground, m, from it to the point that the estimate sees at its pixel;
+    /// none for landmarks above the ground, and where the estimate sees no ground at that pixel.
     pub ground_m: Option<f64>,
 }
 
@@ -55,8 +55,8 @@ pub fn landmark_errors(
         .collect()
 }
 
-/// How far from a point of the ground a camera puts the pixel that shows it, m, on the level of
-/// that point; none where it sees no ground there.
+/// The distance, m, from a ground point to the point that a camera sees at `image`, on the height
+/// of that ground point; none where it sees no ground there.
 #[must_use]
 pub fn ground_error_m(camera: &PtzCamera, image: ImagePoint, at: Vec3) -> Option<f64> {
     camera

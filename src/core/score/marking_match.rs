@@ -1,16 +1,16 @@
 //! Markings found within some pixels: the measure of the `SoccerNet` camera calibration task.
 //!
-//! A marking is one thing: it is found (TP) if the estimate shows it and every annotated point of
-//! it lies nearer than t px to its projection. One that the estimate shows but that was not
-//! annotated, and one that is farther off, is a false positive; one that was annotated and the
-//! estimate does not show a false negative. `JaC@t` = TP / (TP + FP + FN), in px of a picture 960
-//! px wide. Of the names as they are and turned by half a turn about the field's middle the better
-//! counts, at every threshold for itself: the task runs once for each. A marking that leaves the
-//! picture and comes back, as a circle at its edge does, is one polyline: the task joins where it
-//! leaves to where it comes back by a straight piece, and a point near that piece counts as near
-//! the marking. Completeness is the share of frames that have a camera at all, and the task's score
-//! `JaC@5` (mean over those) times completeness. (The task's own `evaluate_camera.py`, 2023:
-//! `get_polylines`, `evaluate_camera_prediction`.)
+//! Markings are counted as wholes. A marking is found (TP) if the estimate shows it and every
+//! annotated point of it lies within t px of its projection. It is a false positive (FP) if the
+//! estimate shows it but it was not annotated, or if a point is farther off. It is a false negative
+//! (FN) if it was annotated but the estimate does not show it. `JaC@t` = TP / (TP + FP + FN), in px
+//! of a picture 960 px wide. The value is the better one of two namings, as annotated and rotated
+//! by 180° about the field's centre, separately for each threshold, because the task is run once
+//! per threshold. A marking that leaves the picture and comes back, as a circle at its edge does,
+//! is one polyline: the task joins where it leaves to where it comes back by a straight piece, and
+//! a point near that piece counts as near the marking. Completeness is the share of frames that
+//! have a camera at all, and the task's score `JaC@5` (mean over those) times completeness. (The
+//! task's own `evaluate_camera.py`, 2023: `get_polylines`, `evaluate_camera_prediction`.)
 
 use super::FieldView;
 use super::view::same_names;
@@ -19,9 +19,9 @@ use crate::field::{Curve, FieldModel, Symmetry};
 use crate::geometry::{ImagePoint, ImageSize};
 use crate::markings::{MarkingOptions, project_lines};
 
-/// The width of pictures in whose px thresholds are given.
+/// The picture width to which the thresholds in px refer.
 pub const JACCARD_WIDTH_PX: f64 = 960.0;
-/// Shorter markings do not count: the task has no class for the corner arcs.
+/// Shorter markings are ignored, m: the task has no class for the corner arcs.
 const MIN_LENGTH_M: f64 = 2.0;
 /// Points annotated on a circle or arc.
 const POINTS_PER_ARC: usize = 9;
@@ -35,16 +35,16 @@ pub struct AnnotatedLine {
     pub points: Vec<ImagePoint>,
 }
 
-/// How the markings of one picture were found.
+/// The match of the markings of one picture, for both namings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MarkingMatch {
     /// By the names as they are.
     pub plain: NamedMatch,
-    /// By the names turned by half a turn about the field's middle.
+    /// By the names rotated by 180° about the field's centre.
     pub turned: NamedMatch,
 }
 
-/// How the markings of one picture were found by one choice of names.
+/// The match of the markings of one picture under one naming.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NamedMatch {
     /// For each marking that is annotated and shown by the estimate: the largest distance of its
@@ -56,7 +56,7 @@ pub struct NamedMatch {
     pub only_annotated: usize,
 }
 
-/// What is seen of each marking, in pieces.
+/// The visible polylines (px) of each marking, by line index.
 type Seen = Vec<Vec<Vec<ImagePoint>>>;
 
 fn seen_lines(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Seen {
@@ -77,8 +77,8 @@ fn counts(field: &FieldModel, line: usize) -> bool {
     field.lines[line].curve.length_m() >= MIN_LENGTH_M
 }
 
-/// What an annotator would place on a picture by this camera: the two ends of what is seen of each
-/// straight marking, nine points along what is seen of each round one.
+/// The points that an annotator would place on a picture of this camera: the two ends of the
+/// visible part of each straight marking, and nine points along the visible part of each round one.
 #[must_use]
 pub fn annotated_lines(
     field: &FieldModel,
@@ -121,6 +121,7 @@ fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
     for (from, to) in pieces() {
         let length = from.distance_px(to);
         while points.len() < POINTS_PER_ARC {
+            // The arc length of the next point. Leave the piece once the point lies beyond its end.
             let due = whole * points.len() as f64 / (POINTS_PER_ARC - 1) as f64;
             if due > passed + length {
                 break;
@@ -134,7 +135,7 @@ fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
         }
         passed += length;
     }
-    // Rounding may leave out the last point.
+    // The last point may be missed by rounding.
     if let (Some(end), true) = (
         parts.last().and_then(|part| part.last()),
         points.len() < POINTS_PER_ARC,
@@ -145,8 +146,8 @@ fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
 }
 
 impl MarkingMatch {
-    /// Compares markings that were annotated on one field with those that a camera shows of its
-    /// own; a line that is too short to count is passed over.
+    /// Compares annotated markings with those that an estimated camera shows of its own field.
+    /// Lines that are too short are skipped.
     #[must_use]
     pub fn of(
         field: &FieldModel,
@@ -154,6 +155,7 @@ impl MarkingMatch {
         estimate: FieldView,
         size: ImageSize,
     ) -> Self {
+        // The estimate may use another field (size or template); match lines by name.
         let mut of_estimate = seen_lines(estimate.field, estimate.camera, size);
         let twins = same_names(&field.lines, &estimate.field.lines, |line| line.id.as_str());
         let seen: Seen = twins
@@ -164,6 +166,7 @@ impl MarkingMatch {
             })
             .collect();
         let plain = NamedMatch::of(field, annotated, &seen, size, Some);
+        // Rotate the names of the annotation instead of the estimate.
         let turned = NamedMatch::of(field, annotated, &seen, size, |line| {
             let twin = Symmetry::Turn180.line_twin(field, &field.lines[line])?;
             field.lines.iter().position(|other| other.id == twin.id)
@@ -200,6 +203,7 @@ impl NamedMatch {
                 found.only_annotated += 1;
                 continue;
             };
+            // The worst point decides whether a marking is found at a threshold.
             named[line] = true;
             if seen[line].is_empty() {
                 found.only_annotated += 1;
@@ -234,7 +238,8 @@ impl NamedMatch {
     }
 }
 
-/// The distance of a point from the polyline that some parts make, one after the other, px.
+/// The distance (px) of a point from the polyline that joins all parts in order, as the task does
+/// it.
 fn distance_px(point: ImagePoint, parts: &[Vec<ImagePoint>]) -> f64 {
     let joined: Vec<ImagePoint> = parts.iter().flatten().copied().collect();
     let distances = joined.windows(2).map(|pair| {

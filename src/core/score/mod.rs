@@ -1,4 +1,4 @@
-//! How far an estimated camera is from the true one.
+//! Errors of an estimated camera against the true one.
 //!
 //! | what | where |
 //! |---|---|

@@ -3,9 +3,9 @@
 //! The literature uses two conventions that give different numbers; both are implemented.
 //! `IoU_part` (Homayounfar et al., CVPR 2017; Chen and Little, CVPRW 2019): the part of the field
 //! that the picture shows by the true camera against the part that it shows by the estimated one.
-//! `IoU_whole` (Sharma et al., WACV 2018): the whole field is carried into the picture by the true
-//! camera and back by the estimated one, and compared with itself; what lies outside the picture
-//! counts as well. The literature rasterises to whole yards; here polygons are clipped exactly.
+//! `IoU_whole` (Sharma et al., WACV 2018): the whole field is projected into the picture by the
+//! true camera and back by the estimated one, and compared with itself; parts outside the picture
+//! count as well. The literature rasterises to whole yards; here polygons are clipped exactly.
 
 use super::ground::{field_corners, seen_field};
 use super::polygon::{Ring, area, shared};
@@ -13,8 +13,8 @@ use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, Vec2, Vec3};
 
-/// `IoU_part`, 0 to 1: of the parts of the field that the picture shows by the two cameras. None
-/// where it shows nothing of the field by either; 0 where only one of them shows some.
+/// `IoU_part`, 0 to 1, of the parts of the field that the picture shows under the two cameras. None
+/// where neither camera shows any of the field; 0 where only one does.
 #[must_use]
 pub fn iou_part(
     field: &FieldModel,
@@ -28,12 +28,11 @@ pub fn iou_part(
     )
 }
 
-/// `IoU_whole`, 0 to 1: of the field and of itself, carried into the picture by the true camera and
-/// back by the estimated one.
+/// `IoU_whole`, 0 to 1, of the field and of the field projected into the picture by the true camera
+/// and back by the estimated one.
 ///
-/// Between planes and without distortion, which has no meaning far outside the picture: lenses
-/// count by their focal lengths and principal points alone. 0 where the estimate carries a part of
-/// the field beyond its horizon.
+/// Distortion is neglected, because it has no meaning far outside the picture; only focal lengths
+/// and principal points are used. 0 where a part of the field lies beyond the estimate's horizon.
 #[must_use]
 pub fn iou_whole(field: &FieldModel, truth: &PtzCamera, estimate: &PtzCamera) -> f64 {
     let corners = field_corners(field);
@@ -46,14 +45,15 @@ pub fn iou_whole(field: &FieldModel, truth: &PtzCamera, estimate: &PtzCamera) ->
         .unwrap_or(0.0)
 }
 
-/// Where the estimate sees the point of the ground that the truth sees there: a homography of the
-/// plane z = 0. None beyond the estimate's horizon.
+/// The ground point that the estimate sees at the pixel of a ground point under the truth: a
+/// homography of the plane z = 0. None beyond the estimate's horizon.
 fn carry(truth: &PtzCamera, estimate: &PtzCamera, ground: Vec2) -> Option<Vec2> {
     let in_cam = truth.cam_from_world_point(Vec3::new(ground.x, ground.y, 0.0));
     let apart = truth
         .base()
         .principal_point
         .offset_from(estimate.base().principal_point);
+    // Homogeneous, without a division by the depth, which may be zero.
     let offset_px = in_cam.xy() * truth.ptz().focal_px + apart * in_cam.z;
     let (x, y) = (
         offset_px.x / estimate.ptz().focal_px,
@@ -61,8 +61,8 @@ fn carry(truth: &PtzCamera, estimate: &PtzCamera, ground: Vec2) -> Option<Vec2> 
     );
     let direction = estimate.cam_from_world().transpose() * Vec3::new(x, y, in_cam.z);
     let position = estimate.base().position_m;
-    // Depths keep their sign on the way, so a point behind both cameras is carried as rightly as
-    // one before them.
+    // Depths keep their sign, so a point behind both cameras is mapped as correctly as one in
+    // front.
     let distance = -position.z / direction.z;
     (distance > 0.0 && distance.is_finite()).then(|| (position + direction * distance).xy())
 }

@@ -1,8 +1,8 @@
-//! Homographies of the ground scored as cameras are: for datasets that hold nothing else.
+//! The scores of cameras for homographies of the ground, for datasets that contain nothing else.
 //!
 //! A homography here takes a point of the plane z = 0 (x and y in world, m) to the picture (px).
-//! Its scale and sign mean nothing; [`PlaneView::new`] picks the sign by which the middle of the
-//! picture lies before the camera.
+//! Its scale and sign are arbitrary; [`PlaneView::new`] chooses them so that the ground in the
+//! middle of the picture has depth 1.
 
 use super::ground::field_corners;
 use super::overlap::intersection_over_union;
@@ -11,11 +11,10 @@ use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
 
-/// How near to the horizon the ground is still seen: the least depth as a share of that in the
-/// middle of the picture.
+/// The minimum depth of visible ground, as a fraction of the depth in the middle of the picture.
 const NEAR: f64 = 1e-3;
 
-/// A picture of the ground by a homography.
+/// The view of the ground under a homography.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneView {
     image_from_ground: Mat3,
@@ -31,7 +30,7 @@ impl PlaneView {
         let middle = size.centre();
         let ground = image_from_ground.try_inverse()? * Vec3::new(middle.x, middle.y, 1.0);
         let depth = (image_from_ground * (ground / ground.z)).z;
-        // One in the middle: depths are shares of that.
+        // Normalise the depth in the middle of the picture to 1.
         let image_from_ground = image_from_ground / depth;
         let ground_from_image = image_from_ground.try_inverse()?;
         let finite = image_from_ground
@@ -82,7 +81,7 @@ impl PlaneView {
     #[must_use]
     pub fn ground_from_image(&self, image: ImagePoint) -> Option<Vec2> {
         let ground = self.ground_from_image * Vec3::new(image.x, image.y, 1.0);
-        // The depth of a picture's point is the inverse of that of its ground.
+        // The third coordinate of the back-projection is the inverse of the ground point's depth.
         (ground.z > 0.0 && ground.z < 1.0 / NEAR).then(|| ground.xy() / ground.z)
     }
 
@@ -93,6 +92,9 @@ impl PlaneView {
         let (width, height) = (f64::from(self.size.width), f64::from(self.size.height));
         let h = &self.image_from_ground;
         let (x, y, depth) = (h.row(0), h.row(1), h.row(2));
+        // Half-planes of the ground: depth ≥ NEAR, 0 ≤ x ≤ width and 0 ≤ y ≤ height in px, each
+        // multiplied by the depth. So a clip against linear functions of the ground point suffices,
+        // and nothing behind the camera is divided.
         let sides = [
             depth - Vec3::new(0.0, 0.0, NEAR).transpose(),
             x.into_owned(),
@@ -129,7 +131,8 @@ impl PlaneView {
             .iter()
             .map(|corner| {
                 let ground = carry * Vec3::new(corner.x, corner.y, 1.0);
-                // Depths keep their sign on the way, as those of a camera do.
+                // The product of both homographies keeps the sign of depths; a negative one is
+                // beyond the estimate's horizon.
                 (ground.z > 0.0).then(|| ground.xy() / ground.z)
             })
             .collect();

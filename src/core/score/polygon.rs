@@ -1,4 +1,4 @@
-//! Areas of polygons and of what they share.
+//! Areas and intersections of polygons.
 //!
 //! Clipping is `i_overlay`'s, on a grid of 64-bit integers that spans both inputs: exact up to the
 //! rounding to it, some 10⁻¹⁶ of their size.
@@ -14,7 +14,7 @@ pub(super) type Ring = Vec<Vec2>;
 
 /// Twice the signed area: positive where the points run from +x towards +y.
 fn doubled_area(ring: &[Vec2]) -> f64 {
-    // Relative to a point of its own: far from the origin nothing cancels.
+    // Relative to a vertex, so that nothing cancels for a polygon far from the origin.
     let Some(origin) = ring.first() else {
         return 0.0;
     };
@@ -31,8 +31,8 @@ pub(super) fn area(rings: &[Ring]) -> f64 {
         .sum()
 }
 
-/// What two sets of polygons share, as polygons that do not overlap. No hole can arise where the
-/// inputs have none.
+/// The intersection of two sets of polygons, as polygons that do not overlap. Inputs without holes
+/// give no holes.
 pub(super) fn shared(one: &[Ring], other: &[Ring]) -> Vec<Ring> {
     let points = |rings: &[Ring]| -> Vec<Vec<[f64; 2]>> {
         let enclosing = rings.iter().filter(|ring| ring.len() >= 3);

@@ -5,12 +5,12 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 
-/// Resamples of the bootstrap.
+/// Number of bootstrap resamples.
 const RESAMPLES: usize = 1000;
-/// What lies outside the intervals on either side.
+/// The probability outside the intervals on either side.
 const TAIL: f64 = 0.025;
 
-/// Many numbers in a few.
+/// Summary statistics of a list of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// How many there are.
@@ -88,7 +88,7 @@ impl Summary {
     }
 }
 
-/// The intervals of mean and median over resamples.
+/// The 95 % percentile bootstrap intervals of mean and median (Efron).
 fn bootstrap(ascending: &[f64], seed: u64) -> [[f64; 2]; 2] {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let mut drawn = vec![0.0; ascending.len()];

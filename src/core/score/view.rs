@@ -3,8 +3,8 @@
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 
-/// A camera and the field that is drawn with it. Truth and estimate may differ in both: a crown
-/// that only one of them knows moves its lines.
+/// A camera and the field that is drawn with it. Truth and estimate may differ in both: a crown in
+/// only one of them moves its lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldView<'a> {
     /// The field.
@@ -13,8 +13,8 @@ pub struct FieldView<'a> {
     pub camera: &'a PtzCamera,
 }
 
-/// Where each name of one list stands in another; none where it is missing there. Lists of one
-/// template agree entry by entry.
+/// The index in `to` of each name in `from`; none where it is missing there. Lists of one template
+/// agree entry by entry.
 pub(super) fn same_names<'a, T>(
     from: &[T],
     to: &[T],

@@ -1,4 +1,4 @@
-//! What a person should look at before trusting a solved frame, in words with numbers.
+//! The warnings about a solved frame that the user should check, with numbers.
 
 use super::context::SAME_FIT;
 use super::covariance::{OverlayPoint, corners};
@@ -8,23 +8,24 @@ use super::{
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, ImageSize, Vec2, thousands};
 
-/// From this 1-σ at the worst corner on, the points' separation is worth a warning, px at 1920 px
-/// width.
+/// A worst corner with a larger 1-σ gives a warning, px at 1920 px width.
 const WARN_CORNER_SIGMA_PX: f64 = 7.0;
 
-/// A second point this far away makes a good pair, px at 1920 px width.
+/// The distance of two points from which on they make a good pair, px at 1920 px width.
 const GOOD_SEPARATION_PX: f64 = 800.0;
 
-/// What helps is worth saying if it leaves at most this share of the worst corner's 1-σ.
+/// A remedy is suggested if it reduces the worst corner's 1-σ to less than this fraction.
 const WORTHWHILE: f64 = 0.9;
 
-/// A point that would help a corner lies this share of the way to the middle of the picture.
+/// The suggested point near a corner lies this fraction of the way from the corner to the principal
+/// point.
 const TOWARDS_MIDDLE: f64 = 0.15;
 
-/// A check click beyond this many sigmas is wrong, or the solution is (of right ones 0.2 % are).
+/// Beyond this many sigmas either the check click or the solution is wrong; 0.2 % of correct clicks
+/// exceed it.
 const MAX_CHECK_Z: f64 = 3.5;
 
-/// A click this many times farther off than expected contradicts the others.
+/// A click whose distance is more than this many times the expected one contradicts the others.
 const MAX_CLICK_SIGMAS: f64 = 5.0;
 
 /// The warnings of a solution, the most serious first.
@@ -44,7 +45,7 @@ pub(super) fn warnings(
     found
 }
 
-/// Held-out clicks that are farther off than click noise and prediction explain.
+/// Check clicks whose errors exceed what click noise and the uncertainty of the prediction explain.
 fn failed_checks(solution: &FrameSolution) -> impl Iterator<Item = Warning> {
     solution.checks.iter().filter_map(|check| {
         let number = check.click + 1;
@@ -61,11 +62,15 @@ fn failed_checks(solution: &FrameSolution) -> impl Iterator<Item = Warning> {
     })
 }
 
-/// Clicks that the others (or, with two, the base) contradict.
+/// The click that the others contradict most, or two clicks that the base contradicts.
 fn contradiction(solution: &FrameSolution) -> Option<Warning> {
+    // An uncertain base makes larger residuals normal: scale σ by the expected χ² per surplus
+    // equation.
     let usual = (solution.expected_chi_squared / solution.redundancy.max(1) as f64)
         .max(1.0)
         .sqrt();
+
+    // The residuals of so few clicks do not show which of them is wrong: blame both.
     if !solution.residuals_are_evidence() {
         let misfit = solution.misfit()?;
         return (misfit > MAX_CLICK_SIGMAS).then(|| Warning {
@@ -78,6 +83,9 @@ fn contradiction(solution: &FrameSolution) -> Option<Warning> {
             clicks: solution.residuals.iter().map(|residual| residual.click).collect(),
         });
     }
+
+    // Otherwise the click with the largest residual in its own σ is the suspect. One that has no
+    // image counts as infinitely far off.
     let sigmas = |residual: &super::ClickResidual| {
         residual.distance_px().map_or(f64::INFINITY, |distance| {
             distance / (residual.sigma_px * usual)
@@ -103,7 +111,7 @@ fn contradiction(solution: &FrameSolution) -> Option<Warning> {
     })
 }
 
-/// A camera that sees the pitch from below.
+/// A camera below the pitch.
 fn underground(camera: &PtzCamera) -> Option<Warning> {
     let height_m = camera.base().position_m.z;
     (height_m <= 0.0).then(|| Warning {
@@ -116,7 +124,7 @@ fn underground(camera: &PtzCamera) -> Option<Warning> {
     })
 }
 
-/// A solution outside of what this camera can do, or usually does.
+/// A solution outside the ranges of this camera, or unusual under its motion prior.
 fn implausible(solution: &FrameSolution, context: &SolveContext) -> Option<Warning> {
     let (ptz, ranges) = (solution.ptz, &context.ranges);
     let what = if !ranges.pan.contains(ptz.pan) {
@@ -148,7 +156,7 @@ fn implausible(solution: &FrameSolution, context: &SolveContext) -> Option<Warni
     })
 }
 
-/// Another plausible camera fits the clicks as well.
+/// A second plausible camera that fits the clicks as well.
 fn two_roots(solution: &FrameSolution, context: &SolveContext) -> Option<Warning> {
     let slack =
         SAME_FIT * (solution.expected_chi_squared / solution.redundancy.max(1) as f64).max(1.0);
@@ -183,8 +191,9 @@ fn two_roots(solution: &FrameSolution, context: &SolveContext) -> Option<Warning
     })
 }
 
-/// A worst corner that is uncertain, by what makes it so: the base, points close together, or a
-/// corner far from all points. What helps is said only where it gains.
+/// A worst corner that is uncertain, with the cause: the base, points close together, or a corner
+/// far from all points, tested in this order. A remedy is suggested only if its predicted gain is
+/// worth it.
 fn uncertain_corner(
     camera: &PtzCamera,
     used: &[Observation],
@@ -199,6 +208,8 @@ fn uncertain_corner(
     let worst = solution
         .uncertainty
         .worst_corner(camera, context.image_size)?;
+
+    // Case 1, the base: further clicks in this frame gain little.
     if worst.is_from_base() {
         return Some(Warning {
             code: WarningCode::BaseUncertain,
@@ -213,6 +224,9 @@ fn uncertain_corner(
             .filter(|observation| observation.shape.point().is_some())
     };
     let gains = |better_px: &f64| *better_px < WORTHWHILE * corner_px;
+
+    // Case 2, points close together: they leave the focal length uncertain. Try a further point at
+    // a good distance from their centre, in the best direction inside the frame.
     if separation_px < GOOD_SEPARATION_PX * scale {
         let focal_percent = 100.0 * solution.sigma_focal_px() / solution.ptz.focal_px;
         let cost = format!(
@@ -240,6 +254,8 @@ fn uncertain_corner(
             clicks,
         });
     }
+
+    // Case 3, extrapolation: the points lie apart, but far from the corner. Try a point near it.
     let nearest_px = used
         .iter()
         .map(|observation| observation.image.distance_px(worst.corner))
@@ -262,7 +278,7 @@ fn uncertain_corner(
     })
 }
 
-/// The base leaves most of the worst corner open.
+/// The message if most of the worst corner's uncertainty comes from the base.
 fn of_base(worst: &CornerSigma) -> String {
     format!(
         "The base is uncertain: ±{} of the ±{} px at the worst corner come from it. Points in more wide frames help.",
@@ -271,13 +287,13 @@ fn of_base(worst: &CornerSigma) -> String {
     )
 }
 
-/// One more landmark click, as noisy as the noisiest one there is, and what it would do for the
-/// worst corner.
+/// Predicts the effect of one more landmark click on the worst corner. The click is assumed as
+/// noisy as the noisiest existing one.
 struct OneMoreClick<'a> {
     camera: &'a PtzCamera,
     uncertainty: &'a Uncertainty,
     image_size: ImageSize,
-    /// What the frame's corners show.
+    /// The overlay points of the frame's corners.
     corners: [Option<OverlayPoint>; 4],
     sigma_px: f64,
 }
@@ -325,7 +341,7 @@ fn rounded(value: f64) -> String {
     thousands(value.round() as usize)
 }
 
-/// A sigma in as few digits as it deserves: "14", "3.6".
+/// A sigma to two significant digits: "14", "3.6".
 fn short(value: f64) -> String {
     if value >= 10.0 {
         format!("{value:.0}")

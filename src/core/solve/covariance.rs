@@ -9,11 +9,11 @@
 //! - pan, tilt, focal: σ² A Aᵀ + K `Σ_b` Kᵀ;
 //! - overlay at p: σ² `J_p` A Aᵀ `J_pᵀ` + M `Σ_b` Mᵀ.
 //!
-//! W weighs each click by its own σ⁻². Weighing by the inverse of σ² I + `J_b Σ_b J_bᵀ` instead is
-//! the same wherever the base is exact; where it is not, it wins a few per cent on pan, tilt and
-//! focal length, but blames a misfit on a base that the overlay goes on using: the lines then miss
-//! the very points that were clicked (with 0.5 m of base error by 8–16 px instead of 3–6), so it is
-//! not done.
+//! W weighs each click by its own σ⁻². The alternative, the inverse of σ² I + `J_b Σ_b J_bᵀ`, is
+//! the same where the base is exact. Where the base is uncertain, it improves pan, tilt and focal
+//! length by a few per cent, but attributes part of the misfit to a base error, while the overlay
+//! is still drawn with the nominal base. The lines then miss the points that were clicked (with 0.5
+//! m of base error by 8–16 px instead of 3–6 px). It is therefore not used.
 
 use super::shared_columns::by_shared;
 use super::{Observation, PtzPrior, SolveError};
@@ -24,10 +24,10 @@ use nalgebra::{Matrix2, Matrix2x3, SMatrix};
 /// Normal equations worse conditioned than this, in (rad, rad, log f), leave a direction open.
 const MAX_CONDITION: f64 = 1e12;
 
-/// Where a pixel shows no ground the overlay is taken to lie at this depth, m.
+/// Depth assumed for the overlay at a pixel that shows no ground, m.
 const FAR_M: f64 = 1e5;
 
-/// The covariance of a frame's solution, click noise and base kept apart.
+/// The covariance of a frame's solution, with the parts of click noise and base error kept apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uncertainty {
     /// σ² A Aᵀ: the clicks' part, in (pan rad, tilt rad, focal px).
@@ -40,11 +40,10 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
-    /// The uncertainty of a solution at a camera, from the observations and the prior that took
-    /// part.
+    /// The uncertainty of a solution, from the observations and the prior that determined it.
     ///
     /// # Errors
-    /// [`SolveError::Undetermined`] if they leave a direction open.
+    /// [`SolveError::Undetermined`] if they leave a combination of the parameters undetermined.
     pub fn of(
         camera: &PtzCamera,
         observations: &[Observation],
@@ -52,6 +51,8 @@ impl Uncertainty {
     ) -> Result<Self, SolveError> {
         let mut information = Mat3::zeros();
         let mut cross = SMatrix::zeros();
+        // The prior acts like one more observation: its information enters Jᵀ W J, and its known
+        // dependence on the base enters Jᵀ W `J_b`.
         if let Some(prior) = prior {
             information += prior.information(camera.ptz().focal_px);
             cross += information * prior.by_base;
@@ -67,6 +68,9 @@ impl Uncertainty {
                 );
             }
         }
+
+        // (Jᵀ W J)⁻¹ equals σ² A Aᵀ, since each weight is that observation's own σ⁻²; (Jᵀ W J)⁻¹ Jᵀ
+        // W `J_b` is K.
         let inverse = invert_information(&information, camera.ptz().focal_px)?;
         Ok(Self {
             clicks: inverse,
@@ -75,10 +79,9 @@ impl Uncertainty {
         })
     }
 
-    /// The uncertainty of a camera that is known to some covariance of (pan rad, tilt rad, focal
-    /// px) if the base is exact, and that follows an error of the base as a camera does that was
-    /// solved from clicks all over its picture. Cameras that were solved so with the same base, and
-    /// what is concluded from them, do.
+    /// The uncertainty of a camera with a given covariance of (pan rad, tilt rad, focal px) for an
+    /// exact base. Its response K to an error of the base is that of a camera solved from clicks
+    /// spread over the whole picture with the same base.
     ///
     /// # Errors
     /// [`SolveError::Undetermined`] if the picture shows too little.
@@ -105,8 +108,8 @@ impl Uncertainty {
         })
     }
 
-    /// The same from what the frame's own evidence says as documents hold it: covariance of (pan
-    /// deg, tilt deg, focal px).
+    /// [`Self::of_known`] with the covariance in the units of documents: (pan deg, tilt deg, focal
+    /// px).
     ///
     /// # Errors
     /// [`SolveError::Undetermined`] if the picture shows too little.
@@ -135,16 +138,16 @@ impl Uncertainty {
         covariance_in_degrees(&self.ptz_covariance())
     }
 
-    /// The same by the frame's own evidence alone, the base taken as exact. Documents keep it
-    /// beside the total, because the base's part cannot be subtracted again: the difference of two
-    /// nearly equal matrices is seldom a covariance.
+    /// Covariance of (pan deg, tilt deg, focal px) from the frame's own evidence, for an exact
+    /// base. Documents store it beside the total, because the base's part cannot be subtracted
+    /// afterwards: the difference of two nearly equal matrices is seldom positive definite.
     #[must_use]
     pub fn own_covariance_deg(&self) -> Mat3 {
         covariance_in_degrees(&self.clicks)
     }
 
-    /// What the base's uncertainty adds to the expectation of χ² over the observations that took
-    /// part.
+    /// The increase of the expected χ² of the given observations that the base's uncertainty
+    /// causes: the sum of |(`J_b` − J K) L|² / σ² over the observations.
     #[must_use]
     pub fn base_misfit(&self, camera: &PtzCamera, observations: &[Observation]) -> f64 {
         if self.base_root.iter().all(|entry| *entry == 0.0) {
@@ -171,8 +174,8 @@ impl Uncertainty {
         Some(point.by_ptz * self.clicks * point.by_ptz.transpose() + by_base * by_base.transpose())
     }
 
-    /// Covariance (px²) of the overlay at a pixel: of the ground it shows, or of the far distance
-    /// above the horizon. None beyond the fold of the distortion model.
+    /// Covariance (px²) of the overlay at a pixel: at the ground point that it shows, or at a
+    /// distant point above the horizon. None beyond the fold of the distortion model.
     #[must_use]
     pub fn overlay_at(&self, camera: &PtzCamera, pixel: ImagePoint) -> Option<Matrix2<f64>> {
         self.overlay_at_world(camera, shown_at(camera, pixel)?)
@@ -185,7 +188,7 @@ impl Uncertainty {
     }
 
     /// The largest [`Self::overlay_sigma_px`] of the frame's four corners; a corner beyond the fold
-    /// of the distortion model is drawn in towards the middle until it shows something.
+    /// of the distortion model is moved towards the principal point until it has a ray.
     #[must_use]
     pub fn worst_corner_sigma_px(&self, camera: &PtzCamera, image_size: ImageSize) -> f64 {
         self.worst_sigma_px(&corners(camera, image_size))
@@ -223,7 +226,8 @@ impl Uncertainty {
 
     /// 1-σ of the overlay at a point, px.
     fn sigma_px(&self, point: &OverlayPoint) -> f64 {
-        // x and y side by side: this is evaluated at every pixel of a heat map.
+        // The trace of σ² `J_p` A Aᵀ `J_pᵀ`, column by column. x and y are computed side by side as
+        // a vector, because this is evaluated at every pixel of a heat map.
         let by_ptz: [Vec2; 3] =
             std::array::from_fn(|column| point.by_ptz.column(column).into_owned());
         let mut variances = Vec2::zeros();
@@ -232,13 +236,17 @@ impl Uncertainty {
             let covariance = by_ptz[0] * clicks[0] + by_ptz[1] * clicks[1] + by_ptz[2] * clicks[2];
             variances += covariance.component_mul(by);
         }
+
+        // M = `J_pb` − `J_p` K, column by column.
         let by_base: [Vec2; SHARED_COLUMNS] = std::array::from_fn(|column| {
             let follows = self.by_base.fixed_view::<3, 1>(0, column);
             point.by_base.column(column)
                 - (by_ptz[0] * follows[0] + by_ptz[1] * follows[1] + by_ptz[2] * follows[2])
         });
+
+        // The trace of M L (M L)ᵀ.
         for column in 0..SHARED_COLUMNS {
-            // Nothing stands above the diagonal.
+            // L is lower triangular, so the sum starts at the diagonal.
             let rows =
                 (column..SHARED_COLUMNS).map(|row| by_base[row] * self.base_root[(row, column)]);
             let moved = rows.fold(Vec2::zeros(), |sum, by_row| sum + by_row);
@@ -247,13 +255,13 @@ impl Uncertainty {
         variances.sum().sqrt()
     }
 
-    /// How the overlay at a point moves with the base, the solution following, for one sigma of
-    /// each independent cause, px.
+    /// M L: how the overlay at a point moves, in px, for one σ of each independent component of the
+    /// base error, when pan, tilt and focal length respond to it by K.
     fn by_base_in_sigmas(&self, point: &OverlayPoint) -> SMatrix<f64, 2, SHARED_COLUMNS> {
         (point.by_base - point.by_ptz * self.by_base) * self.base_root
     }
 
-    /// The same where the base is exact.
+    /// The same uncertainty for an exact base.
     #[must_use]
     pub fn with_exact_base(self) -> Self {
         Self {
@@ -262,8 +270,8 @@ impl Uncertainty {
         }
     }
 
-    /// The same with one more landmark click, of noise `sigma_px`, at a pixel: what a click there
-    /// would give. None where the pixel has no ray.
+    /// The uncertainty after one more landmark click with noise `sigma_px` at a pixel. None where
+    /// the pixel has no ray.
     #[must_use]
     pub fn with_click_at(
         &self,
@@ -272,6 +280,8 @@ impl Uncertainty {
         sigma_px: f64,
     ) -> Option<Self> {
         let click = OverlayPoint::at_pixel(camera, pixel)?;
+        // Recover Jᵀ W J and Jᵀ W `J_b` from their solved forms (Jᵀ W J)⁻¹ and K, then add the rows
+        // of the new click.
         let mut information = self.clicks.try_inverse()?;
         let mut cross = information * self.by_base;
         add(
@@ -290,19 +300,19 @@ impl Uncertainty {
     }
 }
 
-/// The 1-σ of the overlay at the worst corner of a frame, by what it comes from.
+/// The 1-σ of the overlay at the worst corner of a frame, split by cause.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornerSigma {
     /// Which corner, px.
     pub corner: ImagePoint,
-    /// What the noise of the clicks and where they lie leave open, px.
+    /// The part that click noise causes, given the positions of the clicks, px.
     pub clicks_px: f64,
-    /// What the uncertainty of the base leaves open, px.
+    /// The part that the uncertainty of the base causes, px.
     pub base_px: f64,
 }
 
 impl CornerSigma {
-    /// Both together, px.
+    /// The root sum of squares of both parts, px.
     #[must_use]
     pub fn sigma_px(&self) -> f64 {
         self.clicks_px.hypot(self.base_px)
@@ -316,7 +326,7 @@ impl CornerSigma {
     }
 }
 
-/// A point of the overlay: how its image moves with the camera, whatever the camera's uncertainty.
+/// The Jacobians of one overlay point by the camera's parameters, independent of their uncertainty.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OverlayPoint {
     by_ptz: Matrix2x3<f64>,
@@ -324,7 +334,7 @@ pub(super) struct OverlayPoint {
 }
 
 impl OverlayPoint {
-    /// At a world point; none where it has no image.
+    /// The overlay point of a world point; none where it has no image.
     fn at_world(camera: &PtzCamera, point_in_world: Vec3) -> Option<Self> {
         let here = camera.image_from_world_jacobian(point_in_world).ok()?;
         let by_image = Matrix2::identity();
@@ -342,7 +352,7 @@ impl OverlayPoint {
         })
     }
 
-    /// At what a pixel shows.
+    /// The overlay point of what a pixel shows ([`shown_at`]).
     fn at_pixel(camera: &PtzCamera, pixel: ImagePoint) -> Option<Self> {
         Self::at_world(camera, shown_at(camera, pixel)?)
     }
@@ -364,6 +374,8 @@ pub fn covariance_in_radians(covariance_deg: &Mat3) -> Mat3 {
 pub fn covariance_of_four_points(camera: &PtzCamera, image_size: ImageSize, sigma_px: f64) -> Mat3 {
     // Seen from the origin, a ray is a point at unit distance.
     let camera = PtzCamera::new(camera.base().at_origin(), camera.ptz());
+    // Four pixels half-way from the middle to the corners, and the directions that the camera sees
+    // there.
     let quarter = Vec2::new(f64::from(image_size.width), f64::from(image_size.height)) / 4.0;
     let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
     let points: Vec<Observation> = (0..)
@@ -387,10 +399,10 @@ fn covariance_in_degrees(covariance: &Mat3) -> Mat3 {
     scale * covariance * scale
 }
 
-/// Points all over a picture, those on the ground near by if there are any: that is where clicks
-/// are.
+/// Overlay points on a regular grid over the picture. If at least four of them lie on ground near
+/// the camera, only those are returned, because clicks lie on the field.
 fn all_over(camera: &PtzCamera, image_size: ImageSize) -> Vec<OverlayPoint> {
-    /// Farther away there is no field, m.
+    /// No field extends farther from the camera than this, m.
     const FIELD_M: f64 = 200.0;
     const COLUMNS: u32 = 5;
     const ROWS: u32 = 4;
@@ -419,7 +431,8 @@ fn all_over(camera: &PtzCamera, image_size: ImageSize) -> Vec<OverlayPoint> {
         .collect()
 }
 
-/// The frame's four corners, each drawn in towards the middle until it shows something.
+/// The frame's four corners, each moved towards the principal point in steps of 10 % until it has a
+/// ray; none if it never has.
 pub(super) fn corners(camera: &PtzCamera, image_size: ImageSize) -> [Option<OverlayPoint>; 4] {
     let middle = camera.base().principal_point;
     image_size.corners().map(|corner| {
@@ -430,9 +443,10 @@ pub(super) fn corners(camera: &PtzCamera, image_size: ImageSize) -> [Option<Over
     })
 }
 
-/// What a pixel shows, `world`: the ground, or the far distance above the horizon. None beyond the
-/// fold of the distortion model.
+/// The point in `world` that a pixel shows: on the plane z = 0, at most [`FAR_M`] deep, or at the
+/// depth [`FAR_M`] above the horizon. None beyond the fold of the distortion model.
 fn shown_at(camera: &PtzCamera, pixel: ImagePoint) -> Option<Vec3> {
+    // The direction has z = 1 in `cam`, so multiples of it are depths along the optical axis, m.
     let ideal = camera.cam_plane_from_image(pixel).ok()?;
     let direction = camera
         .cam_from_world()
@@ -459,14 +473,18 @@ fn add(
     *cross += weighted * by_base;
 }
 
-/// The inverse of Jᵀ W J in (rad, rad, px), after a look at its condition in (rad, rad, log f).
+/// The inverse of Jᵀ W J in (rad, rad, px), if its condition number in (rad, rad, log f) is at most
+/// [`MAX_CONDITION`].
 fn invert_information(information: &Mat3, focal_px: f64) -> Result<Mat3, SolveError> {
+    // df = f d(log f): in log f the three parameters have comparable scales, and the condition
+    // number does not depend on the unit of the focal length.
     let scale = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, focal_px));
     let scaled = scale * information * scale;
     let inverse = scaled
         .try_inverse()
         .filter(|inverse| inverse.iter().all(|x| x.is_finite()));
-    // The product of the norms bounds the condition number from above; no eigenvalues are needed.
+    // The product of the Frobenius norms bounds the condition number from above, without
+    // eigenvalues.
     let condition = inverse.map_or(f64::INFINITY, |inverse| scaled.norm() * inverse.norm());
     match inverse {
         Some(inverse) if condition <= MAX_CONDITION => {

@@ -1,4 +1,5 @@
-//! Normal equations of blocks that see each other, such as frames tied pairwise: one dense matrix.
+//! Normal equations as one dense matrix, for parameters that are coupled with each other, such as
+//! those of frames with pairwise matches.
 
 use super::Loss;
 use super::least_squares::Equations;
@@ -8,7 +9,7 @@ use nalgebra::{DMatrix, DVector, SVector};
 /// Jᵀ W J and Jᵀ W r of residuals that each depend on a few of many parameters.
 #[derive(Clone, Debug)]
 pub struct DenseEquations {
-    /// Its lower triangle.
+    /// The lower triangle of Jᵀ W J.
     matrix: DMatrix<f64>,
     gradient: DVector<f64>,
     losses: LossSum,
@@ -29,8 +30,8 @@ impl DenseEquations {
         }
     }
 
-    /// Adds a residual: its numbers, their 1-σ, and the derivatives by the parameters on which they
-    /// depend.
+    /// Adds a residual: its value, its 1-σ, and its derivatives by the parameters on which it
+    /// depends, as (parameter, column).
     pub fn add<const ROWS: usize>(
         &mut self,
         value: &SVector<f64, ROWS>,
@@ -50,11 +51,14 @@ impl DenseEquations {
 }
 
 impl DenseEquations {
-    /// The covariance of all parameters; none where a direction is left open.
+    /// The covariance of all parameters; none where a combination of them is not determined.
     #[must_use]
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
-        /// A parameter that is known to no more than this share of what others say of it is open.
+        /// A parameter is undetermined if its information, given the parameters before it, is less
+        /// than this fraction of its information by itself.
         const OPEN: f64 = 1e-12;
+        // Scale to a unit diagonal, so that the pivots of the Cholesky factor are relative to each
+        // parameter's own information, whatever its unit.
         let mut scale = self.matrix.diagonal();
         if scale.iter().any(|information| !(*information > 0.0)) {
             return None;

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Why a click is no observation of this field.
+/// Why a click is not an observation of this field.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ObservationError {
@@ -29,7 +29,7 @@ pub enum ObservationError {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SolveError {
-    /// The clicks do not determine pan, tilt and focal length, however they lie.
+    /// Too few equations for pan, tilt and focal length, wherever the clicks are.
     #[error(
         "{equations} equations for 3 unknowns: a landmark gives two, a point on a line one; click {}",
         if *.equations == 2 { "one more" } else { "two landmarks" }
@@ -41,8 +41,7 @@ pub enum SolveError {
     /// A number of the base is NaN or infinite.
     #[error("the camera base is not finite: enter position and rotation again in the camera panel")]
     BaseNotFinite,
-    /// A coordinate of a click or of what it shows is NaN or infinite, or its sigma is not
-    /// positive.
+    /// A coordinate of a click or of its shape is NaN or infinite, or its sigma is not positive.
     #[error("point {} is not a finite pixel with a positive sigma: place it again", .click + 1)]
     NotFinite {
         /// The click.
@@ -62,7 +61,7 @@ pub enum SolveError {
         /// Rows of the frame.
         height: u32,
     },
-    /// All landmark clicks lie on nearly one pixel, so they say nothing about the focal length.
+    /// All landmark clicks lie at nearly the same pixel, so they do not determine the focal length.
     #[error(
         "the points are {separation_px:.2} px apart, at least {needed_px:.1} px are needed: click one farther away"
     )]
@@ -72,8 +71,7 @@ pub enum SolveError {
         /// What is needed, px.
         needed_px: f64,
     },
-    /// Two landmarks lie on one ray of this camera (or are the same), so no picture can separate
-    /// them.
+    /// Two landmarks lie on one ray of this camera (or are equal), so no picture can separate them.
     #[error(
         "points {} and {} show landmarks {angle_deg:.4}° apart as this camera sees them, {needed_deg}° are needed: \
          choose other landmarks", .clicks[0] + 1, .clicks[1] + 1
@@ -94,7 +92,7 @@ pub enum SolveError {
         /// The distance, m.
         distance_m: f64,
     },
-    /// No focal length brings the two landmarks to where they were clicked.
+    /// No focal length projects the two landmarks to their clicks.
     #[error(
         "no focal length fits points {} and {}: {separation_px:.0} px apart for landmarks {angle_deg:.2}° apart; check \
          their names", .clicks[0] + 1, .clicks[1] + 1
@@ -107,7 +105,8 @@ pub enum SolveError {
         /// The angle between the landmarks as the camera sees them, degrees.
         angle_deg: f64,
     },
-    /// In every camera that fits the rest, what this click shows lies behind the camera.
+    /// In every camera that fits the other clicks, this click's landmark or line lies behind the
+    /// camera.
     #[error("point {} shows something behind the camera: check its name", .click + 1)]
     BehindCamera {
         /// The click.
@@ -131,10 +130,10 @@ pub enum SolveError {
         "no camera in the plausible range fits these {observations} points: check their names and the base"
     )]
     NoFit {
-        /// How many points took part.
+        /// The number of points used.
         observations: usize,
     },
-    /// The clicks fit, but leave a direction open.
+    /// The clicks fit, but do not determine all three parameters.
     #[error(
         "these points leave pan, tilt and focal length undetermined (condition {condition:.1e}): add a landmark that \
          is not on the same line"

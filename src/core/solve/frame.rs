@@ -13,21 +13,21 @@ use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImageSize};
 use nalgebra::{Matrix2, SMatrix};
 
-/// Candidates nearer to each other than this (see [`camera_distance`]) are one.
+/// Candidates nearer to each other than this (see [`camera_distance`]) are merged.
 const SAME_CAMERA: f64 = 1e-4;
 
-/// A landmark this near to the camera is a mistake in the base, m.
+/// A landmark nearer to the camera than this indicates a wrong base, m.
 const MIN_DISTANCE_M: f64 = 0.1;
 
 /// Solves one frame: closed forms on the clicks, refinement on all of them, covariance, checks and
 /// warnings.
 ///
-/// Observations with `check` set take no part; their errors are reported. `context` may hold what
-/// is known of the neighbouring frames; it chooses between candidates.
+/// Observations with `check` set are not used for the solution; their errors are reported.
+/// `context` may include the cameras of neighbouring frames, which decide between candidates.
 ///
 /// # Errors
-/// The clicks do not determine the camera, contradict each other beyond solving, or are no valid
-/// pixels; each case is named with its numbers.
+/// The clicks do not determine the camera, contradict each other so that no camera fits, or are not
+/// valid pixels. Each case has its own variant with its numbers.
 pub fn solve_frame(
     base: &CameraBase,
     observations: &[Observation],
@@ -44,6 +44,9 @@ pub fn solve_frame(
         observations: used.len(),
     })?;
     let camera = PtzCamera::new(*base, chosen.ptz);
+
+    // Weight the observations as the robust loss did, and count the equations of those that have an
+    // image.
     let residuals: Vec<ClickResidual> = used
         .iter()
         .map(|observation| ClickResidual::of(&camera, observation))
@@ -66,6 +69,9 @@ pub fn solve_frame(
             None => SolveError::TooFewObservations { equations },
         });
     }
+
+    // Three equations determine pan, tilt and focal length; the surplus is what χ² is compared
+    // with. An uncertain base adds to the expected χ².
     let uncertainty = Uncertainty::of(&camera, &seen, context.prior.as_ref())?;
     let mut solution = FrameSolution {
         ptz: chosen.ptz,
@@ -92,9 +98,9 @@ pub fn solve_frame(
     Ok(solution)
 }
 
-/// An observation as much as it took part in the solve: one that the robust loss let go counts for
-/// as little in the covariance, as if its σ were larger by the root of that. None where what it
-/// shows has no image.
+/// An observation with the weight w that the robust loss gave it in the solve: its σ is divided by
+/// √w, so that the covariance is not computed from clicks that hardly took part. None where its
+/// shape has no image.
 fn as_weighted(
     observation: &Observation,
     residual: &ClickResidual,
@@ -110,7 +116,7 @@ fn as_weighted(
     })
 }
 
-/// The best camera for clicks that are known to be valid; none if there is none.
+/// The best camera for valid clicks; none if fewer than three equations are given or nothing fits.
 pub(super) fn best_fit(
     base: &CameraBase,
     used: &[Observation],
@@ -125,8 +131,8 @@ pub(super) fn best_fit(
     Some(choose(fits, context)?.0)
 }
 
-/// The camera that refinement leads to from one start, for clicks that are known to be valid; none
-/// where that is no camera that stands upright.
+/// The camera that refinement reaches from one start, for valid clicks; none if it is upside down
+/// or not finite.
 pub(super) fn fit_from(
     base: &CameraBase,
     start: Ptz,
@@ -137,7 +143,8 @@ pub(super) fn fit_from(
     Some(fit(base, refined.ptz, refined.cost, used, context)?.candidate)
 }
 
-/// What must hold before anything is computed.
+/// Checks the input: finite values, clicks inside the frame, landmarks away from and in front of
+/// the camera, enough equations.
 fn validate(
     base: &CameraBase,
     used: &[Observation],
@@ -179,13 +186,13 @@ fn validate(
     Ok(())
 }
 
-/// Of two landmarks more than a right angle apart no picture of a sports camera shows both: the one
-/// that lies farther from where the base looks.
+/// If the only clicks are two landmarks more than a right angle apart, the one farther from the
+/// base's viewing direction. No picture of a sports camera shows both.
 fn behind_the_other(base: &CameraBase, used: &[Observation]) -> Option<usize> {
     let [one, two] = used else { return None };
     let [ray_one, ray_two] = [one.shape.point()?, two.shape.point()?]
         .map(|at| base.base_from_world_point(at).normalize());
-    // Opposite rays have their own error.
+    // The two-point solve reports opposite rays as an error of their own.
     let opposite = ray_one.cross(&ray_two).norm().asin().to_degrees() < MIN_RAY_ANGLE_DEG;
     (ray_one.dot(&ray_two) < 0.0 && !opposite).then_some(if ray_one.z < ray_two.z {
         one.click
@@ -194,17 +201,17 @@ fn behind_the_other(base: &CameraBase, used: &[Observation]) -> Option<usize> {
     })
 }
 
-/// A refined start with what it minimised.
+/// A refined start with its robust cost.
 struct Fit {
     cost: f64,
     candidate: Candidate,
 }
 
-/// Refines every start; duplicates merged, best fit first.
+/// Refines every start and merges duplicates; the best fit comes first.
 ///
-/// With two landmarks and nothing else there may be two focal lengths that their angle allows.
-/// Where refinement leads both to one camera, the worse root stays a candidate at its own focal
-/// length, with pan and tilt refined.
+/// Two landmarks alone may allow two focal lengths (see `two_point.rs`). If refinement leads both
+/// to one camera, the root farther from it stays a candidate at its own focal length, with pan and
+/// tilt refined: the user can still choose it.
 fn candidates(
     base: &CameraBase,
     used: &[Observation],
@@ -217,7 +224,8 @@ fn candidates(
     };
     let mut found: Vec<Fit> = starts.iter().filter_map(|start| refined(*start)).collect();
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    // Beside the fold of the lens a pair may have a camera to which no pinhole leads.
+    // Near the fold of the lens a pair may have a camera that cannot be reached from a pinhole
+    // root.
     if found.first().is_none_or(|best| best.cost > SAME_FIT)
         && used.len() == 2
         && context.prior.is_none()
@@ -228,6 +236,8 @@ fn candidates(
     found.dedup_by(|worse, better| {
         camera_distance(&worse.candidate.ptz, &better.candidate.ptz) < SAME_CAMERA
     });
+
+    // Both roots led to one camera: restore the other one.
     if let ([one, two], [kept]) = (starts.as_slice(), found.as_slice())
         && used.len() == 2
         && context.prior.is_none()
@@ -242,7 +252,7 @@ fn candidates(
     Ok(found)
 }
 
-/// A prior that holds the focal length and leaves pan and tilt free.
+/// A prior that fixes the focal length and leaves pan and tilt free.
 fn focal_held(ptz: Ptz) -> PtzPrior {
     let free = Angle::from_degrees(1e6);
     PtzPrior {
@@ -254,7 +264,7 @@ fn focal_held(ptz: Ptz) -> PtzPrior {
     }
 }
 
-/// A camera with how well it fits; none if it is no camera that stands upright.
+/// Evaluates a camera on the clicks; none if it is upside down (|tilt| > 90°) or not finite.
 fn fit(
     base: &CameraBase,
     ptz: Ptz,
@@ -285,9 +295,10 @@ fn fit(
     Some(Fit { cost, candidate })
 }
 
-/// Chooses among candidates: plausible before implausible, the better fit before the worse; where
-/// the clicks cannot tell, the one nearest to the start, or what the camera usually does, or the
-/// one nearest to the neighbouring frames. Gives the others, best first.
+/// Chooses among candidates, and returns the others, best first. Plausible candidates come before
+/// implausible ones, better fits before worse ones. Among those whose costs differ by at most
+/// [`SAME_FIT`], the one nearest to the start is chosen; without a start the most usual one under
+/// the motion prior, then the one nearest to the neighbouring frames.
 fn choose(mut fits: Vec<Fit>, context: &SolveContext) -> Option<(Candidate, Vec<Candidate>)> {
     fits.sort_by_key(|fit| !fit.candidate.plausible);
     let first = fits.first()?;
@@ -319,7 +330,8 @@ fn choose(mut fits: Vec<Fit>, context: &SolveContext) -> Option<(Candidate, Vec<
     Some((chosen, fits.into_iter().map(|fit| fit.candidate).collect()))
 }
 
-/// A held-out click against what the solution predicts for it.
+/// The error of a held-out click, and its Mahalanobis distance under the sum of click noise and the
+/// overlay's covariance at the nearest point of its shape.
 fn check(camera: &PtzCamera, uncertainty: &Uncertainty, observation: &Observation) -> CheckResult {
     let here = observation.shape.jacobian(camera, observation.image);
     let z_score = |here: &ShapeJacobian| {

@@ -1,13 +1,14 @@
 //! Graduated non-convexity: a robust loss whose scale shrinks, one Gauss–Newton step for each
 //! scale.
 //!
-//! A loss that nearly ignores far residuals has many minima. Under a coarse scale there is hardly
-//! more than one, and each finer scale begins near the minimum of the one before (Blake and
-//! Zisserman: "Visual Reconstruction", 1987). One step for each scale is enough, because the
-//! minimum of a coarse scale is of no interest by itself.
+//! A loss that nearly ignores large residuals has many local minima. With a coarse scale there is
+//! usually one, and each finer scale starts near the minimum of the previous one (Blake and
+//! Zisserman: "Visual Reconstruction", 1987). One step per scale is enough, because the minimum of
+//! a coarse scale is not needed exactly.
 //!
-//! [`minimise`] does not do this: it takes a step only if the cost falls, and costs of two scales cannot be compared. Nor can costs
-//! before and after a step where each residual is paired anew with what lies nearest to it.
+//! [`minimise`] does not do this: it takes a step only if the cost falls, and costs of two scales
+//! cannot be compared. Neither can the costs before and after a step if each residual is assigned
+//! to a new nearest element in between.
 //!
 //! [`minimise`]: super::least_squares::minimise
 

@@ -1,33 +1,34 @@
 //! The one optimiser: damped Gauss–Newton (Levenberg–Marquardt) over residuals with a robust loss.
 //!
-//! [`minimise`] takes steps; the equations say which. [`BlockEquations`] are the normal equations of one block, such as a
-//! frame: of fixed size, without allocation. [`BorderedEquations`] are many blocks that see each
-//! other only through shared parameters, such as the frames of one camera: each block's own
-//! parameters are eliminated (Schur complement), one small system is solved for the shared ones,
-//! and the blocks follow.
+//! [`minimise`] controls the damping and accepts or rejects steps; [`Equations`] compute them.
+//! [`BlockEquations`] are the normal equations of one block, such as a frame: of fixed size,
+//! without allocation. [`BorderedEquations`] are many blocks that are coupled only through shared
+//! parameters, such as the frames of one camera. Each block's own parameters are eliminated (Schur
+//! complement; Hartley & Zisserman, Multiple View Geometry, appendix 6.3), one small system is
+//! solved for the shared ones, and the blocks' steps follow by back-substitution.
 
 use super::Loss;
 use super::loss::LossSum;
 use super::residual::{Linearised, Residual};
 use nalgebra::{SMatrix, SVector};
 
-/// What a residual counts for that has no value, in sigmas.
+/// The size, in sigmas, with which a residual that has no value enters the cost.
 pub const NO_VALUE_SIGMAS: f64 = 1e3;
 
-/// Damping at the start, at least, and where the search gives up; as a share of the normal
-/// equations' diagonal.
+/// Initial damping, its minimum, and the value at which the search gives up; as a fraction of the
+/// diagonal of the normal equations.
 const DAMPING: f64 = 1e-6;
 const MIN_DAMPING: f64 = 1e-15;
 const MAX_DAMPING: f64 = 1e12;
 
-/// A step shorter than this that is no gain is rounding.
+/// A rejected step shorter than this failed because of rounding: the minimum is reached.
 const SHORT_IF_WORSE: f64 = 1e-8;
 
-/// Something to be minimised.
+/// A least-squares problem with robust losses.
 pub trait Problem {
     /// The parameters.
     type State;
-    /// What they are improved by.
+    /// The normal equations that yield a step.
     type Equations: Equations;
 
     /// The normal equations at some parameters.
@@ -56,18 +57,18 @@ pub trait Equations {
     fn length(step: &Self::Step) -> f64;
 }
 
-/// When a search has come far enough.
+/// Stopping criteria of a minimisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopping {
-    /// Steps at most.
+    /// Maximum number of steps tried.
     pub max_iterations: usize,
-    /// A shorter step is the last.
+    /// An accepted step shorter than this is the last.
     pub short_step: f64,
-    /// A step that lowers the cost by a smaller share of it is the last.
+    /// An accepted step that lowers the cost by less than this fraction is the last.
     pub small_gain: f64,
 }
 
-/// Where a search ended.
+/// The result of a minimisation.
 pub struct Minimum<P: Problem> {
     /// The parameters.
     pub state: P::State,
@@ -77,7 +78,8 @@ pub struct Minimum<P: Problem> {
     pub iterations: usize,
 }
 
-/// Walks down from a start.
+/// Minimises the cost from a start by the Levenberg–Marquardt method. Never returns a state of
+/// higher cost than the start's.
 pub fn minimise<P: Problem>(problem: &P, start: P::State, until: Stopping) -> Minimum<P> {
     let mut state = start;
     let mut equations = problem.equations(&state);
@@ -85,6 +87,8 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State, until: Stopping) -> Mi
     let (mut damping, mut iterations) = (DAMPING, 0);
     while iterations < until.max_iterations && damping < MAX_DAMPING {
         iterations += 1;
+
+        // Singular equations become regular with enough damping.
         let Some(step) = equations.step(damping) else {
             damping *= 10.0;
             continue;
@@ -93,6 +97,9 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State, until: Stopping) -> Mi
         if !length.is_finite() {
             break;
         }
+
+        // Accept a step that does not raise the cost and trust the quadratic model more; otherwise
+        // keep the state and damp ten times as much.
         let next = problem.stepped(&state, &step);
         let tried = problem.equations(&next);
         let tried_cost = tried.cost();
@@ -118,7 +125,7 @@ pub fn minimise<P: Problem>(problem: &P, start: P::State, until: Stopping) -> Mi
     }
 }
 
-/// Jᵀ W J and Jᵀ W r of one block's residuals, shared and own parameters apart.
+/// Jᵀ W J and Jᵀ W r of one block's residuals, partitioned into shared and own parameters.
 #[derive(Clone, Debug)]
 pub struct BlockEquations<const SHARED: usize, const OWN: usize> {
     /// Shared by shared.
@@ -158,6 +165,8 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
     where
         R: Residual<ROWS, SHARED, OWN>,
     {
+        // A point behind the camera, for example, has no residual. It adds a large constant cost,
+        // so that a step that hides it is rejected, but no gradient.
         let loss = residual.loss(loss);
         let Some(Linearised {
             value,
@@ -168,6 +177,9 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
             self.losses.add(NO_VALUE_SIGMAS * NO_VALUE_SIGMAS, loss);
             return;
         };
+
+        // Iteratively reweighted least squares: the weight is the derivative of the loss by z²,
+        // evaluated at the current parameters.
         let sigma = residual.sigma();
         let precision = 1.0 / (sigma * sigma);
         let z_squared = value.norm_squared() * precision;
@@ -190,8 +202,8 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
         self.losses.total()
     }
 
-    /// The equations of the shared parameters once its own are eliminated; none where its residuals
-    /// leave those open.
+    /// The Schur complement: the equations of the shared parameters after elimination of the
+    /// block's own. None where the residuals do not determine the own parameters.
     #[must_use]
     pub fn eliminated(&self) -> Option<(SMatrix<f64, SHARED, SHARED>, SVector<f64, SHARED>)> {
         let gain = self.cross * self.own.try_inverse()?;
@@ -201,7 +213,8 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
         ))
     }
 
-    /// The step of its own parameters that goes with one of the shared ones.
+    /// The step of the block's own parameters, given the step of the shared ones
+    /// (back-substitution).
     fn own_step(
         &self,
         damping: f64,
@@ -231,26 +244,27 @@ impl<const OWN: usize> Equations for BlockEquations<0, OWN> {
     }
 }
 
-/// Blocks that see each other only through shared parameters.
+/// Blocks that are coupled only through shared parameters.
 #[derive(Clone, Debug)]
 pub(crate) struct BorderedEquations<const SHARED: usize, const OWN: usize> {
-    /// What is known of the shared parameters alone.
+    /// The equations of the priors of the shared parameters.
     pub priors: BlockEquations<SHARED, OWN>,
     pub blocks: Vec<BlockEquations<SHARED, OWN>>,
     /// Shared parameters that are not free keep their values.
     pub free: [bool; SHARED],
 }
 
-/// A step of the shared parameters and of every block's own.
+/// A step of the shared parameters and of the own parameters of every block.
 pub(crate) struct BorderedStep<const SHARED: usize, const OWN: usize> {
     pub shared: SVector<f64, SHARED>,
     pub own: Vec<SVector<f64, OWN>>,
 }
 
 impl<const SHARED: usize, const OWN: usize> BorderedEquations<SHARED, OWN> {
-    /// The equations of the shared parameters once all blocks' own are eliminated; parameters that
-    /// are not free are left with a 1 on the diagonal. None where a block's residuals leave its own
-    /// parameters open.
+    /// The equations of the shared parameters after elimination of all blocks' own (Schur
+    /// complement of the damped system). Rows and columns of parameters that are not free are those
+    /// of the identity, so that their step is zero. None where a block's residuals do not determine
+    /// its own parameters.
     pub fn reduced(
         &self,
         damping: f64,
@@ -260,12 +274,17 @@ impl<const SHARED: usize, const OWN: usize> BorderedEquations<SHARED, OWN> {
             matrix += block.shared;
             gradient += block.shared_gradient;
         }
+
+        // Damp before the elimination: damping the Schur complement instead would not be the damped
+        // step of the whole system.
         matrix = damped(&matrix, damping);
         for block in &self.blocks {
             let gain = block.cross * damped(&block.own, damping).try_inverse()?;
             matrix -= gain * block.cross.transpose();
             gradient -= gain * block.own_gradient;
         }
+
+        // Fixed parameters: identity row, zero gradient.
         for parameter in (0..SHARED).filter(|&parameter| !self.free[parameter]) {
             matrix.row_mut(parameter).fill(0.0);
             matrix.column_mut(parameter).fill(0.0);

@@ -1,9 +1,9 @@
 //! The point of a projected line, circle or arc that is nearest to a click.
 //!
-//! It is found with distortion and crown in it, so the residual is exact. Because the offset from
-//! the nearest point is perpendicular to the curve, a small motion of that point along the curve
-//! changes nothing: the derivative of the signed distance n · (click − p) is −n · ∂p/∂(parameters)
-//! at the nearest point.
+//! Distortion and crown are included, so the residual is exact. Because the offset from the nearest
+//! point is perpendicular to the curve, a small motion of that point along the curve changes
+//! nothing: the derivative of the signed distance n · (click − p) is −n · ∂p/∂(parameters) at the
+//! nearest point.
 
 use super::world_curve::{CurvePoint, WorldCurve};
 use crate::camera::PtzCamera;
@@ -75,6 +75,9 @@ pub(super) fn nearest_point(
     /// Steps along the picture's curve shorter than this end the search, px.
     const ENOUGH_PX: f64 = 1e-11;
 
+    // Start at the nearest of evenly spaced samples, because the distance to a projected circle or
+    // a distorted line may have several minima. Samples without an image (behind the camera) are
+    // skipped.
     let projection = CurveProjection::new(camera);
     let samples = match curve.nominal() {
         Curve::Segment { .. } => SEGMENT_SAMPLES,
@@ -91,6 +94,10 @@ pub(super) fn nearest_point(
             sampled = Some((squared, t));
         }
     }
+
+    // Newton's method on the derivative of half the squared distance, (p − click) · p'. Its second
+    // derivative is |p'|² + (p − click) · p''. Where that is small or negative, far from the
+    // minimum, |p'|² alone (Gauss–Newton) still gives a descent direction.
     let mut nearest = projection.at(curve, sampled?.1)?;
     let mut squared = squared_px(nearest.image.at);
     for _ in 0..STEPS {
@@ -108,6 +115,7 @@ pub(super) fn nearest_point(
         if !step.is_finite() {
             return None;
         }
+        // Halve the step until the distance does not grow; stop when the step is below rounding.
         let mut moved = false;
         while step.abs() * speed_squared.sqrt() > ENOUGH_PX {
             if let Some(next) = projection.at(curve, nearest.parameter + step) {
@@ -166,6 +174,8 @@ impl<'a> CurveProjection<'a> {
         let squared = ideal.norm_squared();
         let squared1 = 2.0 * ideal.dot(&ideal1);
         let squared2 = 2.0 * (ideal1.norm_squared() + ideal.dot(&ideal2));
+        // The stretch is a function of r² = i·i, so its derivatives by t follow by the chain rule
+        // from those of r².
         let by_squared = lens.k1 + 2.0 * lens.k2 * squared;
         let stretch = lens.stretch(squared);
         let stretch1 = by_squared * squared1;

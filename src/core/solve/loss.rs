@@ -1,21 +1,21 @@
-//! How a misfit counts.
+//! Robust losses.
 
-/// How a misfit counts, in multiples of its sigma.
+/// A loss ρ as a function of the residual z in sigmas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Loss {
-    /// The square: best where all clicks are right.
+    /// z²: optimal if all clicks are right.
     Squared,
-    /// The square up to `k` sigmas, then linear: a wrong name pulls, but not without bound.
+    /// z² up to `k` sigmas, then linear (Huber 1964): the influence of a wrong name is bounded.
     Huber {
-        /// Where the square ends, sigmas.
+        /// Where the quadratic part ends, sigmas.
         k: f64,
     },
-    /// c² ln(1 + (z/c)²): far-off clicks hardly pull.
+    /// c² ln(1 + (z/c)²): the influence of distant clicks decreases.
     Cauchy {
-        /// Where the pull is strongest, sigmas.
+        /// Where the influence is largest, sigmas.
         c: f64,
     },
-    /// z² / (1 + (z/c)²): what is far off adds a constant and does not pull (Geman and McClure,
+    /// z² / (1 + (z/c)²): distant clicks add a constant and have no influence (Geman and McClure,
     /// 1987).
     GemanMcClure {
         /// Where half of the constant c² is reached, sigmas.
@@ -31,7 +31,8 @@ impl Default for Loss {
 }
 
 impl Loss {
-    /// What z² sigmas² count for, and the derivative of that by z² (the weight).
+    /// The loss of z², and its derivative by z², which is the weight in iteratively reweighted
+    /// least squares.
     #[must_use]
     pub fn of(self, z_squared: f64) -> (f64, f64) {
         match self {
@@ -56,8 +57,8 @@ impl Loss {
     }
 }
 
-/// A sum of losses. Logarithms take long, so the numbers of which Cauchy's loss takes them are
-/// multiplied first, as many as a number can hold.
+/// A sum of losses. Logarithms are slow, so the arguments of Cauchy's logarithms are multiplied
+/// first, up to the range of a number, and one logarithm is taken of the product.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LossSum {
     cost: f64,
@@ -84,6 +85,7 @@ impl LossSum {
             self.cost += cost;
             return weight;
         };
+        // Another scale: finish the product of the old one first.
         if self.c != c {
             *self = Self {
                 cost: self.total(),
@@ -91,6 +93,8 @@ impl LossSum {
                 c,
             };
         }
+
+        // Written so that a NaN is added to the cost at once.
         let factor = 1.0 + z_squared / (c * c);
         self.product *= factor;
         if !(self.product < LARGE) {

@@ -1,10 +1,10 @@
-//! From observations to parameters: one problem a file.
+//! From observations to parameters, with one problem per file.
 //!
-//! [`Observation`] says what a click shows: a landmark, or a line on which it lies. Clicks, priors and whatever else is
-//! measured are [`Residual`]s, and everything that is fitted takes the steps of one [`Problem`]:
-//! [`minimise`] down to a minimum,
-//! [`gauss_newton_step`] one for each scale of a robust loss that shrinks. [`FrameSolution`] is what a frame's clicks and a known base
-//! say about pan, tilt and focal length, with everything a person must know to trust it.
+//! An [`Observation`] is a click on a landmark or on a line. Clicks, priors and other measurements
+//! are [`Residual`]s, and every fit is a [`Problem`]: [`minimise`] iterates to a minimum,
+//! [`gauss_newton_step`] takes one step for each scale of a robust loss that shrinks.
+//! [`FrameSolution`] is the pan, tilt and focal length of a frame with a known base, with
+//! covariance, checks and warnings.
 //!
 //! Frames, signs and units: [`crate::conventions`].
 

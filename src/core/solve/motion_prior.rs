@@ -1,31 +1,33 @@
-//! What a camera usually does, known from its other frames: the directions it looked in, and how
-//! fast it moves.
+//! The usual pan, tilt and focal length of a camera and its usual speed, known from its other
+//! frames.
 //!
-//! Names and numbers that fit a frame's clicks can still be nonsense; a camera that suddenly looks
-//! elsewhere is the one thing that gives two mirrored clicks away.
+//! A camera that fits a frame's clicks can still be wrong. Two clicks named from the wrong side of
+//! the field, for example, can fit exactly; only the sudden change of the camera's direction
+//! reveals them.
 
 use super::{PtzRanges, Warning, WarningCode};
 use crate::camera::Ptz;
 use crate::geometry::Angle;
 
-/// What a camera usually does.
+/// The usual ranges and motion of a camera.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MotionPrior {
-    /// What pan, tilt and focal length the accepted frames have; none while they are too few.
+    /// The ranges of pan, tilt and focal length of the accepted frames; none while there are too
+    /// few.
     pub seen: Option<PtzRanges>,
-    /// Where it was a moment ago and how far it moves in that time; none where that is not known.
+    /// The camera in the nearest solved frame and its usual motion since; none where that is not
+    /// known.
     pub motion: Option<Motion>,
 }
 
-/// Where a camera was in the nearest solved frame of the shot, and how far it usually gets from
-/// there.
+/// The camera in the nearest solved frame of the shot, and its usual motion from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// Pan, tilt and focal length there.
+    /// Pan, tilt and focal length in that frame.
     pub from: Ptz,
-    /// How many frames lie between, at least 1.
+    /// The distance to that frame in frames, at least 1.
     pub frames: u64,
-    /// The bound that nine of ten moves over this many frames stay within.
+    /// The 90 % quantile of the camera's moves over this many frames.
     pub usual: PtzStep,
 }
 
@@ -48,7 +50,7 @@ impl PtzStep {
         log_focal: 0.0,
     };
 
-    /// How far it is from one direction to another.
+    /// The absolute change from one camera to another.
     #[must_use]
     pub fn between(from: &Ptz, to: &Ptz) -> Self {
         Self {
@@ -64,33 +66,35 @@ impl PtzStep {
     }
 }
 
-/// A jump is one from this many usual moves on.
+/// A move larger than this many usual moves is a jump.
 const JUMP: f64 = 3.0;
 
-/// Below this nothing is a jump: degrees, degrees, log f.
+/// Smaller moves are never a jump: degrees, degrees, log f.
 const NO_JUMP: [f64; 3] = [0.3, 0.2, 0.03];
 
-/// How far beyond the accepted frames is still usual, at least (degrees, degrees, log f), and as a
-/// share of their span.
+/// The margin around the ranges of the accepted frames that is still usual: at least [`MARGIN`]
+/// (degrees, degrees, log f), or [`MARGIN_SHARE`] of their width if that is larger.
 const MARGIN: [f64; 3] = [15.0, 4.0, 0.5];
 const MARGIN_SHARE: f64 = 0.5;
 
-/// χ² for what lies a whole limit or margin beyond its limit; twice that at most.
+/// The χ² of a camera that exceeds a limit by 100 % of it; at most twice that.
 const SURPRISE: f64 = 25.0;
 
-/// What is out of the usual.
+/// A parameter outside its usual limit.
 struct Odd {
     /// Which: pan, tilt, focal length.
     which: usize,
-    /// How far beyond the limit, in limits.
+    /// The excess over the limit, as a fraction of the limit.
     excess: f64,
 }
 
 impl MotionPrior {
-    /// How far a camera is from what it usually does, as χ² counts: 0 within, 25 at twice what is
-    /// usual, 50 at most. `slack` is how far off it may be because its clicks scatter.
+    /// The cost of a camera under this prior in units of χ²: 0 within the usual limits, 25 at twice
+    /// a limit, 50 at most. `slack` is the uncertainty of the camera due to click noise; the limits
+    /// are extended by it.
     #[must_use]
     pub fn surprise(&self, ptz: &Ptz, slack: &PtzStep) -> f64 {
+        // The larger of both counts, not their sum, because both may describe the same deviation.
         let odd = [self.jump(ptz, slack), self.elsewhere(ptz, slack)];
         odd.into_iter()
             .flatten()
@@ -98,7 +102,7 @@ impl MotionPrior {
             .fold(0.0, f64::max)
     }
 
-    /// The largest jump from the nearest frame, if it is one.
+    /// The parameter with the largest jump from the nearest frame, if there is one.
     fn jump(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Odd> {
         let motion = self.motion.as_ref()?;
         let (moved, usual) = (
@@ -113,7 +117,7 @@ impl MotionPrior {
         }))
     }
 
-    /// What lies farthest outside of what the accepted frames have, if something does.
+    /// The parameter farthest outside the ranges of the accepted frames, if one is outside.
     fn elsewhere(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Odd> {
         let (seen, slack) = (self.seen.as_ref()?, slack.values());
         let (widths, distances) = (seen.widths(), seen.distances(ptz));
@@ -127,7 +131,7 @@ impl MotionPrior {
         largest((0..3).map(outside))
     }
 
-    /// What a person reads about a camera that does what it never does.
+    /// The warning for the user about an unusual camera.
     pub(super) fn warning(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Warning> {
         let message = if let (Some(odd), Some(motion)) = (self.jump(ptz, slack), &self.motion) {
             let moved = PtzStep::between(&motion.from, ptz);
@@ -184,7 +188,7 @@ impl MotionPrior {
 }
 
 impl PtzRanges {
-    /// How wide each is, in degrees, degrees and log f.
+    /// The width of each range, in degrees, degrees and log f.
     fn widths(&self) -> [f64; 3] {
         let tilt = *self.tilt.end() - *self.tilt.start();
         [
@@ -194,7 +198,7 @@ impl PtzRanges {
         ]
     }
 
-    /// How far a camera is from each, in degrees, degrees and log f; 0 within.
+    /// The distance of a camera from each range, in degrees, degrees and log f; 0 within.
     fn distances(&self, ptz: &Ptz) -> [f64; 3] {
         let outside = |from: f64, at: f64, upto: f64| (from - at).max(at - upto).max(0.0);
         let (tilts, focals) = (&self.tilt, &self.focal_px);

@@ -1,4 +1,4 @@
-//! What a click says: this pixel shows that landmark, or a point of that line.
+//! A click as an observation: a pixel that shows a landmark, or a point of a line.
 
 use super::residual::{Linearised, Residual};
 use super::{ObservationError, ObservedShape};
@@ -7,8 +7,8 @@ use crate::field::{FieldElement, FieldModel};
 use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 use nalgebra::SMatrix;
 
-/// One click, ready for solving: the pixel, what it shows and where that lies in `world`, and how
-/// well it is known.
+/// One click, ready for solving: the pixel, its 1-σ, and the landmark or line that it shows with
+/// its shape in `world`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
     /// The clicked pixel, px of the frame.
@@ -18,7 +18,7 @@ pub struct Observation {
     /// Which landmark or line of the field it shows; none where it shows something else, such as a
     /// feature of the stadium.
     pub element: Option<FieldElement>,
-    /// Where that lies.
+    /// The shape of it in `world`, m.
     pub shape: ObservedShape,
     /// Which of the frame's clicks this is, from 0.
     pub click: usize,
@@ -93,8 +93,8 @@ impl Observation {
         .ok_or_else(unknown)
     }
 
-    /// A place in the picture where the middle of a line's paint is seen; `place` numbers it. None
-    /// if the field has no such line.
+    /// A pixel at which the middle of a line's paint was measured; `place` is its index. None if
+    /// the field has no such line.
     #[must_use]
     pub fn of_paint(
         field: &FieldModel,
@@ -107,7 +107,7 @@ impl Observation {
             .renamed(field, FieldElement::Paint(line))
     }
 
-    /// Whether it is paint that was seen, not a click.
+    /// Whether it is a measurement of paint, not a click.
     #[must_use]
     pub const fn is_paint(&self) -> bool {
         matches!(self.element, Some(FieldElement::Paint(_)))
@@ -148,7 +148,7 @@ impl Observation {
         self.shape.equations()
     }
 
-    /// Its distance from what it shows, px; none where that has no image.
+    /// Its distance from the image of its shape, px; none where that has no image.
     #[must_use]
     pub fn distance_px(&self, camera: &PtzCamera) -> Option<f64> {
         self.shape

@@ -6,8 +6,9 @@
 //! θ = atan2(`b_x`, `b_z`) − asin(`u_x` / h), φ = atan2(`u_y`, `u_z`) − atan2(`b_y`, √(h² −
 //! `u_x`²)).
 //!
-//! It is the paper's quadratic in tan(pan) without the division that fails on the picture's
-//! vertical centre line; the other branch turns the camera upside down.
+//! This is the solution of the paper's quadratic in tan(pan), but without its division by the
+//! pixel's x, which is zero on the picture's vertical centre line. The other branch of the arcsine
+//! gives a camera that is upside down.
 
 use crate::camera::{CameraBase, Ptz, PtzCamera, UndistortError};
 use crate::geometry::{Angle, ImagePoint, Vec2, Vec3};
@@ -50,7 +51,11 @@ pub fn pan_tilt_from_one_ray(
             column_deg: u.x.asin().to_degrees(),
         });
     }
+    // After the pan, x of the direction must be `u_x`: h sin(α − θ) = `u_x`, with α the direction's
+    // own pan.
     let pan = b.x.atan2(b.z) - (u.x / horizontal).asin();
+    // The tilt is the angle from the direction (y, z) = (`b_y`, √(h² − `u_x`²)) to the pixel's. The
+    // product form of h² − u² does not cancel for u near h.
     let ahead = ((horizontal - u.x) * (horizontal + u.x)).sqrt();
     let tilt = u.y.atan2(u.z) - b.y.atan2(ahead);
     Ok((

@@ -1,11 +1,11 @@
-//! A camera from four or more landmarks on the ground, nothing else known but the principal point.
+//! A camera from four or more landmarks on the ground; only the principal point is known.
 //!
 //! The homography of the plane z = 0 has K [r₁ r₂ t] for its columns, up to scale. Zero skew and
 //! square pixels make two equations, linear in 1/f², of r₁ ⟂ r₂ and |r₁| = |r₂| (Zhang 2000,
 //! section 3.1, with a known principal point); then R and the position follow.
 //!
-//! That is a camera, but not the nearest one: a homography has one degree of freedom more than it.
-//! [`PlanePose::refined`] brings it as near to the points as a camera can come.
+//! This closed form does not minimise the reprojection errors: a homography has eight degrees of
+//! freedom, such a camera seven. [`PlanePose::refined`] minimises them.
 
 use super::Loss;
 use super::least_squares::{BlockEquations, Problem, Stopping, minimise};
@@ -16,14 +16,14 @@ use crate::geometry::{HomographyError, ImagePoint, Mat3, Vec2, Vec3, homography}
 use nalgebra::{Matrix2x3, SMatrix, SVector, Vector2};
 use thiserror::Error;
 
-/// Iterations at most.
+/// Maximum number of iterations.
 const MAX_ITERATIONS: usize = 60;
 /// A step in (rad, m, log f) below this ends the search.
 const ENOUGH: f64 = 1e-10;
 /// The longest step of the logarithm of the focal length: a factor of three.
 const LONGEST_FOCAL_STEP: f64 = 1.1;
 
-/// A camera that one picture determines by itself.
+/// A camera determined by a single picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanePose {
     /// The centre of projection in `world`, m.
@@ -51,8 +51,8 @@ pub enum PlanePoseError {
 }
 
 impl PlanePose {
-    /// The camera near this one with the least squared distances in px from `points` to where it
-    /// shows them.
+    /// The local minimum of the squared reprojection errors (px²) of `points`, from this camera as
+    /// the start.
     #[must_use]
     pub fn refined(self, points: &[(Vec2, ImagePoint)], principal_point: ImagePoint) -> Self {
         let shown = |(ground, image): &(Vec2, ImagePoint)| ShownGround {
@@ -71,7 +71,7 @@ impl PlanePose {
     }
 }
 
-/// A point of the ground, and where the picture shows it from the principal point.
+/// A point of the ground, `world`, and the offset of its pixel from the principal point.
 struct ShownGround {
     ground_m: Vec3,
     offset_px: Vec2,
@@ -106,6 +106,9 @@ impl Residual<2, 0, 7> for ShownGround {
 
     fn linearised(&self, pose: &PlanePose) -> Option<Linearised<2, 0, 7>> {
         let seen = self.seen(pose)?;
+        // Derivatives at the point q in `cam`. A left rotation by ω moves q by ω × q = −[q]ₓ ω; a
+        // shift of the position by d moves it by −R d; in log f the image offset is its own
+        // derivative.
         let (x, y) = (seen.x / seen.z, seen.y / seen.z);
         let by_seen = Matrix2x3::new(1.0, 0.0, -x, 0.0, 1.0, -y) * (pose.focal_px / seen.z);
         let at = Vector2::new(x, y) * pose.focal_px;
@@ -125,7 +128,7 @@ impl Residual<2, 0, 7> for ShownGround {
     }
 }
 
-/// The camera nearest to what is shown.
+/// The pose with the least squared reprojection errors.
 struct NearestPose {
     points: Vec<ShownGround>,
 }
@@ -170,7 +173,9 @@ pub fn pose_from_plane(
         .collect();
     let h = homography(&pairs)?;
     let (h1, h2) = (h.column(0), h.column(1));
-    // a · w + b = 0 with w = 1/f².
+    // K⁻¹ divides x and y of the columns h₁, h₂ by f. So r₁ · r₂ = 0 and |r₁|² − |r₂|² = 0 are two
+    // equations a w + b = 0 in w = 1/f², where a is the x-y part and b the z part. Solve them by
+    // least squares.
     let orthogonal = (h1.x * h2.x + h1.y * h2.y, h1.z * h2.z);
     let equal = (
         h1.x * h1.x + h1.y * h1.y - h2.x * h2.x - h2.y * h2.y,
@@ -181,10 +186,12 @@ pub fn pose_from_plane(
     if !(inverse_square > 0.0 && inverse_square.is_finite()) {
         return Err(PlanePoseError::NoFocalLength { inverse_square });
     }
+
+    // K⁻¹ H = λ [r₁ r₂ t]; λ is set by the mean length of r₁ and r₂, which are equal without noise.
     let focal_px = inverse_square.sqrt().recip();
     let mut columns = Mat3::from_diagonal(&Vec3::new(1.0 / focal_px, 1.0 / focal_px, 1.0)) * h;
     columns *= 2.0 / (columns.column(0).norm() + columns.column(1).norm());
-    // Of the two signs the one that has the points before the camera.
+    // H is known up to sign: choose the sign that puts the points in front of the camera.
     let depths: f64 = points
         .iter()
         .map(|(ground, _)| (columns * Vec3::new(ground.x, ground.y, 1.0)).z)
@@ -192,6 +199,9 @@ pub fn pose_from_plane(
     if depths < 0.0 {
         columns = -columns;
     }
+
+    // Noise leaves r₁ and r₂ not quite orthonormal: take the nearest rotation. The position is C =
+    // −Rᵀ t.
     let [r1, r2, t] = [0, 1, 2].map(|i| Vec3::from(columns.column(i)));
     let cam_from_world = nearest_rotation(&Mat3::from_columns(&[r1, r2, r1.cross(&r2)]));
     Ok(PlanePose {

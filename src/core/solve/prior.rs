@@ -1,4 +1,4 @@
-//! Pan, tilt and focal length known before a frame's clicks.
+//! The prior of a frame's pan, tilt and focal length.
 
 use super::Loss;
 use super::residual::{Linearised, Residual};
@@ -7,10 +7,10 @@ use crate::field::FieldElement;
 use crate::geometry::{Angle, Mat3, Vec3};
 use nalgebra::SMatrix;
 
-/// Pan, tilt and focal length known beforehand, each with its 1-σ.
+/// A Gaussian prior of pan, tilt and focal length, each with its 1-σ and without correlations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PtzPrior {
-    /// What is expected.
+    /// The mean.
     pub ptz: Ptz,
     /// 1-σ of the pan.
     pub sigma_pan: Angle,
@@ -18,8 +18,8 @@ pub struct PtzPrior {
     pub sigma_tilt: Angle,
     /// 1-σ of the focal length as a share of it.
     pub sigma_focal_share: f64,
-    /// How what is expected follows an error of the base, as [`Uncertainty::by_base`] has it: not
-    /// at all where it was not found with that base.
+    /// The derivative of the mean by an error of the base, in the columns of
+    /// [`Uncertainty::by_base`]; zero where the mean was not computed with that base.
     ///
     /// [`Uncertainty::by_base`]: super::Uncertainty::by_base
     pub by_base: SMatrix<f64, 3, SHARED_COLUMNS>,
@@ -45,7 +45,7 @@ impl PtzPrior {
     }
 }
 
-/// Three numbers in sigmas.
+/// Three residuals, in sigmas.
 impl Residual<3, 0, 3> for PtzPrior {
     type State = PtzCamera;
 

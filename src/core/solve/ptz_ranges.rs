@@ -28,7 +28,7 @@ impl PtzRanges {
         }
     }
 
-    /// Whether all three lie within.
+    /// Whether pan, tilt and focal length are all within.
     #[must_use]
     pub fn contains(&self, ptz: &Ptz) -> bool {
         self.pan.contains(ptz.pan)

@@ -1,5 +1,5 @@
-//! One frame of a known base: pan, tilt and log focal length over everything that is measured in
-//! it.
+//! Least-squares refinement of one frame with a known base: pan, tilt and log focal length over all
+//! its observations.
 //!
 //! A landmark gives two residuals, a point on a line one, a prior three; all in sigmas, with
 //! analytic Jacobians. Nothing is allocated.
@@ -10,13 +10,13 @@ use super::{Loss, Observation, PtzPrior};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, Vec3};
 
-/// Iterations at most.
+/// Maximum number of iterations.
 const MAX_ITERATIONS: usize = 60;
 
-/// Steps in (rad, rad, log f) below this end the search.
+/// A step in (rad, rad, log f) shorter than this ends the search.
 const ENOUGH: f64 = 1e-12;
 
-/// Where the search ended.
+/// The result of a refinement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refined {
     /// Pan, tilt, focal length.
@@ -27,8 +27,8 @@ pub struct Refined {
     pub iterations: usize,
 }
 
-/// Refines pan, tilt and focal length over all observations (held-out ones as well: leave them out
-/// before).
+/// Refines pan, tilt and focal length over all given observations. Held-out ones are not skipped;
+/// the caller removes them.
 #[must_use]
 pub fn refine(
     base: &CameraBase,
@@ -40,8 +40,8 @@ pub fn refine(
     refine_until(base, start, observations, loss, prior, ENOUGH)
 }
 
-/// [`refine`], ended by the first step (rad, rad, log f) below `enough`: a robust loss comes nearer by the same factor with
-/// each step, and the last digits cost most.
+/// [`refine`], ended by the first step (rad, rad, log f) shorter than `enough`. Under a robust loss
+/// the convergence is linear, so the last digits take most of the steps.
 #[must_use]
 pub fn refine_until(
     base: &CameraBase,
@@ -110,7 +110,8 @@ impl<R: Residual<2, 0, 3, State = PtzCamera>> Problem for FrameProblem<'_, R> {
 
 /// Pan, tilt and focal length after a step in (rad, rad, log f).
 pub(super) fn stepped(ptz: &Ptz, step: &Vec3) -> Ptz {
-    // A factor of three at most: a step from far off must not leave the world.
+    // At most a factor of three per step: a Gauss–Newton step from a distant start may be far too
+    // long.
     let log_focal = step.z.clamp(-1.1, 1.1);
     Ptz {
         pan: ptz.pan + Angle::from_radians(step.x),

@@ -1,5 +1,4 @@
-//! What a least-squares problem adds up: one trait for clicks, priors and whatever else is
-//! measured.
+//! The residuals of least-squares problems: one trait for clicks, priors and other measurements.
 //!
 //! A new kind of measurement is one type with one implementation of [`Residual`].
 //! [`BlockEquations::add`] takes it, and
@@ -11,8 +10,7 @@ use super::Loss;
 use crate::field::FieldElement;
 use nalgebra::{SMatrix, SVector};
 
-/// A measurement as `ROWS` numbers that would be zero if the parameters were right and nothing
-/// scattered.
+/// A measurement as `ROWS` numbers that are zero for the true parameters without noise.
 ///
 /// The parameters come in two groups: `SHARED` ones that all pictures have in common (none where
 /// the base is known), and `OWN` ones of one picture (pan in rad, tilt in rad, logarithm of the
@@ -21,8 +19,8 @@ pub trait Residual<const ROWS: usize, const SHARED: usize, const OWN: usize> {
     /// What it is evaluated at, such as a camera.
     type State;
 
-    /// The landmark or line of the field that it is of; none for a prior, or a point that is no
-    /// part of the field.
+    /// The landmark or line of the field that was measured; none for a prior, or for a point that
+    /// is not an element of the field.
     fn element(&self) -> Option<FieldElement>;
 
     /// 1-σ of each of its numbers, in their unit.
@@ -35,20 +33,20 @@ pub trait Residual<const ROWS: usize, const SHARED: usize, const OWN: usize> {
     /// Its numbers and their derivatives by the parameters.
     fn linearised(&self, at: &Self::State) -> Option<Linearised<ROWS, SHARED, OWN>>;
 
-    /// The loss under which it counts where `usual` is that of the problem's clicks.
+    /// The loss of this residual, where `usual` is the loss of the problem's clicks.
     fn loss(&self, usual: Loss) -> Loss {
         usual
     }
 }
 
-/// A residual to first order.
+/// A residual and its Jacobian.
 #[derive(Clone, Copy, Debug)]
 pub struct Linearised<const ROWS: usize, const SHARED: usize, const OWN: usize> {
     /// Its numbers, in their unit.
     pub value: SVector<f64, ROWS>,
-    /// Their change with the shared parameters.
+    /// Their derivatives by the shared parameters.
     pub by_shared: SMatrix<f64, ROWS, SHARED>,
-    /// Their change with the block's own parameters.
+    /// Their derivatives by the block's own parameters.
     pub by_own: SMatrix<f64, ROWS, OWN>,
 }
 

@@ -1,7 +1,8 @@
-//! Where the landmark or line lies that a click shows, and how far off a camera puts the click.
+//! The shape that a click shows (a landmark's point or a line's curve), and the residual of the
+//! click under a camera.
 //!
-//! This is the only place that tells points from curves in solving: a point gives two equations, a
-//! curve one, and both give the same kind of residual.
+//! This is the only file of the solver that distinguishes points from curves. A point gives two
+//! equations, a curve one; both give a residual of the same type.
 
 use super::WorldCurve;
 use super::line::nearest_point;
@@ -16,8 +17,8 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix2x6, SMatrix};
 pub enum ObservedShape {
     /// A point, m, the crown included: two equations.
     Point(Vec3),
-    /// Some point of a curve: one equation. Straight lines count beyond their ends, arcs as their
-    /// whole circle.
+    /// Some point of a curve: one equation. Straight lines extend beyond their ends, arcs are whole
+    /// circles.
     Curve(WorldCurve),
 }
 
@@ -36,7 +37,7 @@ pub struct ShapeJacobian {
     pub by_base: Matrix2x6<f64>,
     /// By k₁ alone, px.
     pub by_k1: Vec2,
-    /// By a shift of everything that is projected, such as of the principal point, px/px.
+    /// By a shift of the projected shape, such as a change of the principal point, px/px.
     pub by_image: Matrix2<f64>,
     /// By the point of the shape that was compared, px/m.
     pub by_world: Matrix2x3<f64>,
@@ -47,7 +48,7 @@ pub struct ShapeJacobian {
 }
 
 impl ShapeJacobian {
-    /// By everything that frames share.
+    /// By all parameters that the frames share, in the order of the shared columns.
     #[must_use]
     pub fn by_shared(&self, camera: &PtzCamera) -> SMatrix<f64, 2, SHARED_COLUMNS> {
         by_shared(
@@ -90,7 +91,7 @@ impl ObservedShape {
         }
     }
 
-    /// The point, if it is one.
+    /// The point, m, `world`; none for a curve.
     #[must_use]
     pub const fn point(&self) -> Option<Vec3> {
         match self {
@@ -99,7 +100,7 @@ impl ObservedShape {
         }
     }
 
-    /// Whether its coordinates are numbers.
+    /// Whether its coordinates are finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let at = match self {
@@ -109,8 +110,8 @@ impl ObservedShape {
         at.iter().all(|x| x.is_finite())
     }
 
-    /// From where a camera puts it (of a curve: from the nearest point) to a click, px; none where
-    /// it has no image.
+    /// The offset (px) to a click from the image of the point, or from the nearest point of the
+    /// curve's image; none where it has no image.
     #[must_use]
     pub fn offset_px(&self, camera: &PtzCamera, click: ImagePoint) -> Option<Vec2> {
         match self {
@@ -138,8 +139,7 @@ impl ObservedShape {
     }
 
     /// The residual and its derivatives by pan (px/rad), tilt (px/rad) and focal length (px/px):
-    /// what of
-    /// [`Self::jacobian`] a fit over a known base needs.
+    /// the part of [`Self::jacobian`] that a fit with a known base needs.
     #[inline]
     #[must_use]
     pub fn residual_by_ptz(
@@ -154,6 +154,8 @@ impl ObservedShape {
             }
             Self::Curve(curve) => {
                 let nearest = nearest_point(camera, curve, click)?;
+                // The image of the nearest point moves with the camera; its component along the
+                // normal changes the distance.
                 let (_, by_ptz) = camera.image_from_world_by_ptz(nearest.in_world()).ok()?;
                 Some((
                     Vec2::new(nearest.distance_px(click), 0.0),
@@ -166,6 +168,9 @@ impl ObservedShape {
     /// The residual of a click with all its derivatives; none where the shape has no image.
     #[must_use]
     pub fn jacobian(&self, camera: &PtzCamera, click: ImagePoint) -> Option<ShapeJacobian> {
+        // For a curve, `by_image` projects image derivatives onto the unit normal. That the nearest
+        // point slides along the curve as the camera changes has no first-order effect on the
+        // distance.
         let (nearest_in_world, parameter, value_px, by_image) = match self {
             Self::Point(at) => (*at, 0.0, None, Matrix2::identity()),
             Self::Curve(curve) => {
@@ -192,7 +197,7 @@ impl ObservedShape {
         })
     }
 
-    /// The same shape on ground of another crown.
+    /// The same shape on ground with another crown.
     #[must_use]
     pub(super) fn recrowned(self, from: Crown, to: Crown) -> Self {
         match self {
@@ -204,8 +209,8 @@ impl ObservedShape {
         }
     }
 
-    /// The point, or the curve's point at a parameter, as it would be on flat ground; the shape is
-    /// one on flat ground.
+    /// The point, or the curve's point at a parameter. The shape must be one on flat ground, m,
+    /// `world`.
     pub(super) fn nominal_at(&self, parameter: f64) -> Vec3 {
         match self {
             Self::Point(at) => *at,
@@ -213,7 +218,7 @@ impl ObservedShape {
         }
     }
 
-    /// This shape moved by a share of the way that leads from one shape to another of its kind.
+    /// This shape moved by a fraction of the difference between two shapes of its kind.
     #[must_use]
     pub(super) fn moved(self, from: &Self, to: &Self, share: f64) -> Self {
         match (self, from, to) {

@@ -1,13 +1,13 @@
-//! How a projected point moves with everything that the frames of a camera share.
+//! Derivatives of a projected point by all parameters that the frames of a camera share.
 
 use crate::camera::{PtzCamera, SHARED_COLUMNS};
 use crate::field::Crown;
 use crate::geometry::{Vec2, Vec3};
 use nalgebra::{Matrix2, Matrix2x3, SMatrix};
 
-/// How a projected point moves with everything that frames share, in the order of
-/// [`crate::camera::BaseSigma::root`]: given its derivatives by the base's pose, by k₁, by the
-/// world point and by a shift of the picture.
+/// The derivatives of a projected point by all shared parameters, in the order of
+/// [`crate::camera::BaseSigma::root`], from its derivatives by the base's pose, by k₁, by the world
+/// point and by a shift of the picture.
 pub(super) fn by_shared(
     camera: &PtzCamera,
     by_pose: &SMatrix<f64, 2, 6>,
@@ -19,9 +19,11 @@ pub(super) fn by_shared(
     let base = camera.base();
     let mut by = SMatrix::<f64, 2, SHARED_COLUMNS>::zeros();
     by.fixed_columns_mut::<6>(0).copy_from(by_pose);
+    // The other columns would be multiplied by a σ of zero.
     if base.sigma.is_of_pose_alone() {
         return by;
     }
+    // k₁ = value + slope (f − f₀) / 1000.
     let kilo_px = (camera.ptz().focal_px - base.distortion.at_focal_px) / 1000.0;
     by.set_column(6, &by_k1);
     by.set_column(7, &(by_k1 * kilo_px));

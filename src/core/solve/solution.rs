@@ -1,4 +1,4 @@
-//! What a solve gives back.
+//! The result of solving a frame.
 
 use super::{IdentityFinding, Observation, PtzStep, Uncertainty, Warning, WarningCode};
 use crate::camera::{Ptz, PtzCamera, Radial};
@@ -10,7 +10,7 @@ use serde::Serialize;
 pub struct Candidate {
     /// Pan, tilt, focal length.
     pub ptz: Ptz,
-    /// Root mean square distance of its clicks from where it puts them, px.
+    /// Root mean square reprojection error of the clicks, px.
     pub rms_px: f64,
     /// Σ (distance / sigma)² over its clicks.
     pub chi_squared: f64,
@@ -18,20 +18,20 @@ pub struct Candidate {
     pub plausible: bool,
 }
 
-/// Where a click lies as seen from where the solution puts what it shows.
+/// The reprojection error of one click.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ClickResidual {
     /// Which click, from 0.
     pub click: usize,
     /// From the projected landmark, or the nearest point of the projected line, to the click, px.
-    /// None where the solution gives what it shows no image (it is behind the camera).
+    /// None where the landmark or line has no image, for example behind the camera.
     pub offset_px: Option<Vec2>,
     /// The click's own 1-σ, px.
     pub sigma_px: f64,
 }
 
 impl ClickResidual {
-    /// Where a click lies as seen from where a camera puts what it shows.
+    /// The reprojection error of a click under a camera.
     #[must_use]
     pub fn of(camera: &PtzCamera, observation: &Observation) -> Self {
         let offset_px = observation.shape.offset_px(camera, observation.image);
@@ -49,7 +49,7 @@ impl ClickResidual {
     }
 }
 
-/// A click that was held out of the solve, against what the solution predicts for it.
+/// The error of a click that was held out of the solve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CheckResult {
     /// Which click, from 0.
@@ -57,13 +57,13 @@ pub struct CheckResult {
     /// Its distance from the projected landmark or line, px; none where the solution gives it no
     /// image.
     pub error_px: Option<f64>,
-    /// That distance in sigmas of click and prediction together: for a landmark the Mahalanobis
-    /// distance (of right ones half are below 1.2, 99 % below 3.0), for a line the plain ratio.
-    /// None where there is no image.
+    /// That distance in sigmas of click noise and prediction together: for a landmark the
+    /// Mahalanobis distance (for correct clicks, 50 % are below 1.2 and 99 % below 3.0), for a line
+    /// the ratio of distance and σ. None where there is no image.
     pub z_score: Option<f64>,
 }
 
-/// What a frame's clicks and a base say about its pan, tilt and focal length.
+/// Pan, tilt and focal length of a frame, solved from its clicks and a base.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrameSolution {
     /// The result.
@@ -74,8 +74,8 @@ pub struct FrameSolution {
     /// Covariance in the order pan (deg), tilt (deg), focal length (px), as documents hold it.
     #[serde(serialize_with = "crate::geometry::rows")]
     pub covariance: Mat3,
-    /// The same in radians, with the base's part kept apart: gives the overlay's own uncertainty at
-    /// any pixel.
+    /// The same in radians, with the base's part kept separate; it gives the uncertainty of the
+    /// overlay at any pixel.
     #[serde(skip)]
     pub uncertainty: Uncertainty,
     /// One for each click that took part, in the order given.
@@ -87,7 +87,7 @@ pub struct FrameSolution {
     pub redundancy: usize,
     /// Σ (distance / sigma)² of the residuals.
     pub chi_squared: f64,
-    /// What `chi_squared` is on average where all names are right: `redundancy`, and more where the
+    /// The expectation of `chi_squared` if all names are correct: `redundancy`, and more where the
     /// base is uncertain.
     pub expected_chi_squared: f64,
     /// Other cameras that fit the same clicks, best first.
@@ -97,19 +97,18 @@ pub struct FrameSolution {
     pub worst_corner_sigma_px: f64,
     /// The largest distance between two landmark clicks, px; none with fewer than two.
     pub separation_px: Option<f64>,
-    /// The clicks held out, against the solution.
+    /// The errors of the held-out clicks.
     pub checks: Vec<CheckResult>,
-    /// What to look at before trusting it, the most serious first.
+    /// Warnings for the user, the most serious first.
     pub warnings: Vec<Warning>,
-    /// Names that fit better, or as well; the first of the warnings tells of them. Only
+    /// Names that fit better, or as well; the first of the warnings reports them. Only
     /// [`check_identity`](super::check_identity) finds them.
     pub identity: Option<IdentityFinding>,
 }
 
 impl FrameSolution {
-    /// Whether the residuals say anything about the truth: more than two clicks, and more equations
-    /// than unknowns. With two clicks and nothing else show "no evidence" instead of a small
-    /// number.
+    /// Whether the residuals are evidence for the solution: more than two clicks, and more
+    /// equations than unknowns. For two clicks alone show "no evidence" instead of a small number.
     #[must_use]
     pub fn residuals_are_evidence(&self) -> bool {
         self.redundancy > 0 && self.residuals.len() > 2
@@ -122,8 +121,7 @@ impl FrameSolution {
         (self.redundancy > 0).then(|| (self.chi_squared / self.expected_chi_squared).sqrt())
     }
 
-    /// The largest distance of a click that took part from its projection, px; 0 where all are out
-    /// of sight.
+    /// The largest reprojection error of a click that was used, px; 0 where none has an image.
     #[must_use]
     pub fn farthest_px(&self) -> f64 {
         self.residuals
@@ -144,7 +142,7 @@ impl FrameSolution {
         Angle::from_degrees(self.covariance[(1, 1)].sqrt())
     }
 
-    /// Adds what the search for other names found, before all other warnings.
+    /// Adds the result of the search for other names; its warning comes before all others.
     #[must_use]
     pub fn with_identity(mut self, found: Option<IdentityFinding>) -> Self {
         self.warnings
@@ -158,7 +156,7 @@ impl FrameSolution {
     pub fn disputed(&self) -> Vec<usize> {
         let of = |warning: &&Warning| match warning.code {
             WarningCode::Swapped | WarningCode::WrongLine | WarningCode::CheckFailed => true,
-            // Two clicks that contradict the base say nothing about which of them is wrong.
+            // Two clicks that contradict the base do not show which of them is wrong.
             WarningCode::Contradiction => warning.clicks.len() < self.residuals.len().max(2),
             _ => false,
         };
@@ -174,7 +172,7 @@ impl FrameSolution {
         clicks
     }
 
-    /// How far off the result may be because clicks scatter: three sigmas.
+    /// The uncertainty of the result due to click noise and the base: three sigmas.
     pub(super) fn slack(&self) -> PtzStep {
         let angle = |sigma: Angle| Angle::from_radians(3.0 * sigma.radians());
         let log_focal = 3.0 * self.sigma_focal_px() / self.ptz.focal_px;

@@ -11,7 +11,7 @@
 //! Starts are ranked by a robust cost over *all* observations, so that one misnamed landmark spoils
 //! the pairs that it is part of and no others; the best distinct ones are refined (`refine.rs`) and
 //! compared (`frame.rs`). Cameras that are known from elsewhere (a prior, the previous solution,
-//! neighbouring frames) stand in where the clicks give none.
+//! neighbouring frames) are used where the clicks give none.
 
 use super::one_point::pan_tilt_from_one_point;
 use super::refine::{cost, refine};
@@ -63,6 +63,7 @@ pub(super) fn find_starts(
     observations: &[Observation],
     context: &SolveContext,
 ) -> Result<Vec<Ptz>, SolveError> {
+    // One case per number of landmarks, as in the table of the module page.
     let landmarks = landmark_clicks(observations);
     let known = known_cameras(context);
     let mut starts = match landmarks.as_slice() {
@@ -85,6 +86,8 @@ pub(super) fn find_starts(
         }
         many => solve_pairs(base, many)?,
     };
+
+    // The clicks gave no start: use known cameras, else report why the first pair has no solution.
     if starts.is_empty() {
         starts = known;
     }
@@ -112,8 +115,7 @@ fn landmark_clicks(observations: &[Observation]) -> Vec<LandmarkClick> {
     observations.iter().filter_map(landmark_click).collect()
 }
 
-/// What is known of the camera without the clicks: a prior, the previous solution, neighbouring
-/// frames.
+/// Cameras known without the clicks: from a prior, the previous solution, or neighbouring frames.
 fn known_cameras(context: &SolveContext) -> Vec<Ptz> {
     let prior = context.prior.iter().map(|prior| prior.ptz);
     prior
@@ -215,6 +217,7 @@ fn sweep_focal_length(
     }
     let mut minima = Vec::new();
     for (index, start) in swept.iter().enumerate() {
+        // The ends of the range count as minima if the cost falls towards them.
         let falls_to = index == 0 || swept[index - 1].cost >= start.cost;
         let rises_from = swept
             .get(index + 1)
@@ -318,6 +321,7 @@ fn keep_best_distinct(base: &CameraBase, starts: &[Ptz], observations: &[Observa
         .map(|ptz| rank(base, *ptz, observations))
         .collect();
     ranked.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    // Refinement of nearby starts ends in the same minimum, so only distinct ones are kept.
     let mut kept: Vec<Ptz> = Vec::with_capacity(MAX_STARTS);
     for start in ranked {
         if kept

@@ -22,8 +22,8 @@
 //! ```
 //!
 //! A telephoto lens sees rays a degree or less apart. Then d is nearly 1, and in 1 − d² the leading
-//! digits cancel: six of sixteen for pixels 3 px apart at f = 6000 px. Lagrange's identity turns
-//! the differences into products, and this is the form that is evaluated:
+//! digits cancel: six of sixteen for pixels 3 px apart at f = 6000 px. By Lagrange's identity the
+//! differences are products, and this is the form that is evaluated:
 //!
 //! ```text
 //! S = |r₁ × r₂|² = 1 − d²        X = x₁ × x₂, X² = a b − c²        D = |x₁ − x₂|² = a + b − 2c
@@ -54,10 +54,10 @@ use crate::camera::{CameraBase, FocalCurve, Ptz, undistort};
 use crate::geometry::{ImagePoint, Vec2, Vec3};
 use thiserror::Error;
 
-/// Clicks nearer to each other than this say nothing about the focal length, px.
+/// Minimum distance of two clicks that determine a focal length, px.
 pub const MIN_SEPARATION_PX: f64 = 2.0;
 
-/// Rays nearer to each other than this cannot be told apart, degrees.
+/// Minimum angle of two rays that count as distinct, degrees.
 pub const MIN_RAY_ANGLE_DEG: f64 = 1e-3;
 
 /// Why two points give no focal length.
@@ -139,6 +139,7 @@ pub fn solve_two_points(
     let pair = PointPair::new(base, points_in_world, pixels);
     let is_pinhole = base.distortion == FocalCurve::NONE;
 
+    // Closed form: the roots of the pinhole, each followed to the root of the lens.
     let pinhole_focals = match focal_from_two_rays(pair.offsets_px(), pair.rays_in_base) {
         Ok(focals) => Some(focals),
         // Undistorted, the pixels may still have a root.
@@ -159,6 +160,8 @@ pub fn solve_two_points(
         return Ok(found);
     }
 
+    // With a lens, and only if the closed form leads nowhere: scan all focal lengths. The scan may
+    // find more than two roots; the two shortest focal lengths are returned.
     let mut scanned = if is_pinhole {
         Vec::new()
     } else {
@@ -232,6 +235,8 @@ pub fn focal_from_two_rays(
 /// Numerical Recipes, section 5.6). A discriminant that is negative by rounding alone counts as
 /// zero.
 fn solve_quadratic(q0: f64, q1: f64, q2: f64) -> Option<[f64; 2]> {
+    // Negative by rounding alone: the relative error of q₁² − 4 q₂ q₀ near zero is a few ε of q₁².
+    // Written so that NaN fails.
     let discriminant = q1 * q1 - 4.0 * q2 * q0;
     if !(discriminant >= -8.0 * f64::EPSILON * q1 * q1) {
         return None;
@@ -410,6 +415,8 @@ impl<'a> PointPair<'a> {
             .into_iter()
             .flat_map(|reach_px| self.base.distortion.fold_focals(reach_px))
         {
+            // The excess angle has a vertical tangent at a fold; an even grid would miss a root
+            // beside it.
             let beside_fold = [fold_px.ln() - FOLD_MARGIN, fold_px.ln() + FOLD_MARGIN];
             log_focals.extend(
                 beside_fold
@@ -419,6 +426,7 @@ impl<'a> PointPair<'a> {
         }
         log_focals.sort_by(f64::total_cmp);
 
+        // Split at the samples without a ray, so that no bracket spans a fold.
         let mut ranges = Vec::new();
         let mut range = Vec::new();
         for log_focal in log_focals {

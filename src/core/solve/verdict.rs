@@ -1,17 +1,17 @@
-//! One word on a solved frame, and why.
+//! The verdict on a solved frame, with its reason.
 
 use super::{Evidence, FrameSolution, Warning, WarningCode};
 use crate::geometry::ImageSize;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Up to this 1-σ at the worst corner a frame is good, px at 1920 px width.
+/// A good frame has at most this 1-σ at the worst corner, px at 1920 px width.
 pub const GOOD_CORNER_SIGMA_PX: f64 = 7.0;
 
-/// Residuals this many times larger than expected contradict each other.
+/// From this misfit on, the clicks contradict each other (see [`FrameSolution::misfit`]).
 pub const WRONG_MISFIT: f64 = 4.0;
 
-/// Residuals this many times larger than expected deserve a look.
+/// From this misfit on, the frame should be checked.
 pub const CHECK_MISFIT: f64 = 2.0;
 
 /// The verdict on a solved frame.
@@ -42,18 +42,18 @@ impl fmt::Display for Verdict {
 pub struct Judgement {
     /// The one word.
     pub verdict: Verdict,
-    /// What decided it, in one line with its number.
+    /// The reason in one line, with its number.
     pub reason: String,
 }
 
-/// Judges a solved frame by its check clicks, its names, the contradiction among its clicks, its
-/// warnings and its worst corner, in this order.
+/// The verdict on a solved frame, by its check clicks, its names, the contradiction among its
+/// clicks, its warnings and its worst corner, in this order.
 #[must_use]
 pub fn judge(solution: &FrameSolution, image_size: ImageSize) -> Judgement {
     let judgement = |verdict, reason| Judgement { verdict, reason };
     let corner = format!("worst corner ±{:.1} px", solution.worst_corner_sigma_px);
-    // Names that fit better are wrong; where they fit as well, and only the camera's motion prior
-    // speaks for them, look at it.
+    // If other names fit better, the frame is wrong. If they fit as well and are only favoured by
+    // the motion prior, the user should check.
     let contradicted = solution
         .identity
         .as_ref()
@@ -73,7 +73,8 @@ pub fn judge(solution: &FrameSolution, image_size: ImageSize) -> Judgement {
     if let Some(warning) = solution.warnings.iter().find(wrong) {
         return judgement(Verdict::Wrong, warning.message.clone());
     }
-    // A single surplus equation is large by chance more often than the mean of many.
+    // The misfit of a single surplus equation is large by chance more often than the mean of many:
+    // add 1 / redundancy to the thresholds.
     let chance = 1.0 / solution.redundancy.max(1) as f64;
     if let Some(misfit) = solution
         .misfit()

@@ -1,10 +1,10 @@
-//! What a person should look at before trusting a solved frame.
+//! Warnings about a solved frame, for the user.
 
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
 
-/// A warning: what is wrong, the number, and the way out, in that order.
+/// A warning. Its message states the problem, the number and the remedy, in this order.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Warning {
     /// Its kind.
@@ -50,9 +50,9 @@ impl Serialize for WarningCode {
 }
 
 warning_codes! {
-    /// The points are so close together that the far corners are uncertain.
+    /// The points lie close together, so that far corners are uncertain.
     Separation = "separation",
-    /// The base leaves more open than the points do.
+    /// The base contributes more to the uncertainty than the points.
     BaseUncertain = "base_uncertain",
     /// A corner far from all points is uncertain.
     Extrapolation = "extrapolation",
@@ -66,7 +66,7 @@ warning_codes! {
     TwoRoots = "two_roots",
     /// Another camera of the document fits the clicks, the frame's own does not.
     OtherCamera = "other_camera",
-    /// Pan, tilt or focal length is outside what this camera does.
+    /// Pan, tilt or focal length is outside the usual range of this camera.
     Implausible = "implausible",
     /// The clicks contradict each other or the base by more than their noise.
     Contradiction = "contradiction",
@@ -74,7 +74,7 @@ warning_codes! {
     CheckFailed = "check_failed",
     /// The field's size is assumed, neither confirmed nor fitted.
     FieldAssumed = "field_assumed",
-    /// No reference looks at this part of the field.
+    /// No reference frame shows this part of the field.
     Coverage = "coverage",
     /// A relocalisation rests on few inliers.
     FewInliers = "few_inliers",
@@ -86,7 +86,7 @@ impl fmt::Display for WarningCode {
     }
 }
 
-/// The code is none that this version knows.
+/// A warning code that this version does not know.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown warning code {0:?}")]
 pub struct UnknownWarningCode(pub String);

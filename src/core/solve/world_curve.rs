@@ -3,7 +3,7 @@
 use crate::field::{Crown, Curve, FieldModel};
 use crate::geometry::Vec3;
 
-/// A curve of the field where it really is: lifted onto the crowned ground.
+/// A curve of the field on the crowned ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldCurve {
     /// The nominal curve, `world`, m.
@@ -50,8 +50,7 @@ impl WorldCurve {
         Self { crown, ..self }
     }
 
-    /// This curve moved by a share of the way that leads from one nominal curve to another of its
-    /// kind.
+    /// This curve moved by a fraction of the difference between two nominal curves of its kind.
     #[must_use]
     pub(super) fn moved(self, from: &Curve, to: &Curve, share: f64) -> Self {
         let nominal = match (self.nominal, from, to) {
@@ -116,6 +115,7 @@ impl WorldCurve {
             Curve::Segment { .. } => Vec3::zeros(),
             Curve::Arc { centre, sweep, .. } => (centre - at) * sweep.radians().powi(2),
         };
+        // Chain rule with dz/dy = −8 c y / width²; outside the field the ground is level.
         if self.crown.height_m != 0.0 {
             let Crown { height_m, width_m } = self.crown;
             at.z += self.crown.ground_z(at.y);

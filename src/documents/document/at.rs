@@ -5,8 +5,8 @@ use std::ops::Deref;
 use std::path::Path;
 use touchline_core::field::{FieldError, FieldModel};
 
-/// A document and the folder that its relative paths start from: needed for its pictures and for a
-/// field template of its own.
+/// A document and the folder that its relative paths start from. Needed for its pictures and for a
+/// field template file.
 #[derive(Clone, Copy, Debug)]
 pub struct DocumentAt<'a> {
     /// The document.
@@ -30,7 +30,7 @@ impl DocumentAt<'_> {
     /// A field of the document with the click noise that it uses.
     ///
     /// # Errors
-    /// There is no such template, or it does not take a parameter or its value.
+    /// There is no such template, or it does not accept a parameter or its value.
     pub fn model_of(self, spec: &FieldSpec) -> Result<FieldModel, FieldError> {
         let mut field = spec.model(self.folder)?;
         self.document.weight_clicks(&mut field);
@@ -40,12 +40,12 @@ impl DocumentAt<'_> {
     /// The field that a frame shows, with the click noise that the document uses.
     ///
     /// # Errors
-    /// There is no such template, or it does not take a parameter or its value.
+    /// There is no such template, or it does not accept a parameter or its value.
     pub fn model_of_frame(self, frame: &Frame) -> Result<FieldModel, FieldError> {
         self.model_of(self.document.field_of(frame))
     }
 
-    /// The document as it must read in another folder: see [`Document::relocated`].
+    /// The document rewritten for another folder: see [`Document::relocated`].
     #[must_use]
     pub fn relocated(self, to_folder: &Path) -> Document {
         self.document.clone().relocated(self.folder, to_folder)

@@ -1,18 +1,18 @@
-//! A step that the program made while a person went on: it goes beneath what the person did since,
-//! so that undo takes back the person's own steps first, and redo stays.
+//! Inserts a step of the program, computed while the user continued to work, beneath the user's
+//! later steps. Undo then reverts the user's own steps first, and redo is kept.
 
 use super::{Document, Frame, History, Shared, Step};
 
 impl History<Document> {
-    /// How many steps can be undone.
+    /// The number of steps that can be undone.
     #[must_use]
     pub fn num_done(&self) -> usize {
         self.done.len()
     }
 
-    /// Puts a step that led from `before` to `after` beneath the steps that came after the first
-    /// `num_below` ones. What it changed is changed in all states from there on, those that were
-    /// undone included. It changes frames in place, in `clip` alone, and the document's shots.
+    /// Inserts a step from `before` to `after` above the first `num_below` steps. Its changes are
+    /// applied to all later states, including undone ones. The step must only change the `clip` of
+    /// frames, in place, and the document's shots.
     pub fn insert_shots(
         &mut self,
         num_below: usize,
@@ -21,7 +21,7 @@ impl History<Document> {
         after: &Document,
     ) {
         let num_below = num_below.min(self.done.len());
-        // The state that the step starts from is the one before the first step above it.
+        // The step starts from the state before the first step above it.
         let start = self
             .done
             .get(num_below)
@@ -35,7 +35,7 @@ impl History<Document> {
     }
 }
 
-/// Gives a state the shots of `after`. Frames that it shares with `before` it then shares with
+/// Applies the shots of `after` to a state. Frames shared with `before` are then shared with
 /// `after`.
 fn take_shots(state: &mut Document, before: &Document, after: &Document) {
     state.shots.clone_from(&after.shots);
@@ -54,7 +54,7 @@ fn take_shots(state: &mut Document, before: &Document, after: &Document) {
     }
 }
 
-/// A frame in another state, where it most likely stands at the same position.
+/// A frame in another state; the same position is tried first.
 fn find_frame<'a>(
     document: &'a Document,
     position: usize,

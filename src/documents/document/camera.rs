@@ -6,7 +6,7 @@ use touchline_core::camera::{BaseCorrelation, BaseSigma, CameraBase, FocalCurve,
 use touchline_core::geometry::rotation::{distance_from_rotation, nearest_rotation};
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec2, Vec3};
 
-/// A matrix nearer to a rotation than this is taken as it is.
+/// A matrix nearer to a rotation than this is not orthogonalised, so that its digits are kept.
 const EXACT_ROTATION: f64 = 1e-14;
 
 /// A camera of the document: its picture, and its base as far as it is known.
@@ -307,15 +307,14 @@ impl Camera {
 
     /// The base with which a frame is solved and drawn.
     ///
-    /// A frame with a [lens](Frame::lens) of its own has that lens and its principal point. Else
-    /// the camera's curve counts, and a k₁ that the frame's `ptz` brings along only where the
-    /// camera has no curve.
+    /// A frame with its own [lens](Frame::lens) uses that lens and its principal point. Otherwise
+    /// the camera's curve is used, or the k₁ of the frame's `ptz` if the camera has no curve.
     #[must_use]
     pub fn base_for(&self, frame: &Frame) -> Option<CameraBase> {
         Some(frame.base_from(&self.base_without_frame_lens(frame)?))
     }
 
-    /// The same without the [lens](Frame::lens) that the frame itself has.
+    /// [`Self::base_for`] without the frame's own [lens](Frame::lens).
     #[must_use]
     pub fn base_without_frame_lens(&self, frame: &Frame) -> Option<CameraBase> {
         let mut base = self.base()?;
@@ -327,8 +326,8 @@ impl Camera {
         Some(base)
     }
 
-    /// The camera as a solved frame has it pointed; none without a base or without the frame's
-    /// `ptz`.
+    /// The camera of a solved frame at its pan, tilt and focal length; none without a base or the
+    /// frame's `ptz`.
     #[must_use]
     pub fn pointed(&self, frame: &Frame) -> Option<PtzCamera> {
         Some(PtzCamera::new(

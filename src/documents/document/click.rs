@@ -25,7 +25,7 @@ pub enum Target {
 }
 
 impl Target {
-    /// The name, whichever kind it is of.
+    /// The name, of either kind.
     #[must_use]
     pub fn as_str(&self) -> &str {
         match self {
@@ -34,7 +34,7 @@ impl Target {
         }
     }
 
-    /// How many equations a click on it gives.
+    /// The number of equations of a click on it.
     #[must_use]
     pub const fn equations(&self) -> usize {
         match self {
@@ -103,7 +103,7 @@ impl Click {
         Self::new(Target::Line(id), image)
     }
 
-    /// A click that waits for its name.
+    /// A click without a name.
     #[must_use]
     pub fn unnamed(image: ImagePoint) -> Self {
         Self {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use touchline_core::field::{CLICKING_SHARE, FieldModel};
 
-/// Factors outside this range are not believed.
+/// The plausible range of factors.
 const PLAUSIBLE_FACTOR: std::ops::RangeInclusive<f64> = 0.05..=20.0;
 
 /// An annotator's own click noise as a document keeps it (`click_noise`).
@@ -77,6 +77,8 @@ impl StoredClickNoise {
 impl ClickNoise {
     /// The 1-σ of a click, px at 1920 px width, from what the template states.
     fn sigma_px(&self, stated_px: f64, landmark: Option<&str>) -> f64 {
+        // Only a part of the stated variance comes from clicking; the factor scales that part, and
+        // the part of the landmark's position remains.
         let own = landmark
             .and_then(|landmark| self.factor_by_landmark.get(landmark))
             .copied();
@@ -101,7 +103,7 @@ impl ClickNoise {
         factors.all(|factor| PLAUSIBLE_FACTOR.contains(factor))
     }
 
-    /// Weights the clicks on a field by it.
+    /// Sets the click sigmas of a field's landmarks and lines by it.
     pub(super) fn apply(&self, field: &mut FieldModel) {
         for landmark in &mut field.landmarks {
             landmark.click_sigma_px =

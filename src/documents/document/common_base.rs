@@ -1,15 +1,16 @@
-//! The document that two versions started from, where one of them may come from an earlier state
+//! The common base of two versions of a document, where one of them may come from an earlier state
 //! than the other.
 
 use super::{Document, Frame, FrameId, Shared};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What people had done in the last state that a session and another program's version can both
-/// have started from, frame by frame and camera by camera.
+/// The latest state from which both a session and another program's version can have started,
+/// without suggestions, frame by frame and camera by camera.
 ///
-/// `opened` is the file as the session found it, `written` as the session last wrote it, `theirs`
-/// as another program has replaced it. A sync client or git may have made `theirs` from either, or
-/// from a state before both, and what the session wrote is not their removal:
+/// `opened` is the file as the session opened it, `written` as the session last wrote it, `theirs`
+/// as another program replaced it. A sync client or git may have made `theirs` from either, or from
+/// a state before both. Frames that the session wrote and that `theirs` lacks were then not removed
+/// by the other program:
 ///
 /// | theirs is | the common state is |
 /// |---|---|
@@ -22,6 +23,7 @@ pub(crate) fn common_base(opened: &Document, written: &Document, theirs: &Docume
     base.frames = common_frames(&opened, &written, &theirs)
         .into_iter()
         .collect();
+    // What `theirs` has as the session wrote it is common; otherwise the opened state is the base.
     if theirs.field == written.field {
         base.field = written.field;
     }

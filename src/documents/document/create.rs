@@ -1,4 +1,4 @@
-//! A document from a folder of images or a video.
+//! Creates a document from a folder of images or a video.
 
 use super::paths::resolved;
 use super::{Camera, CameraId, Document, FieldSpec, Frame, VideoFrame, path_between};
@@ -17,16 +17,16 @@ const CAMERA: &str = "main";
 pub struct NewDocument {
     /// The document.
     pub document: Document,
-    /// Images that cannot be read, by name, and why; they are not in it.
+    /// Images that cannot be read, by name, with the reason; they are left out.
     pub left_out: Vec<(String, MediaError)>,
 }
 
-/// Makes a document of every `every`-th frame of a source, for a project in `folder` (absolute):
-/// new frames, and a camera for each size of picture, the first one called `main`, of which nothing
-/// else is known.
+/// Creates a document from every `every`-th frame of a source, for a project in `folder`
+/// (absolute): new frames, and for each picture size a camera without a base, the first one named
+/// `main`.
 ///
-/// Images are read in parallel for their size and SHA-256; `progress` hears of each frame, from any
-/// thread. Where it cancels this, frames are missing.
+/// Images are read in parallel for their size and SHA-256; each frame is reported to `progress`,
+/// from any thread. If it cancels, frames are missing.
 #[must_use]
 pub fn document_from_frames(
     source: &FrameSource,
@@ -60,7 +60,7 @@ pub fn document_from_frames(
     made
 }
 
-/// How a file is called from a folder, whether or not either exists yet.
+/// The path of a file relative to a folder, whether or not either exists.
 fn relative(folder: &Path, file: &Path) -> String {
     path_between(&resolved(folder), &resolved(file))
 }
@@ -97,7 +97,7 @@ impl NewDocument {
         }
     }
 
-    /// The camera of this size of picture; made if there is none yet.
+    /// The camera with this picture size; created if there is none yet.
     fn camera_of_size(&mut self, size: ImageSize) -> CameraId {
         let cameras = &mut self.document.cameras;
         if let Some(camera) = cameras.iter().find(|camera| camera.image_size == size) {

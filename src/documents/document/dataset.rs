@@ -1,11 +1,11 @@
-//! A document as a dataset: what is written for those who use the labels.
+//! A document as a dataset, for users of the labels.
 
 use super::{Click, Document, Frame, SolutionWarning};
 use touchline_core::solve::WarningCode;
 
 impl Document {
-    /// The document as a dataset: the same without unnamed clicks (indices of clicks follow), and
-    /// with a warning at every solved frame whose field's size is assumed.
+    /// The document as a dataset: without unnamed clicks (indices of clicks are updated), and with
+    /// a warning at every solved frame whose field's size is assumed.
     #[must_use]
     pub fn into_dataset(mut self) -> Self {
         for frame in &mut self.frames {
@@ -17,7 +17,7 @@ impl Document {
         self
     }
 
-    /// Says at every solved frame whose field's size is assumed that it is.
+    /// Adds a warning to every solved frame whose field's size is assumed.
     fn tell_assumed_sizes(&mut self) {
         let code = WarningCode::FieldAssumed.as_str();
         for index in 0..self.frames.len() {
@@ -33,7 +33,8 @@ impl Document {
 }
 
 impl Frame {
-    /// Keeps some of its clicks, chosen by their places; the solution's indices of clicks follow.
+    /// Keeps some of its clicks, chosen by their indices; the solution's indices of clicks are
+    /// updated.
     pub fn retain_clicks(&mut self, stays: impl Fn(usize, &Click) -> bool) {
         let mut kept = 0;
         let new_place = |(place, click): (usize, &Click)| {

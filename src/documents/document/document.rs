@@ -21,23 +21,23 @@ pub fn generator() -> String {
 
 /// A project or dataset: a field, cameras, frames.
 ///
-/// Cloning is cheap: cameras and frames are shared until one is written to, so undo keeps whole
+/// Cloning is cheap: cameras and frames are shared until one is changed, so undo keeps whole
 /// documents.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Document {
-    /// Who wrote the file that was read; the program writes its own name.
+    /// The program that wrote the file; when writing, this program writes its own name.
     pub generator: String,
-    /// The conventions in words, for people.
+    /// The conventions in words, for human readers.
     pub conventions: Map<String, Value>,
     /// The field, unless a camera has its own.
     pub field: FieldSpec,
     /// The cameras.
     pub cameras: Vec<Shared<Camera>>,
-    /// The frames, in the order in which a person steps through them.
+    /// The frames, in the order in which the user steps through them.
     pub frames: Frames,
-    /// What its clicks scatter by.
+    /// Its click noise.
     pub click_noise: Option<StoredClickNoise>,
-    /// The shots of its videos, where somebody or the program marked them.
+    /// The shots of its videos, marked by the user or found by the program.
     pub shots: Vec<Shot>,
     /// Unknown keys.
     pub extra: Extra,
@@ -59,7 +59,7 @@ impl Document {
         }
     }
 
-    /// Whether two differ in their frames at most.
+    /// Whether everything but the frames is equal.
     pub fn same_beside_frames(&self, other: &Self) -> bool {
         *self
             == Self {
@@ -129,13 +129,13 @@ impl Document {
             .unwrap_or(&self.field)
     }
 
-    /// The camera as a solved frame has it pointed.
+    /// The camera of a solved frame at its pan, tilt and focal length.
     #[must_use]
     pub fn pointed(&self, frame: &Frame) -> Option<PtzCamera> {
         self.camera_of(frame)?.pointed(frame)
     }
 
-    /// All boxes of a frame whose pixels give no features: its camera's and its own.
+    /// All masks of a frame, its camera's and its own: boxes excluded from feature detection.
     #[must_use]
     pub fn masks_of(&self, frame: &Frame) -> Vec<PixelBox> {
         let Some(camera) = self.camera_of(frame) else {
@@ -182,7 +182,7 @@ impl Document {
         Ok(())
     }
 
-    /// Gives a field the click noise that the document uses.
+    /// Sets the click sigmas of a field by the click noise that the document uses.
     pub fn weight_clicks(&self, field: &mut FieldModel) {
         if let Some(noise) = self.click_noise_in_use() {
             noise.apply(field);

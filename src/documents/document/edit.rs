@@ -1,4 +1,4 @@
-//! What changed between two states of a document, as the journal keeps it: whole frames by their
+//! The changes between two states of a document, as the journal stores them: whole frames by their
 //! ids, cameras and fields.
 
 use super::old_edit::OldChange;
@@ -16,30 +16,30 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct Edit {
     /// In words: "Move centre mark".
     pub name: String,
-    /// What it is to undo and redo.
+    /// Its kind, for undo and redo.
     #[serde(default, skip_serializing_if = "EditKind::is_no_step")]
     pub kind: EditKind,
-    /// What changed, to be applied in this order.
+    /// The changes, in the order in which they are applied.
     pub changes: Vec<Change>,
 }
 
-/// What an edit is to undo and redo.
+/// The kind of an edit, for undo and redo.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EditKind {
-    /// Not a step of undo, or an edit in a journal of an earlier version without this information:
-    /// no step before it can be undone.
+    /// Not an undo step, or an edit in a journal of an earlier version without this information. No
+    /// step before it can be undone.
     #[default]
     NoStep,
-    /// A step, called as the edit is.
+    /// An undo step with the edit's name.
     Step {
         /// The frame it concerns, as [`super::Step::frame`].
         #[serde(default, skip_serializing_if = "Option::is_none")]
         frame: Option<FrameId>,
     },
-    /// More of the step before it: an arrow key that is held down.
+    /// A continuation of the previous step, such as a repeated arrow key.
     Continued,
-    /// The last step, taken back.
+    /// The last step, undone.
     Undone,
     /// The redo of the step that was undone last.
     Redone,
@@ -61,14 +61,14 @@ pub enum Change {
         id: FrameId,
         /// The revision that was changed.
         revision: u64,
-        /// What it is now.
+        /// Its new state.
         frame: Shared<Frame>,
     },
-    /// Frames that go.
+    /// Frames that are removed.
     Remove(Vec<FrameId>),
-    /// Frames that come.
+    /// Frames that are added.
     Insert {
-        /// The frame that they follow; none: they come first.
+        /// The frame behind which they are inserted; none for the beginning.
         after: Option<FrameId>,
         /// Which.
         frames: Vec<Shared<Frame>>,
@@ -79,11 +79,11 @@ pub enum Change {
     Cameras(Vec<Shared<Camera>>),
     /// The field.
     Field(FieldSpec),
-    /// What else the document itself holds.
+    /// The other contents of the document.
     Rest {
         /// The conventions.
         conventions: Map<String, Value>,
-        /// What its clicks scatter by.
+        /// Its click noise.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         click_noise: Option<StoredClickNoise>,
         /// Its shots.
@@ -98,7 +98,7 @@ pub enum Change {
 }
 
 impl Edit {
-    /// What leads from `before` to `after`; frames that both share are not looked at.
+    /// The edit from `before` to `after`; frames that both share are not compared.
     #[must_use]
     pub fn between(before: &Document, after: &Document, name: &str) -> Self {
         let mut changes = Vec::new();
@@ -125,29 +125,29 @@ impl Edit {
         }
     }
 
-    /// The same edit, as what undo and redo take it.
+    /// The same edit with another kind.
     #[must_use]
     pub fn of_kind(self, kind: EditKind) -> Self {
         Self { kind, ..self }
     }
 
-    /// Nothing changed.
+    /// Whether it changes nothing.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.changes.is_empty()
     }
 
-    /// Makes the changes.
+    /// Applies the changes.
     ///
     /// # Errors
-    /// A frame is not there, or is there in another revision than was edited. The document is as it
-    /// was then.
+    /// A frame does not exist, or has another revision than the edited one. The document is then
+    /// unchanged.
     pub fn apply(self, document: &mut Document) -> Result<(), EditMismatch> {
         apply_all(self.changes, document)
     }
 }
 
-/// Makes changes one after the other, or none if one does not fit.
+/// Applies changes in order, or none of them if one does not fit.
 pub(super) fn apply_all(changes: Vec<Change>, document: &mut Document) -> Result<(), EditMismatch> {
     let before = document.clone();
     for change in changes {
@@ -217,12 +217,12 @@ impl Change {
                 shots,
                 mut extra,
             } => {
-                // Journals of earlier versions have it among the unknown keys.
+                // Journals of earlier versions store it among the unknown keys.
                 let among_unknown = extra
                     .shift_remove("click_noise")
                     .map(StoredClickNoise::from);
-                // No program writes them there; as unknown keys they would be read as the
-                // document's own.
+                // No program writes such keys there; written back as unknown keys they would
+                // replace the document's own.
                 extra.retain(|key, _| !OWN_KEYS.contains(&key.as_str()));
                 document.conventions = conventions;
                 document.click_noise = click_noise.or(among_unknown);
@@ -263,8 +263,8 @@ fn insert(
 }
 
 impl Document {
-    /// Counts the edits that led here from an earlier state: each frame that differs has a later
-    /// revision than it had. What undo brings back does, too.
+    /// Raises the revision of each frame that differs from an earlier state. Frames that undo
+    /// restored count as edited, too.
     pub fn count_edits_since(&mut self, before: &Self) {
         for position in self.frames.differences(&before.frames) {
             let Some(frame) = self.frames.get(position) else {
@@ -285,8 +285,8 @@ impl Document {
     }
 }
 
-/// The frames that changed, then those that go, those that come and, where they are not where they
-/// were, all in order.
+/// Collects the changes of frames: those that changed, those removed, those added, and, if the
+/// order differs, the new order of all.
 fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
     let differ = after.differences(before);
     let changed = |known: &Frame, frame: &Shared<Frame>| Change::Frame {
@@ -294,6 +294,7 @@ fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
         revision: known.revision,
         frame: frame.clone(),
     };
+    // The usual case: frames changed in place.
     if before.len() == after.len()
         && differ
             .iter()
@@ -306,6 +307,9 @@ fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
         );
         return;
     }
+
+    // Otherwise in the order in which edits are applied: changed frames, removed frames, runs of
+    // added frames with their predecessor, and the new order if kept frames moved.
     let known: BTreeMap<&FrameId, &Shared<Frame>> =
         before.iter().map(|frame| (&frame.id, frame)).collect();
     let kept: BTreeSet<&FrameId> = after

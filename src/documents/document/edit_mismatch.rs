@@ -12,7 +12,8 @@ pub enum EditMismatch {
         /// Its id.
         id: FrameId,
     },
-    /// The frame is another one than was edited: the edit was made before, or another one was.
+    /// The frame has another revision than the edited one: this edit was already applied, or
+    /// another one was.
     #[error(
         "the edit was made on revision {made_on} of frame {id}, the document has revision {found}"
     )]
@@ -24,21 +25,21 @@ pub enum EditMismatch {
         /// The document's.
         found: u64,
     },
-    /// What the frame is to become has the id of another.
+    /// The new state of the frame has the id of another frame.
     #[error("the edit makes frame {id} into frame {found}")]
     OtherFrame {
         /// The frame.
         id: FrameId,
-        /// What it would be called.
+        /// The id of the new state.
         found: FrameId,
     },
-    /// A frame that is to come is there.
+    /// A frame to be added already exists.
     #[error("the edit brings frame {id}, which the document has")]
     Present {
         /// Its id.
         id: FrameId,
     },
-    /// A new order names other frames than there are.
+    /// A new order does not contain exactly the existing frames.
     #[error(
         "the edit puts {ordered} frames in order, the document has {frames} frames, not all of them the same"
     )]

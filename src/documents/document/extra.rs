@@ -5,8 +5,8 @@ use serde_json::{Map, Value};
 use std::ops::{Deref, DerefMut};
 use std::sync::LazyLock;
 
-/// Keys that this program does not know, kept in their order and written back. It takes a word
-/// where there are none, which is nearly everywhere.
+/// Keys that this program does not know, kept in order and written back. Empty, as nearly
+/// everywhere, it takes one machine word.
 #[derive(Clone, Debug, Default)]
 pub struct Extra(Option<Box<Map<String, Value>>>);
 

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use touchline_core::field::{FieldError, FieldModel, Template, builtin, template_named};
 
-/// The parameter that every template takes: how much the middle is higher than the touchlines, m.
+/// The parameter that every template has: the height of the middle above the touchlines, m.
 pub const CROWN: &str = "crown_m";
 
 /// The parameters that are the size of a field.
@@ -62,7 +62,7 @@ impl FieldSpec {
         }
     }
 
-    /// The template is a file of the user's own, not a built-in one.
+    /// Whether the template is the user's own file, not a built-in one.
     #[must_use]
     pub fn is_file(&self) -> bool {
         Path::new(&self.template)
@@ -70,7 +70,7 @@ impl FieldSpec {
             .is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
     }
 
-    /// How much the middle is higher than the touchlines, m.
+    /// The height of the middle above the touchlines, m.
     #[must_use]
     pub fn crown_m(&self) -> f64 {
         self.params.get(CROWN).copied().unwrap_or(0.0)
@@ -92,7 +92,7 @@ impl FieldSpec {
         self.model_of_template(&self.template(folder)?)
     }
 
-    /// The same from its template, which has been read.
+    /// The field from its template, which has already been read.
     ///
     /// # Errors
     /// The template does not take a parameter or its value.
@@ -110,7 +110,7 @@ impl FieldSpec {
         template_named(&self.template, folder)
     }
 
-    /// Where its size comes from; a document that says nothing assumes it.
+    /// The source of its size; `assumed` if the document does not state it.
     #[must_use]
     pub fn size(&self) -> &FieldSize {
         self.size.as_ref().unwrap_or(&FieldSize::Assumed)
@@ -144,7 +144,7 @@ impl FieldSpec {
         Some(format!("{length} × {width} m"))
     }
 
-    /// Whether another field is the same in everything but where its size comes from.
+    /// Whether another field is equal in everything but the source of its size.
     #[must_use]
     pub fn is_same_field(&self, other: &Self) -> bool {
         self.template == other.template && self.params == other.params

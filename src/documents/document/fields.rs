@@ -1,10 +1,10 @@
-//! The fields of a document: its cameras may be at different venues.
+//! The fields of a document, because its cameras may be at different venues.
 
 use super::{Camera, Document, DocumentAt, FieldSpec, Frame};
 use std::sync::Arc;
 use touchline_core::field::{FieldError, FieldModel};
 
-/// The fields that a document's cameras look at, each built once.
+/// The fields of a document's cameras, each built once.
 #[derive(Clone, Debug)]
 pub struct Fields {
     /// The document's own comes last.
@@ -22,7 +22,7 @@ impl Fields {
         })
     }
 
-    /// The same with the click noise that their templates state.
+    /// Every field of a document, with the click noise of the templates.
     ///
     /// # Errors
     /// One of them is not valid.
@@ -32,7 +32,7 @@ impl Fields {
         })
     }
 
-    /// Every field of a document, built in a way of the caller's.
+    /// Every field of a document, built by a function of the caller.
     ///
     /// # Errors
     /// One of them is not valid.

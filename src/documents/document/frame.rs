@@ -92,10 +92,10 @@ pub struct Frame {
     pub extra: Extra,
 }
 
-/// The most clicks of a frame: each is compared with each other.
+/// The maximum number of clicks of a frame, because all pairs of clicks are compared.
 pub const MAX_CLICKS: usize = 1000;
 
-/// Reads clicks, not more than anybody sets.
+/// Reads clicks, at most [`MAX_CLICKS`].
 fn clicks<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Click>, D::Error> {
     let clicks = Vec::<Click>::deserialize(deserializer)?;
     if clicks.len() > MAX_CLICKS {
@@ -277,8 +277,8 @@ const fn is_zero(revision: &u64) -> bool {
 }
 
 impl Frame {
-    /// The revision of this frame once it has been edited. After the last number comes another one
-    /// all the same.
+    /// The revision of this frame after its next edit. It wraps around after the largest number, so
+    /// that it always differs.
     pub(super) const fn next_revision(&self) -> u64 {
         self.revision.wrapping_add(1)
     }
@@ -343,7 +343,7 @@ impl Frame {
             .map_or(*base, |lens| lens.base_with(base))
     }
 
-    /// The id that follows from its picture.
+    /// The id derived from its picture.
     pub(super) fn id_of_picture(&self) -> FrameId {
         let video = self
             .video
@@ -363,14 +363,14 @@ impl Frame {
         }
     }
 
-    /// Where the image file lies, given the document's folder.
+    /// The path of the image file, given the document's folder.
     #[must_use]
     pub fn image_path(&self, folder: &Path) -> Option<PathBuf> {
         self.image.as_ref().map(|image| folder.join(image))
     }
 
-    /// Its number as people see it, at a position of the document: that of its video's frame, else
-    /// its position; both from 0.
+    /// Its number for the user, at a position of the document: that of its video frame, else its
+    /// position; both from 0.
     #[must_use]
     pub fn number_at(&self, position: usize) -> u64 {
         self.video
@@ -378,8 +378,7 @@ impl Frame {
             .map_or(position as u64, |video| video.frame_index)
     }
 
-    /// Where its pixels come from, given the document's folder: its image file, else its video's
-    /// frame.
+    /// The source of its pixels, given the document's folder: its image file, else its video frame.
     #[must_use]
     pub fn picture_source(&self, folder: &Path) -> Option<FrameRef> {
         if let Some(path) = self.image_path(folder) {
@@ -405,7 +404,7 @@ impl VideoFrame {
         }
     }
 
-    /// Where the video file lies, given the document's folder.
+    /// The path of the video file, given the document's folder.
     #[must_use]
     pub fn file_path(&self, folder: &Path) -> PathBuf {
         folder.join(&self.path)

@@ -1,22 +1,23 @@
-//! Which frames changed from one state of a document to another, for deriving values from them.
+//! Which frames changed between two states of a document, for the incremental update of derived
+//! values.
 
 use super::Frames;
 
-/// If more frames than this have changed, deriving everything anew is quicker.
+/// If more frames than this have changed, a complete recomputation is faster.
 const MANY: usize = 64;
 
-/// Which frames changed from one state of a document to another.
+/// Which frames changed between two states of a document.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FrameChanges {
-    /// Those at these positions, ascending; every other frame is the same and in its place.
+    /// Those at these positions, ascending; all others are unchanged and at the same position.
     At(Vec<usize>),
-    /// Frames came or went, or many changed.
+    /// Frames were added or removed, or many changed.
     Anew,
 }
 
 impl Frames {
-    /// What changed since an earlier state. Takes time for what changed, not for what both states
-    /// share.
+    /// The changes since an earlier state. Takes time in proportion to the changes, not to the
+    /// shared frames.
     #[must_use]
     pub fn changes_since(&self, before: &Self) -> FrameChanges {
         if self.len() != before.len() {
@@ -30,8 +31,8 @@ impl Frames {
         }
     }
 
-    /// The positions at which frames changed since an earlier state; none where frames came, went
-    /// or moved.
+    /// The positions at which frames changed since an earlier state; none if frames were added,
+    /// removed or moved.
     pub fn changed_in_place(&self, before: &Self) -> Option<Vec<usize>> {
         let changed = (self.len() == before.len()).then(|| self.differences(before))?;
         changed

@@ -5,7 +5,7 @@ use sha2::{Digest, Sha256};
 use std::fmt;
 use std::sync::Arc;
 
-/// The longest id that a document may hold, in bytes.
+/// The maximum length of an id, bytes.
 const MAX_BYTES: usize = 128;
 
 /// The id of a frame, unique within a document. Edits, suggestions and undo refer to it, never to a
@@ -47,9 +47,9 @@ impl FrameId {
         Self(format!("{:012x}", u64::from_be_bytes(first)).into())
     }
 
-    /// `id`, or one of `id-2`, `id-3`, … that is not taken while the one before it is: the first,
-    /// where none was left out. Frames of one picture may be many, so they are not tried one after
-    /// the other.
+    /// `id`, or one of `id-2`, `id-3`, … that is free while the one before it is taken; the first
+    /// free one if there are no gaps. Found by an exponential search and bisection instead of a
+    /// linear search, because one picture may have many frames.
     pub(super) fn free(self, is_taken: impl Fn(&Self) -> bool) -> Self {
         if !is_taken(&self) {
             return self;
@@ -72,7 +72,7 @@ impl FrameId {
         self.numbered(free)
     }
 
-    /// The id with a number behind it, cut so that it is still one.
+    /// The id with a number appended, shortened to the maximum length.
     fn numbered(&self, number: u64) -> Self {
         let number = format!("-{number}");
         let end = self.0.floor_char_boundary(MAX_BYTES - number.len());

@@ -1,4 +1,4 @@
-//! A frame's camera: what a solve found, and what the program proposed before a person corrected
+//! A frame's camera: the result of a solve, and the program's proposal before the user corrected
 //! it.
 
 use super::{
@@ -19,16 +19,16 @@ impl Frame {
             .is_some_and(|solution| solution.source == Some(SolutionSource::Clicks))
     }
 
-    /// Whether its named clicks determine a camera by themselves: a landmark counts for two
-    /// equations, a line for one.
+    /// Whether its named clicks determine a camera by themselves: a landmark gives two equations, a
+    /// line one.
     fn clicks_decide(&self) -> bool {
         let equations = |click: &Click| click.target.as_ref().map_or(0, Target::equations);
         let used = self.clicks.iter().filter(|click| !click.check);
         used.map(equations).sum::<usize>() >= ENOUGH_EQUATIONS
     }
 
-    /// Points its camera, with the lens that is used at this focal length. What the document holds
-    /// beside these numbers stays.
+    /// Sets pan, tilt, focal length and the lens at this focal length. Other keys of the document
+    /// are kept.
     pub fn point(&mut self, ptz: Ptz, lens: Radial) {
         let before = self.ptz.take();
         let recorded = before.as_ref().is_some_and(|before| before.k1.is_some());
@@ -40,7 +40,7 @@ impl Frame {
         });
     }
 
-    /// Takes over what a solve found.
+    /// Stores the result of a solve.
     pub fn record(&mut self, solved: &FrameSolution) {
         let proposed = self.proposed();
         let by_clicks = self.clicks_decide();
@@ -73,7 +73,7 @@ impl Frame {
                 .enumerate()
                 .map(|(place, warning)| SolutionWarning {
                     clicks: warning.clicks.clone(),
-                    // The first warning tells of the names.
+                    // The first warning is the one about names.
                     renames: solved
                         .identity
                         .iter()
@@ -87,7 +87,7 @@ impl Frame {
         });
     }
 
-    /// What the program proposed, whether or not it was corrected since.
+    /// The program's proposal, whether or not it was corrected since.
     #[must_use]
     pub fn proposed(&self) -> Option<Proposed> {
         let solution = self.solution.as_ref()?;
@@ -106,8 +106,8 @@ impl Frame {
         })
     }
 
-    /// Whether a person corrected a proposal and no click is left of it: then the proposal holds
-    /// again. True if it does now.
+    /// Restores the program's proposal if the user corrected it and no click is left. True if it
+    /// was restored.
     pub fn restore_proposed(&mut self) -> bool {
         let Some(proposed) = self
             .solution

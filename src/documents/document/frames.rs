@@ -1,5 +1,4 @@
-//! The frames of a document: ordered, each with a unique id, shared with the states that undo
-//! keeps.
+//! The frames of a document: ordered, each with a unique id, shared with the states kept for undo.
 
 use super::{Frame, FrameId, Shared};
 use imbl::Vector;
@@ -10,21 +9,20 @@ use std::ops::{Bound, Index, IndexMut, RangeBounds};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
-/// Frames in the order in which a person steps through them.
+/// Frames in the order in which the user steps through them.
 ///
 /// A persistent vector: a clone takes constant time, and changing a frame of a clone copies the
-/// chunk of handles that the frame is in. Each frame that comes in gets an id of its own if it has
-/// none or another's; frames come in through [`Frames::push`],
-/// [`Frames::insert`] and `extend`.
+/// chunk of handles that contains it. A frame without an id, or with an id that is taken, gets a
+/// new one when it is added by [`Frames::push`], [`Frames::insert`] or `extend`.
 #[derive(Clone, Default)]
 pub struct Frames {
     ordered: Vector<Shared<Frame>>,
-    /// Where each id stood when the order last changed.
+    /// The position of each id when the order last changed.
     positions: Arc<HashMap<FrameId, usize>>,
     state: State,
 }
 
-/// Two frames of a document that is read have one id.
+/// Two frames of a document have the same id.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct DuplicateId {
     pub id: FrameId,
@@ -34,25 +32,25 @@ pub(super) struct DuplicateId {
     pub first: usize,
 }
 
-/// Which state of the frames this is, and how it came to be from the ones before.
+/// The identity of a state of the frames, and its recent predecessors.
 #[derive(Clone, Default)]
 struct State {
-    /// No other state has it but clones. No frames at all are number 0.
+    /// Unique to this state and its clones. The empty state has number 0.
     number: u64,
-    /// The last changes, oldest first: the state before it, and the position of the frame that was
-    /// handed out to be changed.
+    /// The last changes, oldest first: the number of the state before, and the position of the
+    /// frame that was borrowed mutably.
     changes: VecDeque<(u64, usize)>,
-    /// Whether every frame stands where its id stood: found out when an id is not there. It saves
-    /// the search for each of many ids that no frame has.
+    /// Whether every frame is at the known position of its id; computed when an id is not found. It
+    /// avoids a linear search for each of many ids that no frame has.
     are_known: OnceLock<bool>,
 }
 
-/// So many changes of single frames are remembered: an edit makes a few, a batch of 64 proposals a
-/// few for each.
+/// The number of remembered changes of single frames: an edit makes a few, a batch of 64 proposals
+/// a few for each.
 const REMEMBERED: usize = 256;
 
 impl State {
-    /// One that has nothing to do with any before.
+    /// A new state without predecessors.
     fn new() -> Self {
         static LAST: AtomicU64 = AtomicU64::new(0);
         Self {
@@ -61,7 +59,7 @@ impl State {
         }
     }
 
-    /// Goes on to another one, in which the frame at a position may be another.
+    /// Advances to a new state in which the frame at a position may differ.
     fn changed_at(&mut self, position: usize) {
         let mut changes = std::mem::take(&mut self.changes);
         if changes.len() == REMEMBERED {
@@ -74,8 +72,8 @@ impl State {
         };
     }
 
-    /// The positions at which frames may differ from those of another state, where both remember a
-    /// state that they come from.
+    /// The positions at which frames may differ from those of another state; none unless both
+    /// remember a common predecessor.
     fn changed_between(&self, other: &Self) -> Option<BTreeSet<usize>> {
         let mut own = self.back().enumerate();
         let (ago, others) = own
@@ -88,7 +86,7 @@ impl State {
         self.changes.iter().rev().take(many).map(|(_, at)| *at)
     }
 
-    /// The numbers of this state and of those before it that it remembers.
+    /// The numbers of this state and of its remembered predecessors.
     fn back(&self) -> impl Iterator<Item = u64> {
         std::iter::once(self.number).chain(self.changes.iter().rev().map(|(before, _)| *before))
     }
@@ -101,8 +99,8 @@ impl Frames {
         Self::default()
     }
 
-    /// Frames as a file lists them. Those without an id get one that follows from their picture and
-    /// that no frame states.
+    /// Frames in the order of a file. Those without an id get a reproducible one, derived from
+    /// their picture, that no other frame has.
     pub(super) fn read(mut frames: Vec<Shared<Frame>>) -> Result<Self, DuplicateId> {
         let mut positions = HashMap::with_capacity(frames.len());
         for (position, frame) in frames
@@ -151,18 +149,18 @@ impl Frames {
         self.ordered.get(position)
     }
 
-    /// The frame at a position, to change it.
+    /// The frame at a position, mutable.
     pub fn get_mut(&mut self, position: usize) -> Option<&mut Shared<Frame>> {
         self.state.changed_at(position);
         self.ordered.get_mut(position)
     }
 
-    /// Where the frame of an id stands.
+    /// The position of the frame with an id.
     #[must_use]
     pub fn position_of(&self, id: &FrameId) -> Option<usize> {
         let is_it = |position: &usize| self.get(*position).is_some_and(|frame| frame.id == *id);
         let known = self.positions.get(id).copied().filter(is_it);
-        // A frame that was put in another's place is not among the known positions.
+        // A frame that was assigned over another one is not among the known positions.
         known.or_else(|| {
             if self.are_known() {
                 None
@@ -188,7 +186,7 @@ impl Frames {
         self.get(self.position_of(id)?)
     }
 
-    /// The frame of an id, to change it.
+    /// The frame with an id, mutable.
     pub fn by_id_mut(&mut self, id: &FrameId) -> Option<&mut Shared<Frame>> {
         self.get_mut(self.position_of(id)?)
     }
@@ -241,7 +239,7 @@ impl Frames {
         (start..end.min(self.len())).filter_map(|position| self.get(position))
     }
 
-    /// Appends a frame; where its id is missing or taken it gets another one.
+    /// Appends a frame; it gets a new id if its own is missing or taken.
     pub fn push(&mut self, frame: Shared<Frame>) {
         let frame = self.with_own_id(frame);
         self.state = State::new();
@@ -249,13 +247,13 @@ impl Frames {
         self.ordered.push_back(frame);
     }
 
-    /// Puts a frame before the one at a position, at the end if there is none; where its id is
-    /// missing or taken it gets another.
+    /// Inserts a frame before the one at a position, or at the end if there is none; ids as in
+    /// [`Frames::push`].
     pub fn insert(&mut self, position: usize, frame: Shared<Frame>) {
         self.insert_all(position, vec![frame]);
     }
 
-    /// Puts frames before the one at a position, in their order; ids as in [`Frames::push`].
+    /// Inserts frames before the one at a position, in their order; ids as in [`Frames::push`].
     pub fn insert_all(&mut self, position: usize, frames: Vec<Shared<Frame>>) {
         let tail = self.ordered.split_off(position.min(self.ordered.len()));
         for frame in frames {
@@ -267,14 +265,14 @@ impl Frames {
         self.order_changed();
     }
 
-    /// Takes the frame at a position out; none if there is none.
+    /// Removes and returns the frame at a position; none if there is none.
     pub fn remove(&mut self, position: usize) -> Option<Shared<Frame>> {
         let removed = (position < self.ordered.len()).then(|| self.ordered.remove(position));
         self.order_changed();
         removed
     }
 
-    /// Takes the last frame out.
+    /// Removes and returns the last frame.
     pub fn pop(&mut self) -> Option<Shared<Frame>> {
         let last = self.ordered.pop_back()?;
         self.state = State::new();
@@ -288,15 +286,16 @@ impl Frames {
         self.order_changed();
     }
 
-    /// Whether two share every frame, so neither has changed since one was cloned from the other.
+    /// Whether both share every frame, so that neither has changed since one was cloned from the
+    /// other.
     #[must_use]
     pub fn is_same(&self, other: &Self) -> bool {
         self.ordered.ptr_eq(&other.ordered)
     }
 
     /// The positions at which frames differ from those of another, ascending, and those beyond its
-    /// end. Where both remember a state that they come from only what was handed out since is
-    /// looked at, elsewhere what they do not share.
+    /// end. With a common remembered state only frames that were borrowed mutably since are
+    /// compared, else all that are not shared.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<usize> {
         let mut differ = Vec::new();
@@ -308,6 +307,9 @@ impl Frames {
             differ.extend(changed.into_iter().filter(has_changed));
             return differ;
         }
+
+        // Walk the chunks of both vectors in parallel; chunks that both share are skipped by their
+        // address.
         let (mut left, mut right) = (self.ordered.leaves(), other.ordered.leaves());
         let (mut a, mut b): (&[Shared<Frame>], &[Shared<Frame>]) = (&[], &[]);
         let mut position = 0;

@@ -1,8 +1,8 @@
 //! Gold frames: labelled frames whose landmarks are clicked again, blind, to measure the
 //! annotator's click noise.
 //!
-//! A frame is gold because somebody marked it or the program chose it (`calibrate::choose_gold`).
-//! Blind clicks are kept in the frame ([`Repeat`](super::Repeat)) and never change its label.
+//! A frame is gold because the user marked it or the program chose it (`calibrate::choose_gold`).
+//! Blind clicks are stored in the frame ([`Repeat`](super::Repeat)) and never change its label.
 
 use super::{Document, Frame, FrameStatus, Target};
 use touchline_core::field::LandmarkId;
@@ -12,16 +12,15 @@ use touchline_core::geometry::{ImagePoint, Vec2};
 pub struct RepeatedClicks<'a> {
     /// Which landmark.
     pub landmark: &'a LandmarkId,
-    /// The label's place among the frame's clicks; none where it is gone.
+    /// The index of the label among the frame's clicks; none where it no longer exists.
     pub labelled: Option<usize>,
-    /// Where they are, px, in the order of their rounds.
+    /// The clicked pixels, px, in the order of their rounds.
     pub clicks: Vec<ImagePoint>,
 }
 
 impl RepeatedClicks<'_> {
-    /// Independent differences, each with the variance of one click in each coordinate: every click
-    /// against the mean of those before it, (m − c) √(j / (j + 1)) after j clicks (Helmert 1876).
-    /// px of the frame.
+    /// Independent differences, each with the variance of one click in each coordinate (Helmert
+    /// 1876): (m − c) √(j / (j + 1)) for a click c after j clicks with the mean m. px of the frame.
     pub fn differences(&self) -> impl Iterator<Item = Vec2> + '_ {
         let mut sum = Vec2::zeros();
         self.clicks
@@ -29,6 +28,8 @@ impl RepeatedClicks<'_> {
             .enumerate()
             .filter_map(move |(before, click)| {
                 let at = Vec2::new(click.x, click.y);
+                // The mean of the earlier clicks has the variance σ²/j, the difference σ² (j +
+                // 1)/j; the factor makes it σ².
                 let count = before as f64;
                 let difference =
                     (before > 0).then(|| (sum / count - at) * (count / (count + 1.0)).sqrt());
@@ -51,7 +52,8 @@ impl Frame {
             .then_some("Nobody clicked a landmark here: there is nothing to click again.")
     }
 
-    /// The landmarks that a blind round asks for, in the order of the label's clicks.
+    /// The landmarks that the user clicks again in a blind round, in the order of the label's
+    /// clicks.
     pub fn asked_again(&self) -> impl Iterator<Item = &LandmarkId> {
         self.clicks.iter().filter_map(|click| match &click.target {
             Some(Target::Landmark(id)) => Some(id),
@@ -80,7 +82,8 @@ impl Frame {
                 _ => false,
             });
             let label = labelled.and_then(|labelled| self.clicks.get(labelled));
-            // Where the program put a point says nothing about how its annotator clicks.
+            // A point that the program moved onto paint is no sample of the annotator's click
+            // noise.
             let label = label
                 .filter(|click| click.snapped_sigma_px.is_none())
                 .map(|click| click.image);

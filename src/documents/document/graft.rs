@@ -1,24 +1,25 @@
-//! Edits whose base is not known, put into another document: what they say of a frame, but not what
-//! it was before.
+//! Applies edits whose base is unknown to another document. Edits contain the new state of a frame,
+//! but not its previous one.
 //!
-//! Without the base nobody can tell what the edits changed and what only the document changed. So
-//! work is never taken away: a frame with clicks or a decision gives way only to another such
-//! frame, and every frame that gives way, or keeps its place although the edits say otherwise, is
-//! named.
+//! Without the base, changes of the edits cannot be distinguished from changes of the document. So
+//! work is never lost: a frame with clicks or a decision is replaced only by another such frame.
+//! Every frame with contents that is replaced, or that is kept although the edits differ, is
+//! reported.
 
 use super::merge::show_suggestions;
 use super::{Camera, Change, Document, Edit, Frame, Merged, OldChange, Shared};
 use std::collections::BTreeMap;
 
-/// Puts the frames that edits hold into a document that the edits do not start from. What the edits
-/// removed cannot be known and stays; frames for which they only suggest something, and changes of
-/// cameras and field, are not taken.
+/// Puts the frames of edits into a document that is not their base. Frames that the edits removed
+/// stay, because they are not known; frames with only a suggestion, and changes of existing cameras
+/// and of the field, are not applied.
 #[must_use]
 pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
     let mut document = onto.without_suggestions();
     let mut conflicts = add_new_cameras(edits, &mut document);
     for held in last_frames(edits) {
         let frame = held.without_suggestion();
+        // The frame with the same id, else one with the same picture.
         let same_picture = || {
             document
                 .frames
@@ -38,6 +39,8 @@ pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
         if frame == **known || has_only_picture(&frame) {
             continue;
         }
+
+        // Report every frame with contents that differs; replace it only if no work is lost.
         if !has_only_picture(known) {
             conflicts.push(known.name());
         }
@@ -53,8 +56,7 @@ pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
     }
 }
 
-/// The last state of each frame that the edits hold, in the order in which the edits first name
-/// them.
+/// The last state of each frame in the edits, in the order of first occurrence.
 fn last_frames(edits: &[Edit]) -> Vec<&Shared<Frame>> {
     let held = edits
         .iter()
@@ -84,8 +86,8 @@ fn last_frames(edits: &[Edit]) -> Vec<&Shared<Frame>> {
     last
 }
 
-/// Adds the cameras that the document lacks, as its new frames may name them; the names of those
-/// that differ, and of a field that does.
+/// Adds the cameras that the document lacks, because new frames may refer to them. Returns the
+/// names of cameras that differ, and of the field if it differs.
 fn add_new_cameras(edits: &[Edit], document: &mut Document) -> Vec<String> {
     let changes = || {
         edits
@@ -123,12 +125,12 @@ fn add_new_cameras(edits: &[Edit], document: &mut Document) -> Vec<String> {
     differing
 }
 
-/// Whether a person clicked in a frame, gave it a camera or decided on it.
+/// Whether the user clicked in a frame, gave it a camera or decided on it.
 fn has_work(frame: &Frame) -> bool {
     !frame.is_untouched()
 }
 
-/// Whether a frame is as it was when it was made: it says nothing that a person did.
+/// Whether a frame is as it was created, without any work of the user.
 fn has_only_picture(frame: &Frame) -> bool {
     let Frame {
         id,

@@ -1,13 +1,13 @@
-//! Undo and redo by transactions: whole values, kept as long as memory is bounded.
+//! Undo and redo by transactions, as snapshots of whole values; the number of steps is bounded.
 //!
-//! A transaction begins, changes the value as often as it likes, and commits or aborts. A drag is
-//! one step; a commit that changed nothing is none.
+//! A transaction begins, changes the value any number of times, and commits or aborts. A drag is
+//! one step; a commit without a change adds no step.
 
 use super::{Document, EditKind, FrameId};
 use imbl::Vector;
 use serde::{Deserialize, Serialize};
 
-/// What a person did, as undo names it.
+/// A step of the user, as undo names it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Step {
     /// In words: "Move centre mark".
@@ -37,9 +37,9 @@ impl Step {
     }
 }
 
-/// What undo goes back and forth in.
+/// A value with undo.
 pub trait Undoable: Clone {
-    /// Whether another value is the same to the person who undoes; counters may differ.
+    /// Whether another value is the same for the user; counters may differ.
     fn is_same_state(&self, other: &Self) -> bool;
 }
 
@@ -53,9 +53,9 @@ impl Undoable for Document {
     }
 }
 
-/// The steps that can be undone and redone. Values are whole: what they share (`Arc` inside) is
-/// what keeps them small. The steps themselves are persistent vectors, so that a copy for whoever
-/// writes them costs nothing.
+/// The steps that can be undone and redone. Each step keeps a whole value; values share their parts
+/// (`Arc` inside), which keeps them small. The steps are persistent vectors, so that a copy of the
+/// history is cheap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct History<T: Clone> {
     limit: usize,
@@ -72,7 +72,7 @@ struct Transaction<T> {
     step: Step,
     /// The value before the step.
     before: T,
-    /// The value at which a step goes on that was one already.
+    /// The value at which a committed step was resumed.
     resumed_at: Option<T>,
 }
 
@@ -83,8 +83,8 @@ impl<T: Clone> Default for History<T> {
 }
 
 impl<T: Clone> History<T> {
-    /// How many steps are kept unless somebody says otherwise: what a step keeps does not grow with
-    /// the document.
+    /// The default number of steps that are kept. The memory of a step does not grow with the
+    /// document.
     pub const DEFAULT_LIMIT: usize = 500;
 
     /// A history that keeps at most `limit` steps; the oldest are forgotten.
@@ -110,7 +110,7 @@ impl<T: Clone> History<T> {
         self.open.as_ref().map(|open| &open.step)
     }
 
-    /// What the edit is to undo and redo that the open transaction makes when it is committed.
+    /// The kind of edit, for undo and redo, that the open transaction becomes when it is committed.
     #[must_use]
     pub fn open_kind(&self) -> EditKind {
         match &self.open {
@@ -131,19 +131,19 @@ impl<T: Clone> History<T> {
         self.open.as_ref().map(|open| &open.before)
     }
 
-    /// The step that undo would take back.
+    /// The step that undo would revert.
     #[must_use]
     pub fn next_undo(&self) -> Option<&Step> {
         self.done.back().map(|(step, _)| step)
     }
 
-    /// The step that redo would do again.
+    /// The step that redo would repeat.
     #[must_use]
     pub fn next_redo(&self) -> Option<&Step> {
         self.undone.back().map(|(step, _)| step)
     }
 
-    /// The steps without the open transaction: what is kept of them where only whole steps are.
+    /// The history without the open transaction.
     #[must_use]
     pub fn committed(&self) -> Self {
         Self {
@@ -177,8 +177,8 @@ impl<T: Undoable> History<T> {
         });
     }
 
-    /// Opens the transaction of the last step again on `current`, if it is this one and none is
-    /// open: what follows belongs to it.
+    /// Reopens the transaction of the last step on `current`, if that step equals `step` and none
+    /// is open. Further changes belong to it.
     pub fn resume(&mut self, current: &T, step: &Step) -> bool {
         if self.open.is_some() || self.next_undo() != Some(step) {
             return false;
@@ -193,8 +193,8 @@ impl<T: Undoable> History<T> {
         true
     }
 
-    /// Closes the open transaction. True if it is now a step, for it changed something; what had
-    /// been undone is forgotten then. A step that went on and changed nothing more stays as it was.
+    /// Closes the open transaction. True if it is now a step because it changed something; the
+    /// undone steps are discarded then. A resumed step without further changes stays as it was.
     pub fn commit(&mut self, current: &T) -> bool {
         let Some(Transaction {
             step,
@@ -219,7 +219,7 @@ impl<T: Undoable> History<T> {
         true
     }
 
-    /// Gives the open transaction up and puts the value back as it was. True if there was one.
+    /// Aborts the open transaction and restores the value. True if there was one.
     pub fn abort(&mut self, current: &mut T) -> bool {
         let Some(open) = self.open.take() else {
             return false;
@@ -228,7 +228,7 @@ impl<T: Undoable> History<T> {
         true
     }
 
-    /// Takes the last step back and says which; an open transaction is committed first.
+    /// Reverts the last step and returns it; an open transaction is committed first.
     pub fn undo(&mut self, current: &mut T) -> Option<Step> {
         self.commit(current);
         let (step, before) = self.done.pop_back()?;
@@ -237,8 +237,8 @@ impl<T: Undoable> History<T> {
         Some(step)
     }
 
-    /// Does the last undone step again and says which; after an open transaction that changed
-    /// something there is none.
+    /// Repeats the last undone step and returns it; none if an open transaction had changes,
+    /// because committing it discards the undone steps.
     pub fn redo(&mut self, current: &mut T) -> Option<Step> {
         self.commit(current);
         let (step, after) = self.undone.pop_back()?;

@@ -1,24 +1,24 @@
-//! Joins what two people made of one document: each frame and camera that only one of them changed
-//! is taken from that one.
+//! Three-way merge of two versions of a document: each frame and camera that only one side changed
+//! is taken from that side.
 //!
-//! Only what people did is joined. What the program suggests is taken out first and laid on the
-//! result, in frames that nobody has touched: a proposal never competes with a label.
+//! Only the users' work is merged. The program's suggestions are removed first and added to the
+//! result in untouched frames, so that a suggestion never conflicts with a label.
 
 use super::{Camera, Document, Frame, FrameId, Shared, Suggestion};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Two versions of a document joined.
+/// The result of a merge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Merged {
     /// The document with the changes of both.
     pub document: Document,
-    /// What both changed differently, by name; ours was kept.
+    /// The names of what both sides changed differently; our version was kept.
     pub conflicts: Vec<String>,
 }
 
-/// Joins what we and they made of `base`, frame by frame and camera by camera. The order is theirs;
-/// what only we added follows what it follows with us.
+/// Merges our and their version of `base`, frame by frame and camera by camera. The order is
+/// theirs; each frame that only we added is inserted behind its predecessor in our order.
 #[must_use]
 pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
     let [base, our_edits, their_edits] = [base, ours, theirs].map(Document::without_suggestions);
@@ -27,7 +27,7 @@ pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
     merged
 }
 
-/// Joins documents in which nothing is suggested.
+/// Merges documents without suggestions.
 fn merge_edits(base: &Document, ours: &Document, theirs: &Document) -> Merged {
     let mut conflicts = Vec::new();
     let frames = |document: &Document| -> Keyed<_, _> {
@@ -100,8 +100,8 @@ fn merge_edits(base: &Document, ours: &Document, theirs: &Document) -> Merged {
     }
 }
 
-/// Gives each frame the highest revision that it has on either side: no later reader takes it for
-/// an earlier version.
+/// Gives each frame the highest revision that it has on either side, so that later readers do not
+/// take it for an earlier version.
 fn raise_revisions(document: &mut Document, sides: [&Document; 2]) {
     for position in 0..document.frames.len() {
         let frame = &document.frames[position];
@@ -115,8 +115,8 @@ fn raise_revisions(document: &mut Document, sides: [&Document; 2]) {
     }
 }
 
-/// Shows what either side suggests for frames that nobody has touched, where the camera still has
-/// the base that it was suggested for. The first side goes first.
+/// Adds the suggestions of either side to untouched frames, if the camera still has the base for
+/// which they were made. The first side takes precedence.
 pub(super) fn show_suggestions(document: &mut Document, sides: [&Document; 2]) {
     for position in 0..document.frames.len() {
         let frame = &document.frames[position];
@@ -136,7 +136,7 @@ pub(super) fn show_suggestions(document: &mut Document, sides: [&Document; 2]) {
     }
 }
 
-/// What a document shows as suggested for a frame.
+/// The suggestion that a document shows for a frame.
 fn shown_suggestion(document: &Document, id: &FrameId) -> Option<Suggestion> {
     let frame = document.frames.by_id(id)?;
     Suggestion::in_frame(
@@ -145,12 +145,12 @@ fn shown_suggestion(document: &Document, id: &FrameId) -> Option<Suggestion> {
     )
 }
 
-/// Values in their order, each with what tells it apart.
+/// Values in their order, each with its key.
 type Keyed<K, V> = Vec<(K, V)>;
 
-/// Whose value is taken.
+/// Which side's value is taken.
 enum Choice {
-    /// Theirs, which is ours too where we changed nothing.
+    /// Theirs; also if both are equal or only they changed it.
     Theirs,
     /// Ours.
     Ours,
@@ -158,14 +158,15 @@ enum Choice {
     Conflict,
 }
 
-/// Whose value is taken, of the base's, ours and theirs.
+/// Decides which side's value is taken, given the base's, ours and theirs. None means that the side
+/// does not have it.
 fn choose<V>([base, ours, theirs]: [Option<&V>; 3], is_same: fn(&V, &V) -> bool) -> Choice {
     if are_same(ours, theirs, is_same) || are_same(base, ours, is_same) {
         Choice::Theirs
     } else if are_same(base, theirs, is_same) {
         Choice::Ours
     } else if ours.is_none() {
-        // What they made of something that we removed stays.
+        // They changed what we removed: keep their change.
         Choice::Theirs
     } else {
         Choice::Conflict
@@ -179,7 +180,7 @@ fn are_same<V>(one: Option<&V>, other: Option<&V>, is_same: fn(&V, &V) -> bool) 
     }
 }
 
-/// Joins the values of the base, ours and theirs.
+/// Three-way merge of lists of keyed values.
 fn join<K: Ord + Clone, V: Clone>(
     [base, ours, theirs]: [&Keyed<K, V>; 3],
     is_same: fn(&V, &V) -> bool,
@@ -198,10 +199,14 @@ fn join<K: Ord + Clone, V: Clone>(
             }
         }
     };
+    // Their order first, without what the merge removes.
     let mut joined: Keyed<K, V> = theirs
         .iter()
         .filter_map(|(key, _)| take(key).map(|value| (key.clone(), value)))
         .collect();
+
+    // Then ours that they lack, each behind the nearest predecessor of our order that is in the
+    // result.
     let mut there: BTreeSet<K> = joined.iter().map(|(key, _)| key.clone()).collect();
     for (place, (key, _)) in ours.iter().enumerate() {
         if in_theirs.contains_key(key) {

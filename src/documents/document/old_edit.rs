@@ -1,5 +1,5 @@
-//! Edits as the journals of earlier versions hold them: frames by their positions. They are read
-//! for ever and never written.
+//! Edits in the journals of earlier versions, with frames by their positions. They are still read,
+//! but never written.
 
 use super::{Document, EditMismatch, Frame, FrameId, Shared};
 use serde::{Deserialize, Serialize};
@@ -13,16 +13,16 @@ pub enum OldChange {
     Frame {
         /// Its position in the document.
         index: usize,
-        /// What it is now; its id stays.
+        /// Its new state; its id is kept.
         frame: Shared<Frame>,
     },
-    /// Frames that came, went or moved.
+    /// Frames that were added, removed or moved.
     Frames {
-        /// Where.
+        /// The position of the first of them.
         at: usize,
-        /// How many go.
+        /// The number of frames removed.
         remove: usize,
-        /// Which come.
+        /// The frames added.
         insert: Vec<Shared<Frame>>,
     },
 }

@@ -1,15 +1,15 @@
-//! Work packages: a document in parts that several people label, and that are put together again.
+//! Work packages: parts of a document that several people label, and that are joined again.
 //!
-//! A package is a document of some of the frames. It notes which frames it was given ([`KEY`]), so
-//! that a frame that a person removed can be told from one that was never in it.
-//! [`restore_package`] makes of it what its person would have made of the whole document; that is
-//! what [`merge`](super::merge) joins.
+//! A package is a document of some of the frames. It records its initial frames ([`KEY`]), so that
+//! a frame that the user removed can be distinguished from one that was never in it.
+//! [`restore_package`] applies its changes to the whole document; [`merge`](super::merge) then
+//! joins the results.
 
 use super::{Document, Frame, FrameId, Frames, Shared, Shot, ShotEnd};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The key under which a package notes the frames that it was given.
+/// The key under which a package records its initial frames.
 const KEY: &str = "package";
 
 /// The document in packages of `count` frames each, in its order; the last one may have fewer.
@@ -25,7 +25,7 @@ pub fn split_into_packages(document: &Document, count: usize) -> Vec<Document> {
         .collect()
 }
 
-/// The document of some frames.
+/// The document restricted to some of its frames.
 fn take_package(document: &Document, ids: &BTreeSet<FrameId>) -> Document {
     let mut package = document.clone();
     package.frames.retain(|frame| ids.contains(&frame.id));
@@ -37,7 +37,7 @@ fn take_package(document: &Document, ids: &BTreeSet<FrameId>) -> Document {
     package
 }
 
-/// The shots of a document whose ends mean the same among some of its frames.
+/// The shots of a document whose ends still have the same meaning with some of its frames.
 fn shots_of(document: &Document, frames: &Frames) -> Vec<Shot> {
     let first_video = |frames: &Frames| -> Option<String> {
         frames
@@ -45,7 +45,7 @@ fn shots_of(document: &Document, frames: &Frames) -> Vec<Shot> {
             .find_map(|frame| frame.video.as_ref())
             .map(|video| video.path.clone())
     };
-    // A bare number counts in the first video of the document.
+    // A plain number refers to the first video of the document.
     let keeps_numbers = first_video(frames) == first_video(&document.frames);
     let is_there = |end: &ShotEnd| match end {
         ShotEnd::Frame(id) => frames.by_id(id).is_some(),
@@ -59,7 +59,7 @@ fn shots_of(document: &Document, frames: &Frames) -> Vec<Shot> {
         .collect()
 }
 
-/// The frames that a package was given; none where a document is no package.
+/// The initial frames of a package; none for a document that is not a package.
 fn given_frames(document: &Document) -> Option<BTreeSet<FrameId>> {
     let names = document.extra.get(KEY)?.get("frames")?.as_array()?;
     Some(
@@ -71,9 +71,9 @@ fn given_frames(document: &Document) -> Option<BTreeSet<FrameId>> {
     )
 }
 
-/// A version of `base` that came from somebody, as a whole document whose pictures lie where `base`
-/// has them. Of a package the frames that it was not given are those of `base`. Where a picture
-/// lies is not an edit: a package has copies.
+/// Another user's version of `base` as a whole document, with the picture paths of `base`. Frames
+/// that a package did not contain are taken from `base`. A different picture path is not an edit,
+/// because a package has copies of the pictures.
 #[must_use]
 pub fn restore_package(base: &Document, version: &Document) -> Document {
     let mut whole = version.clone();
@@ -107,11 +107,12 @@ fn take_place(frame: &mut Shared<Frame>, known: &Frame) {
     frame.video.clone_from(&known.video);
 }
 
-/// The frames of `base`, with those of a package in place of the ones it was given. New frames
-/// follow the frame that they follow in the package.
+/// The frames of `base`, with a package's initial frames replaced by its current ones. New frames
+/// are inserted behind their predecessor in the package.
 fn join_frames(base: &Document, package: &Frames, given: &BTreeSet<FrameId>) -> Frames {
     let mut after: BTreeMap<Option<FrameId>, Vec<Shared<Frame>>> = BTreeMap::new();
-    // Before the first frame that is still there comes what precedes the package.
+    // New frames at the beginning of the package are inserted before its first frame that still
+    // exists.
     let first_given = base
         .frames
         .iter()
@@ -143,7 +144,7 @@ fn join_frames(base: &Document, package: &Frames, given: &BTreeSet<FrameId>) -> 
     joined.into_iter().collect()
 }
 
-/// The shots of `base`, with what a person made of those that the package was given.
+/// The shots of `base`, with a package's initial shots replaced by its current ones.
 fn join_shots(base: &Document, given: &[Shot], now: &[Shot]) -> Vec<Shot> {
     if given == now {
         return base.shots.clone();

@@ -1,11 +1,11 @@
-//! A document's paths when it moves to another folder.
+//! Rewriting of a document's paths for another folder.
 
 use super::Document;
 use std::path::{Component, Path, PathBuf};
 
 impl Document {
-    /// The document as it must read in another folder, so that its relative paths point at the same
-    /// files.
+    /// The document with its relative paths rewritten for another folder, so that they refer to the
+    /// same files.
     ///
     /// Absolute paths stay. Both folders are absolute; across drives a path becomes absolute.
     #[must_use]
@@ -44,12 +44,12 @@ impl Document {
     }
 }
 
-/// What stands in a path for a part of a name that is not UTF-8.
+/// The character that replaces parts of a name that are not UTF-8.
 const NOT_UTF8: char = char::REPLACEMENT_CHARACTER;
 
 impl Document {
-    /// The first path that names a file which is not there because a folder's or file's name is not
-    /// UTF-8, as the document must write it.
+    /// The first path whose file cannot be found because the name of a folder or file is not UTF-8,
+    /// which the document requires.
     #[must_use]
     pub fn unwritable_path(&self, folder: &Path) -> Option<&str> {
         let mut paths = self.frames.iter().flat_map(|frame| {
@@ -60,21 +60,21 @@ impl Document {
     }
 }
 
-/// A relative path as it reads from another folder; none for an absolute one, which stays.
+/// A relative path rewritten for another folder; none for an absolute one, which is kept.
 fn relocate(path: &str, from_folder: &Path, to_folder: &Path) -> Option<String> {
     (!is_absolute(path)).then(|| path_between(to_folder, &from_folder.join(path)))
 }
 
-/// Absolute here or on another system: a document that was written on Windows keeps its `C:\…`. A
-/// file may be called `a:1.jpg`.
+/// Whether a path is absolute on this or another system: a document written on Windows keeps its
+/// `C:\…`. A file named `a:1.jpg` is not absolute.
 fn is_absolute(path: &str) -> bool {
     let is_on_drive =
         matches!(path.as_bytes(), [letter, b':', b'/' | b'\\', ..] if letter.is_ascii_alphabetic());
     Path::new(path).is_absolute() || path.starts_with(['/', '\\']) || is_on_drive
 }
 
-/// How a file is called from a folder, with `/` between the parts; absolute where they share no
-/// root.
+/// The path of a file relative to a folder, with `/` between the parts; absolute where they share
+/// no root.
 #[must_use]
 pub fn path_between(folder: &Path, file: &Path) -> String {
     let (folder, file) = (normalised(folder), normalised(file));
@@ -93,13 +93,13 @@ pub fn path_between(folder: &Path, file: &Path) -> String {
     up.chain(down).collect::<Vec<_>>().join("/")
 }
 
-/// A path without symbolic links, as far as it exists; the rest follows as it is written.
+/// A path with symbolic links resolved as far as it exists; the rest is kept as it is written.
 #[must_use]
 pub fn resolved(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     for ancestor in path.ancestors() {
         if let (Ok(real), Ok(rest)) = (ancestor.canonicalize(), path.strip_prefix(ancestor)) {
-            // An empty rest would make a folder of a file.
+            // Joining an empty rest would append a separator and turn a file into a folder.
             return if rest.as_os_str().is_empty() {
                 real
             } else {
@@ -110,7 +110,7 @@ pub fn resolved(path: &Path) -> PathBuf {
     path
 }
 
-/// The parts of a path with `.` and `..` taken out where that needs no look at the disk.
+/// The parts of a path with `.` and `..` resolved where that is possible without the disk.
 fn normalised(path: &Path) -> Vec<Component<'_>> {
     let mut parts = Vec::new();
     for part in path.components() {

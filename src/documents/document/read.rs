@@ -1,4 +1,4 @@
-//! From bytes to a document, with errors that say where and what.
+//! Reads a document from bytes, with errors that name the place and the problem.
 
 use super::document::conventions;
 use super::frames::DuplicateId;
@@ -11,11 +11,11 @@ use serde_json::{Map, Value};
 use thiserror::Error;
 use touchline_core::files::plain;
 
-/// Why bytes are no document.
+/// Why bytes are not a valid document.
 #[derive(Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ReadError {
-    /// Nothing is in the file.
+    /// The file is empty.
     #[error("the file is empty; a document is expected")]
     Empty,
     /// The text is not UTF-8.
@@ -24,17 +24,17 @@ pub enum ReadError {
         /// The first byte that is not.
         offset: usize,
     },
-    /// The text is no JSON.
+    /// The text is not JSON.
     #[error("not valid JSON: {message} at line {line} column {column}")]
     NotJson {
-        /// What the parser says.
+        /// The parser's message.
         message: String,
         /// The line, from 1.
         line: usize,
         /// The column, from 1.
         column: usize,
     },
-    /// It is JSON, but no document.
+    /// It is JSON, but not a document.
     #[error(
         "not a touchline document: `format` is {found}, expected {:?}",
         FORMAT_NAME
@@ -43,7 +43,7 @@ pub enum ReadError {
         /// What `format` is.
         found: String,
     },
-    /// The `version` is no whole number above zero.
+    /// The `version` is not a positive whole number.
     #[error("`version` is {found}, expected a whole number from 1 on")]
     NoVersion {
         /// What `version` is.
@@ -58,7 +58,7 @@ pub enum ReadError {
         /// The document's version.
         found: u64,
     },
-    /// Two frames have one id: an edit could mean either.
+    /// Two frames have the same id, so that an edit would be ambiguous.
     #[error(
         "frames[{second}].id: {id} is also the id of frames[{first}]; take the key `id` away from one of the two, which then gets an id of its own"
     )]
@@ -70,7 +70,7 @@ pub enum ReadError {
         /// The earlier one's.
         first: usize,
     },
-    /// Lists and objects lie too deep within each other.
+    /// Lists and objects are nested too deeply.
     #[error(
         "lists and objects lie more than {MAX_DEPTH} deep within each other at line {line}; flatten what is there"
     )]
@@ -78,7 +78,7 @@ pub enum ReadError {
         /// The line, from 1.
         line: usize,
     },
-    /// A key is missing or holds something unexpected.
+    /// A key is missing or has an unexpected value.
     #[error("{place}: {message} at line {line} column {column}")]
     Schema {
         /// Which key: `frames[3].status (images/0003.jpg)`.
@@ -95,7 +95,7 @@ pub enum ReadError {
 /// Reads a document.
 ///
 /// # Errors
-/// Each names the place and what is wrong there; nothing is guessed.
+/// Each names the place and the problem there; nothing is guessed.
 pub fn document_from_bytes(bytes: &[u8]) -> Result<Document, ReadError> {
     let text = std::str::from_utf8(bytes).map_err(|error| ReadError::NotUtf8 {
         offset: error.valid_up_to(),
@@ -114,11 +114,11 @@ pub fn document_from_bytes(bytes: &[u8]) -> Result<Document, ReadError> {
     }
 }
 
-/// How deep lists and objects may lie within each other. The parser takes 128; what is edited is
-/// written into journals a few levels deeper, and must be read from there too.
+/// Maximum nesting depth of lists and objects. The parser's limit is 128; journals nest edited
+/// values a few levels deeper, and must be readable, too.
 const MAX_DEPTH: usize = 100;
 
-/// Refuses a text whose lists and objects lie too deep within each other.
+/// Rejects a text whose lists and objects are nested too deeply.
 fn refuse_depth(text: &str) -> Result<(), ReadError> {
     let (mut depth, mut is_quoted, mut is_escaped) = (0_usize, false, false);
     for (at, byte) in text.bytes().enumerate() {
@@ -141,7 +141,7 @@ fn refuse_depth(text: &str) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// What no document lacks: a file without the first two is none.
+/// The required keys; a file without the first two is not a document.
 #[cfg(feature = "schema")]
 const REQUIRED: [&str; 5] = ["format", "version", "field", "cameras", "frames"];
 
@@ -226,7 +226,7 @@ fn check_header(format: &Value, version: &Value) -> Result<(), ReadError> {
     }
 }
 
-/// A JSON value in a message: as it stands, shortened.
+/// A JSON value for a message, shortened.
 fn shown(value: &Value) -> String {
     match value {
         Value::Null => "missing".to_owned(),
@@ -251,7 +251,7 @@ fn message_of(error: &serde_json::Error) -> String {
         .to_owned()
 }
 
-/// What the parser says of a text that is no JSON.
+/// The parser's message about a text that is not JSON.
 fn syntax_message(error: &serde_json::Error) -> String {
     match message_of(error) {
         message if message == "expected value" => {
@@ -261,7 +261,7 @@ fn syntax_message(error: &serde_json::Error) -> String {
     }
 }
 
-/// Says of a text that could not be read what is wrong with it, most telling first.
+/// Explains why a text could not be read, the most informative reason first.
 fn explain(text: &str, error: &serde_json::Error) -> ReadError {
     let value = match serde_json::from_str::<Value>(text) {
         Ok(value) => value,
@@ -287,7 +287,7 @@ fn explain(text: &str, error: &serde_json::Error) -> ReadError {
     }
 }
 
-/// Where the first thing lies that does not fit the schema, and what it is.
+/// The place and message of the first violation of the schema.
 fn place(document: &Value) -> Option<(String, String)> {
     let fails = |value: &Value| {
         FieldSpec::deserialize(value)
@@ -345,11 +345,11 @@ fn named(place: String, value: &Value, key: &str) -> String {
     }
 }
 
-/// How many values are looked at to find out which of them is wrong. A file may have any number;
-/// beyond, the place that is known by then is said.
+/// Maximum number of values inspected to locate an error. A file may have any number; beyond the
+/// limit, the place known so far is reported.
 const MOST_LOOKS: usize = 1_000_000;
 
-/// Where in a value a failure lies, and what it is; none where it does not fail.
+/// The place and message of a failure within a value; none if it is valid.
 fn found(
     value: &Value,
     place: &str,
@@ -371,11 +371,11 @@ fn found(
 struct Part<'a> {
     value: &'a Value,
     place: &'a str,
-    /// How many values are looked at beside it when it is.
+    /// The number of other values that are inspected together with it.
     around: usize,
 }
 
-/// Follows a failure down to the key whose absence changes it.
+/// Follows a failure down to the key whose removal changes the error.
 fn descend(
     part: &Part,
     looks: &mut usize,
@@ -387,7 +387,7 @@ fn descend(
         around,
     } = part;
     let message = fails(value)?;
-    // Whether so many values may still be looked at.
+    // Whether this many more values may be inspected.
     let mut may_look = |values: usize| {
         let left = looks.checked_sub(around + values);
         *looks = left.unwrap_or(0);
@@ -400,6 +400,7 @@ fn descend(
                 if !may_look(size) {
                     break;
                 }
+                // The key is at fault if the error changes when it is removed.
                 let mut without = map.clone();
                 without.shift_remove(key);
                 if fails(&Value::Object(without.clone())).as_ref() == Some(&message) {
@@ -410,7 +411,7 @@ fn descend(
                     map.shift_insert(index, key.clone(), inner.clone());
                     fails(&Value::Object(map))
                 };
-                // What is wrong may be the value as a whole: a list that is too long.
+                // The value as a whole may be wrong, such as a list that is too long.
                 let within = format!("{place}.{key}");
                 let part = Part {
                     value: inner,
@@ -445,7 +446,7 @@ fn descend(
     Some((place.to_owned(), message))
 }
 
-/// How many values a value is, with those in it.
+/// The number of values in a value, itself included.
 fn count(value: &Value) -> usize {
     1 + match value {
         Value::Array(items) => items.iter().map(count).sum(),

@@ -5,10 +5,10 @@ use std::fmt;
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
-/// A value behind an `Arc` that is copied when it is written to while somebody else holds it too.
+/// A value behind an `Arc` that is copied on write while another handle shares it.
 ///
-/// Cloning is a reference count, comparing two handles of the same value looks at no field. A
-/// document of 10,000 frames is cloned for undo without copying a frame.
+/// Cloning increments a reference count; comparing two handles of the same value compares no field.
+/// A document of 10,000 frames is cloned for undo without copying a frame.
 #[derive(Default)]
 pub struct Shared<T>(Arc<T>);
 
@@ -19,7 +19,7 @@ impl<T> Shared<T> {
         Self(Arc::new(value))
     }
 
-    /// Whether two handles hold the very same value, not merely equal ones.
+    /// Whether two handles share the same value, not merely equal ones.
     #[must_use]
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)

@@ -3,8 +3,8 @@
 use super::{CameraId, Clip, Document};
 use std::collections::BTreeMap;
 
-/// The frames of every shot, by their places and in their order; the shots in the order in which
-/// they begin. Frames of a camera that belong to no shot are one.
+/// The frames of every shot, by their indices and in order; the shots in the order in which they
+/// begin. Frames of one camera without a shot form one.
 #[must_use]
 pub fn shots(document: &Document) -> Vec<Vec<usize>> {
     let mut known: BTreeMap<(&CameraId, Option<&Clip>), usize> = BTreeMap::new();

@@ -1,21 +1,21 @@
-//! The history of a document as edits: what each edit of a journal is to it, and what of it is kept
-//! beside a saved document.
+//! The history of a document as edits: replays the edits of a journal, and converts the history for
+//! storage beside a saved document.
 
 use super::edit::apply_all;
 use super::{Change, Document, Edit, EditKind, EditMismatch, History, Step, Undoable as _};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// A step, and what leads from one side of it to the other.
+/// A step, and the changes from one side of it to the other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepEdit {
-    /// What a person did.
+    /// The step of the user.
     pub step: Step,
-    /// What changes, to be applied in this order.
+    /// The changes, in the order in which they are applied.
     pub changes: Vec<Change>,
 }
 
-/// A step that does not fit the document which those nearer to it lead to.
+/// A step that does not fit the document to which the steps between lead.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("“{name}” does not fit: {source}")]
 pub struct StepMisfit {
@@ -35,10 +35,10 @@ impl StepEdit {
 }
 
 impl History<Document> {
-    /// Takes an edit that led from `before` to `after`, both without suggestions, for what it is to
-    /// undo and redo: what the history did in which the edit was made. An edit that is not a step,
-    /// or does not fit its step, ends the history if it changed what people did: nothing before it
-    /// can be undone.
+    /// Updates the history for an edit from `before` to `after` (both without suggestions), as the
+    /// history did in which the edit was made. An edit that is not a step, or does not fit its
+    /// step, clears the history if it changed the user's work, because nothing before it can be
+    /// undone.
     pub fn follow(&mut self, before: &Document, after: &Document, name: String, kind: EditKind) {
         let mut state = before.clone();
         let is_followed = match kind {
@@ -62,19 +62,19 @@ impl History<Document> {
         }
     }
 
-    /// What undo would make of `document`, which is the current one: the last step first, each from
-    /// the document after it to that before it.
+    /// The undo steps of `document`, the current one, as edits: the last step first, each from the
+    /// document after it to that before it.
     pub fn undo_edits<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = StepEdit> + 'a {
         edits_along(document, self.done.iter().rev())
     }
 
-    /// What redo would make of `document`, which is the current one: the next step first.
+    /// The redo steps of `document`, the current one, as edits: the next step first.
     pub fn redo_edits<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = StepEdit> + 'a {
         edits_along(document, self.undone.iter().rev())
     }
 
-    /// The history of `document` that [`Self::undo_edits`] and [`Self::redo_edits`] tell of. Where
-    /// a step does not fit, the history ends before it, and the step is told as well.
+    /// The history of `document` from the results of [`Self::undo_edits`] and [`Self::redo_edits`].
+    /// If a step does not fit, the history ends before it, and the step is returned as well.
     #[must_use]
     pub fn from_edits(
         document: &Document,
@@ -94,7 +94,7 @@ impl History<Document> {
     }
 }
 
-/// What leads from a document along the states that follow, each from the one before.
+/// The edits from a document along a sequence of states.
 fn edits_along<'a>(
     document: &'a Document,
     states: impl Iterator<Item = &'a (Step, Document)> + 'a,
@@ -106,7 +106,7 @@ fn edits_along<'a>(
     })
 }
 
-/// The states that steps lead to, one after the other, up to one that does not fit.
+/// The states after each step in turn, up to the first one that does not fit.
 fn walk(
     document: &Document,
     edits: Vec<StepEdit>,

@@ -1,25 +1,26 @@
-//! What the program suggests for a frame that nobody has decided on. In a file it stands in the
-//! frame; a program that edits the document takes it out, so that undo and redo leave it alone.
+//! The program's suggestion for a frame without a decision of the user. In a file it is stored in
+//! the frame; a program that edits the document keeps it separately, so that undo and redo do not
+//! affect it.
 
 use super::{Document, Frame, FramePtz, FrameStatus, Shared, Solution};
 use touchline_core::camera::CameraBase;
 
-/// A camera that the program suggests for a frame, or why it has none.
+/// A camera that the program suggests for a frame, or the reason why it found none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Suggestion {
     /// The revision of the frame that it was made for.
     pub revision: u64,
     /// The base of the frame's camera that it was made for; none where that camera had none.
     pub base: Option<CameraBase>,
-    /// How the camera is pointed; none where no answer was found.
+    /// Pan, tilt and focal length; none where no camera was found.
     pub ptz: Option<FramePtz>,
-    /// How it came about, or why there is no answer.
+    /// How it was found, or why none was found.
     pub solution: Option<Solution>,
 }
 
 impl Suggestion {
-    /// What a frame shows as suggested, its camera having this base; none where a person decided or
-    /// nothing is suggested.
+    /// The suggestion that a frame shows, given its camera's base; none where the user decided or
+    /// there is no suggestion.
     #[must_use]
     pub fn in_frame(frame: &Frame, base: Option<&CameraBase>) -> Option<Self> {
         let Frame {
@@ -37,8 +38,8 @@ impl Suggestion {
         frame.shows_suggestion().then(suggestion)
     }
 
-    /// Puts it into its frame, as a file has it: with a camera the frame is `suggested`, without
-    /// one it is `new`.
+    /// Stores it in its frame as in a file: with a camera the frame is `suggested`, without one it
+    /// is `new`.
     pub fn show_in(&self, frame: &mut Frame) {
         frame.status = if self.ptz.is_some() {
             FrameStatus::Suggested
@@ -57,16 +58,15 @@ impl Suggestion {
 }
 
 impl Frame {
-    /// Whether nobody has clicked in it, given it a camera, accepted or rejected it. What the
-    /// program suggests stands beside.
+    /// Whether the user has neither clicked in it nor given it a camera, accepted or rejected it.
+    /// Suggestions must have been removed before.
     #[must_use]
     pub fn is_untouched(&self) -> bool {
         self.status == FrameStatus::New && self.clicks.is_empty() && self.ptz.is_none()
     }
 
-    /// Whether another document, by its version of it or for want of one, lacks something that a
-    /// person made here: the clicks with the decision, the comment, masks, or landmarks clicked
-    /// again.
+    /// Whether another document, with its version of this frame or without the frame, lacks work of
+    /// the user: clicks, decision, comment, masks, or repeated clicks.
     pub fn gives_way_in(&self, other: &Document) -> bool {
         let mine = self.without_suggestion();
         let Some(theirs) = other
@@ -84,8 +84,8 @@ impl Frame {
             || (!mine.repeats.is_empty() && mine.repeats != theirs.repeats)
     }
 
-    /// Whether its camera, or the reason why it has none, is the program's alone: no click, and
-    /// nobody has decided on it.
+    /// Whether its camera, or the reason why it has none, comes from the program alone: no clicks
+    /// and no decision of the user.
     #[must_use]
     pub fn shows_suggestion(&self) -> bool {
         self.clicks.is_empty()
@@ -96,7 +96,7 @@ impl Frame {
             }
     }
 
-    /// The frame as people left it: without what the program suggests.
+    /// The frame without the program's suggestion.
     #[must_use]
     pub fn without_suggestion(&self) -> Self {
         let mut frame = self.clone();
@@ -108,7 +108,7 @@ impl Frame {
 }
 
 impl Document {
-    /// The document as people left it: no frame shows a suggestion.
+    /// The document without suggestions in any frame.
     #[must_use]
     pub fn without_suggestions(&self) -> Self {
         let mut edited = self.clone();
@@ -120,9 +120,9 @@ impl Document {
         edited
     }
 
-    /// [`Self::without_suggestions`] of a document that edits led to from `before`. `edited_before`
-    /// is `before` without suggestions: its frames are shared where people changed nothing, and
-    /// frames that did not change are not looked at.
+    /// [`Self::without_suggestions`] of a document that was edited since `before`. `edited_before`
+    /// is `before` without suggestions: its frames are shared where the user changed nothing, and
+    /// unchanged frames are not compared.
     #[must_use]
     pub fn without_suggestions_since(&self, before: &Self, edited_before: &Self) -> Self {
         let frames = if let Some(changed) = self.frames.changed_in_place(&before.frames) {
@@ -146,7 +146,7 @@ impl Document {
     }
 }
 
-/// The frame as people left it; the known handle if that holds the same.
+/// The frame without a suggestion; the known handle if its contents are equal.
 fn share_without_suggestion(frame: &Shared<Frame>, known: Option<&Shared<Frame>>) -> Shared<Frame> {
     if !frame.shows_suggestion() {
         return frame.clone();

@@ -1,4 +1,4 @@
-//! Frames that the forest was asked for in vain.
+//! Frames for which the forest gave no answer.
 
 use super::{Frame, FrameStatus, SolutionSource};
 

@@ -1,18 +1,18 @@
-//! What a frame is used for: the training of the forest, the estimation of its camera's base.
+//! The uses of a frame: training of the forest, and estimation of its camera's base.
 
 use super::{Frame, FrameStatus, PaintEvidence, Solution, SolutionSource, Target};
 use touchline_core::markings::LineVerdict;
 use touchline_core::solve::Verdict;
 
-/// What the program suggests with less is more likely wrong than right.
+/// A suggestion with a lower confidence is more likely wrong than right.
 const LIKELY: f64 = 0.5;
 
-/// What the program suggests with less is no answer: nothing is drawn of it.
+/// A suggestion with a lower confidence counts as failed and is not drawn.
 const HOLDS: f64 = 0.1;
 
 impl Frame {
-    /// The probability that its camera is right, while that is the program's and no person has
-    /// accepted it or clicked it right.
+    /// The probability that its camera is right; none unless the camera is the program's and the
+    /// user has neither accepted nor corrected it.
     #[must_use]
     pub fn suggested_confidence(&self) -> Option<f64> {
         let is_open = self.is_suggestion() && self.status == FrameStatus::Suggested;
@@ -37,7 +37,7 @@ impl Frame {
             .map(|warning| warning.message.as_str())
     }
 
-    /// What is recorded of the paint of its picture, where that contradicts its camera.
+    /// The recorded evidence of the paint, if it contradicts the camera.
     #[must_use]
     pub fn contradicting_paint(&self) -> Option<&PaintEvidence> {
         let evidence = self
@@ -49,36 +49,36 @@ impl Frame {
         (evidence.verdict() == LineVerdict::Contradicts).then_some(evidence)
     }
 
-    /// The same of a camera that a person has accepted.
+    /// The recorded evidence of the paint, if it contradicts a camera that the user accepted.
     #[must_use]
     pub fn accepted_off_paint(&self) -> Option<&PaintEvidence> {
         self.contradicting_paint()
             .filter(|_| self.status == FrameStatus::Reference)
     }
 
-    /// Whether its camera may speak for others: a person's word for it, or a suggestion that is as
-    /// likely right as wrong and that no paint contradicts.
+    /// Whether its camera may be used as evidence for other frames: the user confirmed it, or it is
+    /// a suggestion that is at least as likely right as wrong and not contradicted by paint.
     #[must_use]
     pub fn vouches(&self) -> bool {
         self.suggested_confidence()
             .is_none_or(|confidence| confidence >= LIKELY && self.contradicting_paint().is_none())
     }
 
-    /// Whether its camera is a suggestion that does not even hold.
+    /// Whether its camera is a failed suggestion.
     #[must_use]
     pub fn is_hopeless(&self) -> bool {
         self.suggested_confidence()
             .is_some_and(|confidence| confidence < HOLDS)
     }
 
-    /// Where its camera comes from, or what found none for it.
+    /// The source of its camera, or of the result that there is none.
     #[must_use]
     pub fn source(&self) -> Option<SolutionSource> {
         self.solution.as_ref()?.source
     }
 
-    /// Whether its camera was proposed by the program rather than clicked, snapped, imported or set
-    /// manually.
+    /// Whether its camera was proposed by the program rather than clicked, aligned to paint by the
+    /// user, imported or set manually.
     #[must_use]
     pub fn is_suggestion(&self) -> bool {
         self.ptz.is_some()
@@ -88,14 +88,14 @@ impl Frame {
             )
     }
 
-    /// Whether its camera was carried to it from its neighbours in a clip.
+    /// Whether its camera was tracked from its neighbours in a clip.
     #[must_use]
     pub fn is_carried(&self) -> bool {
         self.ptz.is_some() && self.source() == Some(SolutionSource::Tracking)
     }
 
-    /// Whether the program gave it a camera by something else than a forest: no forest is asked for
-    /// it where its answer would be one among others.
+    /// Whether it has a camera from another source than the forest; then the forest is not run for
+    /// it.
     #[must_use]
     pub fn is_answered_without_forest(&self) -> bool {
         self.ptz.is_some() && self.source() != Some(SolutionSource::Forest)
@@ -107,7 +107,7 @@ impl Frame {
         self.clicks.iter().position(|click| click.target.is_none())
     }
 
-    /// Whether its camera is as the painted lines have it, not corrected by a click since.
+    /// Whether its camera was aligned to the painted lines and not corrected by a click since.
     #[must_use]
     pub fn is_snapped(&self) -> bool {
         let by_paint = |solution: &Solution| solution.source == Some(SolutionSource::Markings);
@@ -116,14 +116,15 @@ impl Frame {
             .is_some_and(|solution| by_paint(solution) && solution.proposed.is_none())
     }
 
-    /// Whether its camera is the forest's, pulled onto the painted lines before anybody saw it.
+    /// Whether its camera is the forest's, aligned to the painted lines before the user saw it.
     #[must_use]
     pub fn is_snapped_proposal(&self) -> bool {
         let on_paint = |solution: &Solution| solution.samples.is_some();
         self.is_suggestion() && self.solution.as_ref().is_some_and(on_paint)
     }
 
-    /// Whether nobody has clicked or decided on it: the program may suggest its camera.
+    /// Whether it has neither clicks nor a decision of the user, so that the program may suggest
+    /// its camera.
     #[must_use]
     pub fn is_open(&self) -> bool {
         self.clicks.is_empty() && matches!(self.status, FrameStatus::New | FrameStatus::Suggested)

@@ -1,13 +1,13 @@
 //! The shots of one video: found or marked, changed cut by cut, written into the document.
 //!
-//! A document says it twice, for two kinds of readers: `shots` has what was found and how, and each
-//! frame's `clip` has the shot that it belongs to. [`VideoShots::write`] keeps both in agreement.
+//! A document stores the shots twice: `shots` has the cuts and how they were found, and each
+//! frame's `clip` has the shot that it belongs to. [`VideoShots::write`] keeps both consistent.
 
 use super::{Clip, Document, Extra, Frame, Shot, ShotEnd, ShotKind};
 use std::collections::BTreeSet;
 use thiserror::Error;
 
-/// The shots of one video, in their order, none missing between the first frame and the last.
+/// The shots of one video in order, without gaps between the first frame and the last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VideoShots {
     video: String,
@@ -15,12 +15,12 @@ pub struct VideoShots {
     last: u64,
 }
 
-/// A shot by its first frame.
+/// A shot and its first frame.
 #[derive(Clone, Debug, PartialEq)]
 struct Start {
     from: u64,
     shot: Shot,
-    /// What its frames have as `clip`.
+    /// The `clip` of its frames.
     clip: Clip,
 }
 
@@ -47,7 +47,7 @@ pub enum ShotsError {
     BeyondNeighbours {
         /// The first frame of its shot.
         cut: u64,
-        /// Where it was to go.
+        /// The frame to which it was to be moved.
         frame: u64,
         /// The first frame that it can go to.
         from: u64,
@@ -133,7 +133,7 @@ impl VideoShots {
             .unwrap_or(0)
     }
 
-    /// A shot begins at a frame: the one that it was in ends before it.
+    /// Begins a new shot at a frame; the shot that contained the frame ends before it.
     ///
     /// # Errors
     /// One begins there already.
@@ -158,7 +158,7 @@ impl VideoShots {
         Ok(())
     }
 
-    /// The shot that begins at a frame becomes part of the one before it.
+    /// Joins the shot that begins at a frame with the one before it.
     ///
     /// # Errors
     /// None begins there, or it is the first one.
@@ -168,7 +168,7 @@ impl VideoShots {
         Ok(())
     }
 
-    /// The shot that begins at a frame begins at another one; a person said so.
+    /// Moves the first frame of a shot to another one, on the user's request.
     ///
     /// # Errors
     /// None begins there, or another one begins before the frame wanted or after it.
@@ -199,7 +199,7 @@ impl VideoShots {
         at.filter(|at| *at > 0).ok_or(ShotsError::NoCut { frame })
     }
 
-    /// A number that no shot has.
+    /// A clip number that no shot uses.
     fn free_clip(&self, document: &Document) -> Clip {
         let known = document
             .frames
@@ -218,8 +218,7 @@ impl VideoShots {
         Clip::Number(most.unwrap_or(0).saturating_add(1))
     }
 
-    /// Writes the shots in place of those that the document has of this video, and each frame's
-    /// shot into the frame.
+    /// Replaces the document's shots of this video, and stores each frame's shot in the frame.
     pub fn write(mut self, document: &mut Document) {
         // Shots of which no frame is here have shared nothing; give each a name of its own.
         for at in 0..self.starts.len() {
@@ -285,7 +284,7 @@ fn shot(kind: ShotKind) -> Shot {
     }
 }
 
-/// The number of a frame in a video; none where it is of another one or of none.
+/// The number of a frame in a video; none if it belongs to another video or to none.
 fn number(frame: &Frame, video: &str) -> Option<u64> {
     frame
         .video
@@ -294,8 +293,8 @@ fn number(frame: &Frame, video: &str) -> Option<u64> {
         .map(|of| of.frame_index)
 }
 
-/// The numbers that a document's frames have in a video, and where the frames stand, in the order
-/// of the video.
+/// The numbers of a document's frames in a video, with the frames' positions, in the order of the
+/// video.
 fn numbers(document: &Document, video: &str) -> Vec<(u64, usize)> {
     let numbered = document.frames.iter().enumerate();
     let mut numbers: Vec<(u64, usize)> = numbered
@@ -305,8 +304,8 @@ fn numbers(document: &Document, video: &str) -> Vec<(u64, usize)> {
     numbers
 }
 
-/// The number that an end of a shot has in a video; none where it is of another one. A bare number
-/// is of the first video.
+/// The number of a shot's end in a video; none if it belongs to another video. A plain number
+/// refers to the first video.
 fn end(document: &Document, end: &ShotEnd, video: &str) -> Option<u64> {
     match end {
         ShotEnd::VideoFrame(frame) => {

@@ -1,8 +1,8 @@
-//! From a document to text: the same document gives the same bytes, and a small change gives a
-//! small difference.
+//! Serialises a document to text: the same document gives the same bytes, and a small change gives
+//! a small diff.
 //!
-//! What fits on a line is written on one line (a click, a mask, a new frame); everything else is
-//! broken, one entry a line.
+//! A value that fits on one line is written on one line (a click, a mask, a new frame); other
+//! values are broken into one entry per line.
 
 use super::{DOCUMENT_VERSION, Document, FORMAT_NAME, generator};
 use serde::Serialize;
@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 use std::fmt::Write as _;
 use thiserror::Error;
 
-/// The width that a line of the document may have, in bytes.
+/// The maximum width of a line, bytes.
 const LINE_WIDTH: usize = 120;
 
 /// The keys of a document that have a meaning.
@@ -26,7 +26,7 @@ pub(super) const OWN_KEYS: [&str; 9] = [
     "shots",
 ];
 
-/// Each level is moved in by so many spaces.
+/// Spaces of indentation per level.
 const INDENT: usize = 2;
 
 const FRAMES: &str = "frames";
@@ -38,7 +38,7 @@ const MAY_FIT_ON_LINE: usize = 2;
 #[derive(Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum WriteError {
-    /// A value is no finite number.
+    /// A value is not a finite number.
     #[error("{place}: {message}")]
     NotFinite {
         /// Which frame, camera or key.
@@ -73,8 +73,8 @@ pub fn document_to_string(document: &Document) -> Result<String, WriteError> {
         "cameras".to_owned(),
         Value::Array(cameras.collect::<Result<_, _>>()?),
     );
-    // In their place among the keys; they are written one after the other, for together they take
-    // ten times as much memory as text.
+    // A placeholder among the keys: frames are serialised one by one, because as JSON values
+    // together they would take ten times the memory of the text.
     root.insert(FRAMES.to_owned(), Value::Null);
     if let Some(noise) = &document.click_noise {
         root.insert(

@@ -1,4 +1,4 @@
-//! What a user should know of each format before choosing it: its conventions and who reads it.
+//! Descriptions of the formats for the user: conventions, and programs that read them.
 
 use super::format::Format;
 

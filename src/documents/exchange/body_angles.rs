@@ -6,7 +6,7 @@
 
 use touchline_core::geometry::Mat3;
 
-/// The body's axes from the camera's (right, down, forward).
+/// The rotation from `cam` (right, down, forward) to the body (right, forward, up).
 fn body_from_cam() -> Mat3 {
     Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0)
 }
@@ -14,6 +14,8 @@ fn body_from_cam() -> Mat3 {
 /// Pan (to the left), tilt and roll, degrees.
 #[must_use]
 pub fn angles_deg(cam_from_world: &Mat3) -> [f64; 3] {
+    // m = Rz(pan) Rx(tilt) Ry(roll): its second column is (−sin pan cos tilt, cos pan cos tilt, sin
+    // tilt), its third row (−cos tilt sin roll, sin tilt, cos tilt cos roll).
     let m = cam_from_world.transpose() * body_from_cam().transpose();
     let pan = (-m[(0, 1)]).atan2(m[(1, 1)]);
     let tilt = m[(2, 1)].atan2(m[(0, 1)].hypot(m[(1, 1)]));
@@ -27,7 +29,7 @@ pub fn cam_from_world([pan, tilt, roll]: [f64; 3]) -> Mat3 {
     (world_from_body([pan, tilt, roll]) * body_from_cam()).transpose()
 }
 
-/// The body in the world.
+/// `R_world_from_body` of pan (to the left), tilt and roll, degrees.
 #[must_use]
 pub fn world_from_body([pan, tilt, roll]: [f64; 3]) -> Mat3 {
     let [(sp, cp), (st, ct), (sr, cr)] =

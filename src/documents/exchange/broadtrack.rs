@@ -22,12 +22,14 @@ use touchline_core::geometry::{ImageSize, Vec3};
 /// The format.
 pub struct BroadTrack;
 
-/// (height / f)²: the unit of their distortion coefficients.
+/// (height / f)²: the factor from k₁ to their first distortion coefficient; its square is that of
+/// k₂.
 fn unit(pinhole: &Pinhole, size: ImageSize) -> f64 {
     (f64::from(size.height) / pinhole.focal_px).powi(2)
 }
 
 fn to_json(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize) -> Value {
+    // SoccerNet's axes and angles.
     let [pan, tilt, roll] = angles_deg(&flipped_world(&pinhole.cam_from_world));
     let position = flipped(pinhole.position_m);
     let (width, unit, Radial { k1, k2 }) =
@@ -107,6 +109,7 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
             why: "the document's lens has k1 and k2 only",
         });
     }
+    // The unit of the coefficients depends on the focal length, which is known only now.
     let (unit, term) = (unit(&pinhole, size), |index: usize| {
         terms.get(index).copied().unwrap_or(0.0)
     });

@@ -1,4 +1,4 @@
-//! What every format of cameras does.
+//! The interface of camera formats.
 
 use super::error::ExchangeError;
 use super::files::Files;
@@ -12,16 +12,16 @@ use crate::document::{Document, FieldSpec};
 use std::path::Path;
 use touchline_core::field::FieldModel;
 
-/// How far a landmark may move through a format that keeps all digits, px.
+/// The maximum error of a landmark in a format that keeps all digits, px.
 pub const EXACT_PX: f64 = 1e-6;
 
-/// What is known beside the frames when they are written.
+/// What a format needs beside the frames when it writes them.
 pub struct WriteContext<'a> {
     /// How.
     pub options: &'a ExportOptions,
     /// The field that they show.
     pub field: &'a FieldModel,
-    /// Frames a second, where it is known and one for all frames.
+    /// The frame rate, where it is known and the same for all frames.
     pub rate: Option<Rate>,
 }
 
@@ -35,18 +35,18 @@ impl WriteContext<'_> {
         ))
     }
 
-    /// Frames a second of a frame's video, where it is known.
+    /// The frame rate of a frame's video, where it is known.
     pub fn rate_of(&self, frame: &FrameCamera) -> Option<Rate> {
         self.options.rate.or(frame.rate)
     }
 }
 
-/// A format that holds a camera or a homography for each frame.
+/// A format that stores a camera or a homography for each frame.
 pub trait CameraFormat: Sync {
-    /// What the format keeps of a frame, under the name by which it will be read again.
+    /// The frame as the format stores it, under the name with which it will be read back.
     ///
     /// # Errors
-    /// It cannot hold the frame at all; the reason in words.
+    /// The format cannot store the frame at all; the reason in words.
     fn hold(
         &self,
         frame: &FrameCamera,
@@ -54,22 +54,22 @@ pub trait CameraFormat: Sync {
         context: &WriteContext<'_>,
     ) -> Result<FrameCamera, String>;
 
-    /// How far a landmark may move through the digits of the format, px.
+    /// The maximum error of a landmark due to the precision of the format, px.
     fn resolution_px(&self, _held: &FrameCamera) -> f64 {
         EXACT_PX
     }
 
-    /// What the picture size of a frame that was read rests on.
+    /// The source of the picture size of frames that were read.
     fn size_source(&self) -> SizeSource {
         SizeSource::Stated
     }
 
-    /// Whether what is written is read again before it goes out.
+    /// Whether an export is verified by reading it back.
     fn is_proved(&self) -> bool {
         true
     }
 
-    /// How exactly its frames agree on a common base.
+    /// The tolerances within which its frames agree on a common base.
     fn exactness(&self) -> Exactness {
         Exactness::default()
     }
@@ -79,12 +79,12 @@ pub trait CameraFormat: Sync {
         document_of(field, frames, self.exactness())
     }
 
-    /// What a user should know of these frames in this format.
+    /// Notes for the user about these frames in this format.
     fn notes(&self, _frames: &[FrameCamera], _context: &WriteContext<'_>) -> Vec<String> {
         Vec::new()
     }
 
-    /// The files of what the format keeps.
+    /// The files of the frames as stored by [`Self::hold`].
     ///
     /// # Errors
     /// A value cannot be written.
@@ -94,7 +94,7 @@ pub trait CameraFormat: Sync {
         context: &WriteContext<'_>,
     ) -> Result<Files, ExchangeError>;
 
-    /// What its files are called in an error: "camera files".
+    /// The description of its files in errors: "camera files".
     fn wanted(&self) -> &'static str;
 
     /// Whether a file of a folder is one of its files.
@@ -110,12 +110,12 @@ pub trait CameraFormat: Sync {
         options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError>;
 
-    /// What its files say that the document does not hold, in words.
+    /// The contents of its files that are not read, in words.
     fn unread(&self, _files: &Files) -> Vec<String> {
         Vec::new()
     }
 
-    /// The options with which what was written is read again.
+    /// The options with which an export is read back.
     fn reading(&self, held: &[FrameCamera], options: &ExportOptions) -> ImportOptions {
         ImportOptions {
             size: held.first().and_then(|frame| frame.size),

@@ -1,11 +1,11 @@
-//! Common Data Format (football match data, schema 0.3.2): the sheet of a video, as a small file
-//! beside an export. Export only.
+//! Common Data Format (football match data, schema 0.3.2): the metadata sheet of a video, as a
+//! small file beside an export. Export only.
 //!
 //! Axes and units are ours: the pitch's centre, metres, x along the touchlines, z up. It holds the
 //! camera's *place* only: no angles, no focal length, no lens, no frames. Frame rates are whole
-//! numbers: 29.97 cannot be said. Match, start and perspective are nothing that a document knows
-//! and nothing that is invented: they are asked for. Source: common-data-format-validator 0.1.1
-//! (`schema/video.json`); arXiv 2505.15820.
+//! numbers, so 29.97 cannot be stored. Match, start and perspective are not in a document; the user
+//! must give them. Source: common-data-format-validator 0.1.1 (`schema/video.json`); arXiv
+//! 2505.15820.
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::ExchangeError;
@@ -19,7 +19,7 @@ use serde_json::json;
 /// The format.
 pub struct Cdf;
 
-/// Cameras nearer to each other than this are one, m.
+/// Cameras nearer to each other than this count as one, m.
 const SAME_PLACE_M: f64 = 1e-6;
 
 fn needed(what: &'static str, option: &'static str) -> ExchangeError {

@@ -19,17 +19,18 @@ use touchline_core::geometry::{Mat3, Vec3};
 /// The format.
 pub struct Chan;
 
-/// A world with y up from ours.
+/// The rotation from our `world` to a world with y up: (x, y, z) → (x, z, −y).
 pub fn y_up() -> Mat3 {
     Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0)
 }
 
-/// The axes of a camera that looks along −z with y up, from ours.
+/// The change between our camera axes (y down, z forward) and those of a camera that looks along −z
+/// with y up. It is its own inverse.
 pub fn looking_back() -> Mat3 {
     Mat3::from_diagonal(&Vec3::new(1.0, -1.0, -1.0))
 }
 
-/// rx, ry, rz in degrees.
+/// rx, ry, rz in degrees of m = Ry · Rx · Rz.
 fn angles_deg(m: &Mat3) -> [f64; 3] {
     let rx = (-m[(1, 2)]).atan2(m[(0, 2)].hypot(m[(2, 2)]));
     let ry = m[(0, 2)].atan2(m[(2, 2)]);
@@ -118,6 +119,7 @@ impl CameraFormat for Chan {
             let Ok((pinhole, size)) = parts(frame) else {
                 continue;
             };
+            // Camera to world, both in Nuke's axes.
             let m = y_up() * pinhole.cam_from_world.transpose() * looking_back();
             let [rx, ry, rz] = angles_deg(&m);
             let at = y_up() * pinhole.position_m;

@@ -1,11 +1,11 @@
-//! Which frames an export is asked for.
+//! The choice of frames to export.
 
 use super::error::ExchangeError;
 use super::format::Format;
 use super::options::FrameChoice;
 use crate::document::{Frame, FrameStatus};
 
-/// Whether a frame is asked for.
+/// Whether a frame is chosen.
 pub fn is_chosen(frame: &Frame, choice: &FrameChoice) -> bool {
     let by_status = match choice.statuses.as_slice() {
         [] => frame.status != FrameStatus::Rejected,
@@ -40,7 +40,7 @@ pub fn off_paint_note<'a>(frames: impl Iterator<Item = &'a Frame>) -> Option<Str
     })
 }
 
-/// Why nothing is left to export.
+/// The error that nothing is left to export, with the reasons.
 pub fn nothing(format: Format, left_out: &[(String, String)]) -> ExchangeError {
     let why = match left_out {
         [] => "no frame has the status, camera and confidence that were asked for".to_owned(),

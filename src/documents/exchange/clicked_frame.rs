@@ -1,4 +1,4 @@
-//! Frames with their clicks as formats exchange them, and what every format of clicks does.
+//! Frames with clicks as exchange formats store them, and the interface of click formats.
 
 use super::error::{ExchangeError, Problem};
 use super::files::Files;
@@ -11,7 +11,7 @@ use touchline_core::geometry::{ImagePoint, ImageSize};
 /// A frame whose clicks are written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClickedFrame {
-    /// What the format calls it; unique.
+    /// Its name in the format; unique.
     pub name: String,
     /// The name of its image's file.
     pub image: String,
@@ -21,12 +21,12 @@ pub struct ClickedFrame {
     pub clicks: Vec<Click>,
 }
 
-/// A frame whose marks were read; what their labels mean is decided later.
+/// A frame with marks that were read; their labels are interpreted later.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LabelledFrame {
-    /// What the format calls it.
+    /// Its name in the format.
     pub name: String,
-    /// The name of its image's file, where the format says it.
+    /// The file name of its image, where the format states it.
     pub image: Option<String>,
     /// px.
     pub size: ImageSize,
@@ -37,13 +37,13 @@ pub struct LabelledFrame {
 /// A point with a label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// What the tool calls it.
+    /// Its label in the tool.
     pub label: String,
     /// px, corner convention.
     pub image: ImagePoint,
 }
 
-/// What is known beside the frames when they are written.
+/// What a format needs beside the frames when it writes them.
 pub struct ClickContext<'a> {
     /// How.
     pub options: &'a ExportOptions,
@@ -51,10 +51,10 @@ pub struct ClickContext<'a> {
     pub field: &'a FieldModel,
 }
 
-/// The size of the picture of a name: of its file where that is there, else as it was given.
+/// The picture size of an image by name: that of its file if it exists, else the given one.
 pub type Sizes<'a> = dyn Fn(&str) -> Option<ImageSize> + 'a;
 
-/// That nothing says how large a picture is.
+/// The error about a picture of unknown size.
 #[must_use]
 pub fn size_needed(image: &str) -> Problem {
     let what = format!("the size of {:?}", clipped(image));
@@ -64,15 +64,15 @@ pub fn size_needed(image: &str) -> Problem {
     }
 }
 
-/// A format that holds points of pictures.
+/// A format that stores points of pictures.
 pub trait ClickFormat: Sync {
-    /// Whether it can hold a click.
+    /// Whether it can store a click.
     fn holds(&self, click: &Click, context: &ClickContext<'_>) -> bool;
 
-    /// What a frame is called when it is read again.
+    /// The name of a frame when it is read back.
     fn name_of(&self, frame: &ClickedFrame) -> String;
 
-    /// How far a click may move through the digits of the format, px.
+    /// The maximum error of a click due to the precision of the format, px.
     fn resolution_px(&self) -> f64 {
         1e-6
     }
@@ -87,7 +87,7 @@ pub trait ClickFormat: Sync {
         context: &ClickContext<'_>,
     ) -> Result<Files, ExchangeError>;
 
-    /// What its files are called in an error.
+    /// The description of its files in errors.
     fn wanted(&self) -> &'static str;
 
     /// Whether a file of a folder is one of its files.
@@ -110,7 +110,7 @@ pub trait ClickFormat: Sync {
         LabelMap::Touchline
     }
 
-    /// Whether labels are always the format's own, whatever map a user names.
+    /// Whether labels are always the format's own, whatever map the user chose.
     fn has_own_classes(&self) -> bool {
         false
     }

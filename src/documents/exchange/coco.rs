@@ -1,8 +1,8 @@
 //! COCO keypoints: one JSON file, one category whose keypoints are landmarks.
 //!
-//! A keypoint is x, y, v: v 0 absent (x = y = 0), 1 labelled but hidden, 2 visible. Pixels count
-//! from the first one's centre: ours − 0.5, unless `info.convention` says otherwise. Numbers of
-//! images and annotations begin at 1, the skeleton's too.
+//! A keypoint is x, y, v: v 0 absent (x = y = 0), 1 labelled but hidden, 2 visible. The origin of
+//! pixels is the first one's centre: our coordinates − 0.5, unless `info.convention` states
+//! otherwise. Ids of images and annotations and indices of the skeleton begin at 1.
 
 use super::camera_format::has_ending;
 use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes};
@@ -19,10 +19,10 @@ use touchline_core::geometry::{ImagePoint, ImageSize};
 /// The format.
 pub struct Coco;
 
-/// The words by which this program says where pixels are counted from.
+/// The words in `info.convention` for the origin at pixel centres.
 const CENTRE: &str = "pixel centres";
 
-/// The landmarks in the order of the keypoints; absent ones are none.
+/// The clicks in the order of the keypoints; none for absent ones.
 pub(super) fn in_order<'a>(clicks: &'a [Click], names: &[String]) -> Vec<Option<&'a Click>> {
     let of = |name: &String| {
         clicks.iter().find(

@@ -1,10 +1,10 @@
 //! COLMAP's text files: `cameras.txt`, `images.txt`, `points3D.txt`.
 //!
-//! The pixel (0.5, 0.5) is the first one's centre, as ours; world→camera as a Hamilton quaternion
-//! and t = −R C; world and units are free and stay ours. A zoom has a camera a frame. Every image
-//! has two lines, the second one even where it is empty: without it readers lose images and say
-//! nothing. Landmarks that people clicked are points with tracks. Source: colmap/colmap,
-//! doc/format.rst.
+//! (0.5, 0.5) is the centre of the first pixel, as in our convention; world→camera is a Hamilton
+//! quaternion and t = −R C; world and units are free, and ours are written. Because the focal
+//! length changes, every frame has a camera of its own. Every image has two lines; the second one
+//! is written even if it is empty, because readers silently lose images without it. Clicked
+//! landmarks are written as points with tracks. Source: colmap/colmap, doc/format.rst.
 
 use super::camera_format::{CameraFormat, WriteContext};
 use super::error::{ExchangeError, Problem};
@@ -119,7 +119,7 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
     ))
 }
 
-/// Lines that are no comments, with their number from 1. Empty lines count only where
+/// Lines that are not comments, with their number from 1. Empty lines are included only if
 /// `keeps_empty`.
 fn lines(text: &str, keeps_empty: bool) -> impl Iterator<Item = (usize, &str)> {
     let numbered = text
@@ -222,16 +222,16 @@ fn read_images(bytes: &[u8], cameras: &BTreeMap<u64, Lens>) -> Result<Vec<FrameC
     Ok(frames)
 }
 
-/// A landmark that people clicked.
+/// A clicked landmark.
 struct Track {
     point_in_world: Vec3,
-    /// The distances of its clicks from where the cameras show it, px, together.
+    /// The sum of the reprojection errors of its clicks, px.
     off_px: f64,
-    /// The image, from 1, and the place among its points, from 0.
+    /// The image, from 1, and the index among its points, from 0.
     seen: Vec<(usize, usize)>,
 }
 
-/// The second line of an image: its clicks, with the points that they are of.
+/// The second line of an image: its clicks, with the ids of their points.
 fn points_line(
     frame: &FrameCamera,
     image: usize,
@@ -256,7 +256,7 @@ fn points_line(
             off_px: 0.0,
             seen: Vec::new(),
         });
-        // A point has one place in an image.
+        // COLMAP allows one observation of a point per image.
         if track.seen.last().is_none_or(|(last, _)| *last != image) {
             track.seen.push((image, points.len()));
             track.off_px += shown.distance_px(*at);
@@ -333,6 +333,7 @@ impl CameraFormat for Colmap {
             let (f, Radial { k1, k2 }) = (pinhole.focal_px, pinhole.lens);
             let rotation = Rotation3::from_matrix_unchecked(pinhole.cam_from_world);
             let q = UnitQuaternion::from_rotation_matrix(&rotation);
+            // q and −q are the same rotation; write the one with w ≥ 0.
             let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
             let [w, x, y, z] = [q.w, q.i, q.j, q.k].map(|part| sign * part);
             // Writing to a string cannot fail.

@@ -1,9 +1,9 @@
-//! A flat table: a row a frame, the camera as R, t and lens, and the homography from the picture to
-//! the pitch.
+//! A flat table with one row per frame: the camera as R, t and lens, and the homography from the
+//! picture to the pitch.
 //!
 //! World, pixels and angles are the document's own. `r11` … `r33` are `cam_from_world`, `t_*_m` is
-//! −R C, and `h_pitch_from_image_*` takes a pixel *without distortion* (corner convention) to
-//! metres on the pitch. Empty fields are not known. Numbers have all their digits (before pandas 3:
+//! −R C, and `h_pitch_from_image_*` maps an *undistorted* pixel (corner convention) to metres on
+//! the pitch. Empty fields are unknown values. Numbers have all their digits (before pandas 3:
 //! `read_csv(f, float_precision="round_trip")`).
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
@@ -84,7 +84,7 @@ fn field(value: Option<f64>) -> String {
 }
 
 /// The homography from an undistorted pixel to the pitch (m), scaled so that its last entry is one.
-/// Of crowned ground it is the nearest one.
+/// For crowned ground it is fitted.
 #[must_use]
 fn ground_from_image(pinhole: &Pinhole, size: ImageSize, field: &FieldModel) -> Option<Mat3> {
     let image_from_ground = if field.crown_m == 0.0 {
@@ -103,7 +103,7 @@ fn ground_from_image(pinhole: &Pinhole, size: ImageSize, field: &FieldModel) -> 
     Some(inverse / inverse[(2, 2)]).filter(|h| h.iter().all(|entry| entry.is_finite()))
 }
 
-/// What the name of a source is in documents.
+/// The name of a source in documents.
 fn source_name(source: SolutionSource) -> String {
     serde_json::to_value(source)
         .ok()
@@ -180,7 +180,7 @@ fn row_of(
     row
 }
 
-/// What a frame without an image of its own is called.
+/// The name of a frame without an image of its own.
 fn name_by_number(index: u64, camera: &str) -> String {
     format!("{camera}#{index}")
 }

@@ -1,9 +1,9 @@
 //! CVAT's XML 1.1: images with points, polylines and skeletons, and tracks of video tasks. Import
 //! only.
 //!
-//! `points="x,y;x,y"` in px from the picture's corner. In skeletons `outside="1"` is absent. Of
-//! tracks the key frames are taken, all others are interpolated. Document types and entities are
-//! refused.
+//! `points="x,y;x,y"` in px from the picture's corner. In skeletons `outside="1"` is absent. Only
+//! key frames of tracks are read, because all others are interpolated. Document types and entities
+//! are rejected.
 
 use super::camera_format::has_ending;
 use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes};
@@ -31,13 +31,13 @@ fn not_xml(error: roxmltree::Error) -> Problem {
     })
 }
 
-/// More attributes than any element of CVAT has. The parser compares every two of an element to
-/// find one that is there twice.
+/// The maximum number of attributes of an element, more than any in CVAT. The parser takes
+/// quadratic time to find duplicates.
 const MAX_ATTRIBUTES: usize = 100;
 
-/// Refuses an element with so many attributes that the parser would take hours.
+/// Rejects an element with so many attributes that the parser would take hours.
 fn refuse_many_attributes(text: &str) -> Result<(), Problem> {
-    /// What markup that is no element begins and ends with.
+    /// The delimiters of markup that is not an element.
     const OTHERS: [(&str, &str); 3] = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
     let mut rest = text;
     while let Some(start) = rest.find('<') {
@@ -63,7 +63,7 @@ fn refuse_many_attributes(text: &str) -> Result<(), Problem> {
     Ok(())
 }
 
-/// How long a tag is, and how many attributes it has.
+/// The length of a tag and its number of attributes.
 struct TagLength {
     bytes: usize,
     attributes: usize,
@@ -93,7 +93,7 @@ fn measure_tag(tag: &str) -> TagLength {
 
 type Element<'a> = roxmltree::Node<'a, 'a>;
 
-/// An attribute that must be there.
+/// A required attribute.
 fn attribute<'a>(element: Element<'a>, name: &str) -> Result<&'a str, Problem> {
     let missing = || Problem::Missing(format!("{} of <{}>", name, element.tag_name().name()));
     element.attribute(name).ok_or_else(missing)
@@ -135,7 +135,7 @@ fn points(shape: Element<'_>, label: &str, shift: f64) -> Result<Vec<Mark>, Prob
         .collect()
 }
 
-/// The marks of the shapes that an element holds.
+/// The marks of the shapes within an element.
 fn marks_within(parent: Element<'_>, shift: f64) -> Result<Vec<Mark>, Problem> {
     let shapes = parent
         .children()

@@ -19,7 +19,7 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 /// The format.
 pub struct DeepSport;
 
-/// Centimetres a metre.
+/// Centimetres per metre.
 const CM: f64 = 100.0;
 
 fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Problem> {
@@ -54,6 +54,8 @@ fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Prob
             why: "the document's lens has k1 and k2 only",
         });
     }
+    // C = −Rᵀ T, cm to m; then from the far left corner with y towards the camera and z down to our
+    // world.
     let centre = -(rotation.transpose() * translation) / CM;
     let shift = Pixels::Centre.to_corner_px();
     let pinhole = Pinhole {

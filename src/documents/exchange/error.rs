@@ -1,4 +1,4 @@
-//! What can go wrong between documents and foreign files.
+//! Errors of imports and exports.
 
 use super::format::Format;
 use std::io;
@@ -10,7 +10,7 @@ use touchline_core::geometry::ImageSize;
 use touchline_core::solve::PlanePoseError;
 use touchline_vision::media::MediaError;
 
-/// Why an import or export did not happen. Nothing was written then.
+/// Why an import or export failed. Nothing was written.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ExchangeError {
@@ -47,7 +47,7 @@ pub enum ExchangeError {
         /// What is wrong with it.
         problem: Problem,
     },
-    /// A folder holds no file of the format.
+    /// A folder contains no file of the format.
     #[error("{} holds no {wanted}", path.display())]
     NoFiles {
         /// The folder.
@@ -55,7 +55,7 @@ pub enum ExchangeError {
         /// What was looked for.
         wanted: &'static str,
     },
-    /// A frame is there twice.
+    /// A frame occurs twice.
     #[error("{}: the frame {name:?} occurs twice; import one camera or folder at a time", path.display())]
     SameFrame {
         /// The file or folder.
@@ -63,7 +63,7 @@ pub enum ExchangeError {
         /// The frame.
         name: String,
     },
-    /// A point lies nowhere near a picture.
+    /// A point lies far outside its picture.
     #[error("{}: {label:?} of {frame:?} is at ({}, {}) px, which is not a position in a picture", path.display(), number_text(*x), number_text(*y))]
     NoPlace {
         /// The file or folder.
@@ -77,7 +77,7 @@ pub enum ExchangeError {
         /// px.
         y: f64,
     },
-    /// A frame has more points than a document takes.
+    /// A frame has more points than a document allows.
     #[error("{}: {frame:?} has {found} points, and a frame takes {limit}; thin them out", path.display())]
     TooManyPoints {
         /// The file or folder.
@@ -89,7 +89,7 @@ pub enum ExchangeError {
         /// How many it may have.
         limit: usize,
     },
-    /// No camera shows the ground as a homography does.
+    /// No camera corresponds to a homography.
     #[error(
         "{}: no camera gives the homography of {frame:?} ({source}); check its direction, unit and picture size",
         path.display()
@@ -102,7 +102,7 @@ pub enum ExchangeError {
         /// Why.
         source: PlanePoseError,
     },
-    /// A camera was made for a picture of other proportions.
+    /// A camera belongs to a picture of another aspect ratio.
     #[error(
         "the camera of {frame:?} is of a picture of {} × {} px, and its picture has {} × {}; give its own pictures (--images FOLDER)",
         stated.width, stated.height, picture.width, picture.height
@@ -132,7 +132,7 @@ pub enum ExchangeError {
     /// The document cannot be written.
     #[error(transparent)]
     Document(#[from] crate::document::WriteError),
-    /// A file is no document.
+    /// A file is not a document.
     #[error("{file}: {source}")]
     NoDocument {
         /// Its name.
@@ -154,19 +154,19 @@ pub enum ExchangeError {
         /// Why.
         why: String,
     },
-    /// Something other than a dataset is where one should go.
+    /// The target of a dataset exists and is not a dataset.
     #[error("{} contains something other than a dataset of this program; give another folder", path.display())]
     NoDatasetThere {
         /// Where.
         path: PathBuf,
     },
-    /// A folder that is to be new holds something.
+    /// A folder that must be empty is not.
     #[error("{} holds something already; give an empty or a new folder", path.display())]
     NotEmpty {
         /// Where.
         path: PathBuf,
     },
-    /// Pictures that nobody may expect to be passed on.
+    /// Pictures outside the project, which the user may not expect to be passed on.
     #[error("{count} pictures lie outside of the project, the first is {}; --outside-pictures copies them too", first.display())]
     Outside {
         /// How many.
@@ -174,7 +174,7 @@ pub enum ExchangeError {
         /// The first.
         first: PathBuf,
     },
-    /// A hard link leads to no other disk.
+    /// Hard links cannot cross disks.
     #[error("{} cannot be linked as {}: it lies on another disk; copy the pictures instead (--images copy)", from.display(), to.display())]
     OtherDisk {
         /// The picture.
@@ -188,10 +188,10 @@ pub enum ExchangeError {
     /// A picture cannot be written.
     #[error("a picture cannot be encoded: {0}")]
     Encoding(#[from] image::ImageError),
-    /// Somebody ended it.
+    /// It was cancelled.
     #[error("stopped; nothing was written")]
     Stopped,
-    /// Two frames would be written to one place.
+    /// Two frames would be written to the same file.
     #[error(
         "{first} and {second} would both be written as {name}; export them one camera or folder at a time"
     )]
@@ -210,10 +210,10 @@ pub enum ExchangeError {
         frame: String,
         /// The format.
         format: Format,
-        /// What stands against it.
+        /// The reason.
         why: String,
     },
-    /// What was to be written reads back as something else.
+    /// A written value reads back differently.
     #[error(
         "internal error (please report it): {frame} as {format} reads back with {what} {off_px:.3e} px away, allowed is \
          {allowed_px:.1e} px; nothing was written"
@@ -230,7 +230,7 @@ pub enum ExchangeError {
         /// How far the format allows, px.
         allowed_px: f64,
     },
-    /// What was to be written reads back as other frames or clicks.
+    /// The written files read back as other frames or clicks.
     #[error(
         "internal error (please report it): {frame} as {format} does not read back as it was; nothing was written"
     )]
@@ -240,12 +240,12 @@ pub enum ExchangeError {
         /// The format.
         format: Format,
     },
-    /// The format is written only, or read only.
+    /// The format can only be written, or only be read.
     #[error("{format} cannot be {what}; it can only be {instead}")]
     OneWay {
         /// The format.
         format: Format,
-        /// What was asked: "imported".
+        /// What was requested: "imported".
         what: &'static str,
         /// What it can be: "exported".
         instead: &'static str,
@@ -260,7 +260,7 @@ pub enum ExchangeError {
         /// What to give.
         option: &'static str,
     },
-    /// An export needs what neither the document nor an option says.
+    /// An export needs a value that neither the document nor an option gives.
     #[error("{format} needs {what}; give {option}")]
     ExportNeeds {
         /// The format.
@@ -270,7 +270,7 @@ pub enum ExchangeError {
         /// What to give.
         option: &'static str,
     },
-    /// Labels that nothing of the field is known for.
+    /// Labels without a meaning on the field.
     #[error("unknown labels {labels}; give a --map file with them, or --skip-unmapped")]
     Unmapped {
         /// The labels with how often each occurs.
@@ -285,7 +285,7 @@ pub enum Problem {
     /// It is empty.
     #[error("the file is empty")]
     Empty,
-    /// It is larger than anything of the format.
+    /// It is larger than any file of the format.
     #[error("it is {} MiB, at most {} MiB are read", bytes.div_ceil(1 << 20), limit >> 20)]
     TooLarge {
         /// Its size.
@@ -296,19 +296,19 @@ pub enum Problem {
     /// Its content is packed.
     #[error("a {0} archive; unpack it and give the unpacked files")]
     Archive(&'static str),
-    /// It is no text.
+    /// It is not UTF-8 text.
     #[error("not UTF-8 text (byte {offset})")]
     NotUtf8 {
         /// The first byte that is none.
         offset: usize,
     },
-    /// It is no JSON.
+    /// It is not JSON.
     #[error("not valid JSON: {0}")]
     NotJson(String),
-    /// It is no XML, or holds a document type or entities.
+    /// It is not XML, or contains a document type or entities.
     #[error("not valid XML: {}", plain(.0))]
     NotXml(String),
-    /// It begins or is built otherwise than the format.
+    /// It does not have the structure of the format.
     #[error("not {wanted}: {found}")]
     NotFormat {
         /// What was expected.
@@ -342,7 +342,7 @@ pub enum Problem {
     /// A number is NaN or infinite.
     #[error("{0} is not a finite number")]
     NotFinite(String),
-    /// A number is outside of what makes sense.
+    /// A number is outside its valid range.
     #[error("{what} is {}, which must be {wanted}", number_text(*value))]
     OutOfRange {
         /// Which.
@@ -352,12 +352,12 @@ pub enum Problem {
         /// What it must be.
         wanted: &'static str,
     },
-    /// A matrix is no rotation.
+    /// A matrix is not a rotation.
     #[error("{what} is not a rotation: {}", if distance.is_finite() { format!("its rows are off by {distance:.1e}") } else { "it is mirrored, or not made of numbers".to_owned() })]
     NotRotation {
         /// Which.
         what: String,
-        /// How far it is from one; not finite where none is near.
+        /// Its distance from a rotation; not finite for a reflection or NaN.
         distance: f64,
     },
     /// A matrix has no inverse.
@@ -371,7 +371,7 @@ pub enum Problem {
         /// The name.
         name: String,
     },
-    /// Something refers to what is not there.
+    /// Something refers to an unknown name.
     #[error("{what} {name:?} is not in the file")]
     Unknown {
         /// Of what.
@@ -382,7 +382,7 @@ pub enum Problem {
     /// A path points outside the folder.
     #[error("the path {0:?} points outside the folder")]
     LeavesFolder(String),
-    /// Something that the file does not say and an option does.
+    /// A value that the file does not contain and an option must give.
     #[error("{what} is not known; give {option}")]
     OptionNeeded {
         /// What is not known.
@@ -390,7 +390,7 @@ pub enum Problem {
         /// What to give.
         option: &'static str,
     },
-    /// Something that this program does not hold.
+    /// Something that this program does not support.
     #[error("{what} cannot be read: {why}")]
     Unsupported {
         /// What.
@@ -479,7 +479,7 @@ impl Problem {
     }
 }
 
-/// A number in a message: not three hundred digits.
+/// A number for a message, without hundreds of digits.
 fn number_text(value: f64) -> String {
     let is_plain = value == 0.0 || (1e-6..1e15).contains(&value.abs());
     if is_plain {

@@ -1,5 +1,5 @@
-//! A document in a foreign format. Everything is made in memory and read again before anything is
-//! written.
+//! Exports a document to a foreign format. All files are made in memory and read back before
+//! anything is written.
 
 use super::choose::{is_chosen, off_paint_note};
 use super::error::ExchangeError;
@@ -13,7 +13,7 @@ use super::options::{ExportOptions, FrameChoice, Gaps};
 use super::registry::{camera_format, click_format};
 use crate::document::{DocumentAt, document_to_string, resolved};
 
-/// The document in a foreign format, read again and compared. Nothing is written to the disk.
+/// The document in a foreign format, verified by reading it back. Nothing is written to the disk.
 ///
 /// # Errors
 /// There is nothing to export, two frames would have one name, an option is needed, or the files do
@@ -41,7 +41,7 @@ pub fn export(
     Ok(exported)
 }
 
-/// The document in a format that writes.
+/// The document in a format with a writer.
 fn written(
     at: DocumentAt<'_>,
     format: Format,
@@ -55,7 +55,7 @@ fn written(
             Gaps::Keep => export(at, options),
             Gaps::Interpolate(most) => {
                 let (filled, note) = interpolated(at.document, &options.frames, most);
-                // Everything in it was chosen, or lies between what was.
+                // All of its frames were chosen, or interpolated between chosen ones.
                 let options = ExportOptions {
                     frames: FrameChoice::everything(),
                     ..options.clone()
@@ -76,7 +76,7 @@ fn written(
 /// The chosen frames as a dataset.
 fn dataset(at: DocumentAt<'_>, options: &ExportOptions) -> Result<Exported, ExchangeError> {
     let mut dataset = at.document.clone().into_dataset();
-    // Without a choice it is whole, rejected frames included.
+    // Without a choice of frames it is complete, including rejected frames.
     let is_whole = options.frames == FrameChoice::default();
     let is_left = |frame: &crate::document::Frame| is_whole || is_chosen(frame, &options.frames);
     let frames: Vec<_> = dataset

@@ -1,5 +1,5 @@
-//! Cameras in a foreign format: frames chosen, losses measured, files made in memory and read
-//! again.
+//! Export of cameras to a foreign format: chooses frames, measures losses, writes the files in
+//! memory and reads them back.
 
 use super::camera_format::{CameraFormat, WriteContext};
 use super::choose::{is_chosen, nothing};
@@ -19,7 +19,7 @@ use std::sync::Arc;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 
-/// A solved frame as formats exchange it; none where it is not solved.
+/// A solved frame as exchange formats store it; none where it is not solved.
 fn frame_camera(
     document: &Document,
     frame: &Frame,
@@ -76,7 +76,7 @@ fn frame_camera(
     })
 }
 
-/// Notes at each frame the rate of its video. `videos` has the video of each frame.
+/// Stores the rate of its video in each frame. `videos` has the video of each frame.
 fn note_rates(frames: &mut [FrameCamera], videos: &[Option<&str>]) {
     let names: BTreeSet<&str> = videos.iter().flatten().copied().collect();
     for name in names {
@@ -106,7 +106,7 @@ fn common_rate(frames: &[FrameCamera]) -> Option<Rate> {
         .then_some(first)
 }
 
-/// The rate of a video's frames with numbers and times, where it is a usual one.
+/// The frame rate of a video, from the numbers and times of its frames, if it is a usual one.
 fn rate_of(frames: &[&FrameCamera]) -> Option<Rate> {
     let timed = || {
         frames
@@ -116,12 +116,12 @@ fn rate_of(frames: &[&FrameCamera]) -> Option<Rate> {
     let seconds_at = |(index, pts_s): (u64, f64)| (index as f64, pts_s);
     let first = seconds_at(timed().min_by_key(|at| at.0)?);
     let last = seconds_at(timed().max_by_key(|at| at.0)?);
-    // One frame says how fast a video is that begins at zero.
+    // A single frame gives the rate of a video that begins at time zero.
     let first = if first.0 == last.0 { (0.0, 0.0) } else { first };
     Rate::nearest((last.0 - first.0) / (last.1 - first.1))
 }
 
-/// The cameras of a document in a format, proved.
+/// The cameras of a document in a format, verified by reading them back.
 ///
 /// # Errors
 /// There is nothing to export, two frames would have one name, or the files do not read back as
@@ -243,7 +243,7 @@ pub fn export_cameras(
     })
 }
 
-/// What the document states alike for the cameras of all these frames.
+/// A value that the document states equally for the cameras of all these frames.
 fn shared<T: PartialEq>(
     document: &Document,
     frames: &[FrameCamera],
@@ -257,7 +257,7 @@ fn shared<T: PartialEq>(
         .then_some(first)
 }
 
-/// What readers that take the ground as flat are off.
+/// The note about the error of readers that assume flat ground.
 fn crown_note(frames: &[FrameCamera], field: &FieldModel) -> Option<String> {
     let crown_m = field.crown_m;
     (crown_m != 0.0).then(|| {
@@ -268,7 +268,7 @@ fn crown_note(frames: &[FrameCamera], field: &FieldModel) -> Option<String> {
     })
 }
 
-/// In which axes a track is.
+/// The note about the axes of a track.
 fn stage_note(format: Format, asked: Option<&Stage>, stage: Option<&Stage>) -> Option<String> {
     match (asked, stage) {
         (
@@ -289,7 +289,7 @@ fn stage_note(format: Format, asked: Option<&Stage>, stage: Option<&Stage>) -> O
     }
 }
 
-/// The frames whose cameras lie between those of others, so that nobody takes them for labels.
+/// The note about frames with interpolated cameras, so that they are not mistaken for labels.
 fn interpolated_note(frames: &[FrameCamera]) -> Option<String> {
     let numbers: Vec<u64> = frames
         .iter()
@@ -318,7 +318,7 @@ fn refuse_same_names(frames: &[FrameCamera], held: &[FrameCamera]) -> Result<(),
     Ok(())
 }
 
-/// What is written, to be read again.
+/// The verification of an export.
 struct Proof<'a> {
     format: Format,
     of: &'a dyn CameraFormat,
@@ -327,8 +327,8 @@ struct Proof<'a> {
 }
 
 impl Proof<'_> {
-    /// Reads the files again, as frames and as a document, and compares every landmark; the
-    /// farthest, px.
+    /// Reads the files back, as frames and as a document, and compares every landmark. Returns the
+    /// largest distance, px.
     fn worst_px(
         &self,
         files: &Files,
@@ -341,7 +341,7 @@ impl Proof<'_> {
         if let Some(stage) = stage {
             read = read.iter().map(|frame| in_world(frame, stage)).collect();
         }
-        // Each frame is held once: a long video has many.
+        // Keep only one copy of each frame: a long video has many.
         let is_complete = read.len() == held.len();
         let mut by_name: BTreeMap<String, FrameCamera> = read
             .into_iter()
@@ -386,7 +386,8 @@ impl Proof<'_> {
                 views.push((again, size, view));
             }
         }
-        // As a document: frames share bases there, and pan, tilt and focal length are what is left.
+        // Also verify the document made of them: there frames share a base and keep only pan, tilt
+        // and focal length.
         let document = of.document(reading.field, &views);
         drop(views);
         for (kept, frame) in held.iter().zip(&document.frames) {

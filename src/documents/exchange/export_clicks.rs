@@ -1,4 +1,4 @@
-//! Clicks in a foreign format, read again and compared.
+//! Export of clicks to a foreign format, verified by reading them back.
 
 use super::choose::{is_chosen, nothing};
 use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame};
@@ -17,11 +17,11 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_core::markings::{MarkingOptions, project_landmarks, project_lines};
 
-/// Points of a curve that is written as a line: `SoccerNet`'s annotators set about so many on a
-/// circle.
+/// The number of points of a curve that is written as a line: about as many as `SoccerNet`'s
+/// annotators set on a circle.
 const CURVE_POINTS: usize = 9;
 
-/// The clicks of a document in a format, proved.
+/// The clicks of a document in a format, verified by reading them back.
 ///
 /// # Errors
 /// There is nothing to export, two frames would have one name, or the files do not read back as
@@ -93,6 +93,8 @@ pub fn export_clicks(
             .clicks
             .retain(|click| dropped.keeps(click, size, click_format, &context));
     }
+
+    // Names must be unique, because the files are verified by name.
     let mut seen: BTreeMap<&str, &str> = BTreeMap::new();
     for frame in &chosen {
         if let Some(first) = seen.insert(&frame.name, &frame.image) {
@@ -139,7 +141,7 @@ fn file_of(frame: &Frame) -> String {
     named.map_or_else(of_video, |name| name.to_string_lossy().into_owned())
 }
 
-/// Landmarks and points of lines where a camera shows them.
+/// Landmarks and points of lines as a camera projects them.
 fn projected(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Click> {
     let landmarks = project_landmarks(field, camera, size, 0.0).into_iter();
     let landmarks = landmarks
@@ -158,7 +160,7 @@ fn projected(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Cli
     landmarks.chain(lines).collect()
 }
 
-/// The ends of a polyline and points between them, evenly over its vertices.
+/// A subsample of a polyline: its ends, and points evenly spaced over its vertices.
 fn thinned(points: &[ImagePoint]) -> Vec<ImagePoint> {
     let last = points.len().saturating_sub(1);
     let steps = last.min(CURVE_POINTS - 1);
@@ -167,7 +169,7 @@ fn thinned(points: &[ImagePoint]) -> Vec<ImagePoint> {
         .collect()
 }
 
-/// What a format does not hold of the clicks.
+/// The clicks that a format cannot store.
 #[derive(Default)]
 struct Dropped {
     kind: usize,
@@ -217,7 +219,7 @@ impl Dropped {
     }
 }
 
-/// Reads the files again and compares every click; how far one moved at most, px.
+/// Reads the files back and compares every click. Returns the largest distance, px.
 fn prove(
     format: Format,
     click_format: &dyn ClickFormat,
@@ -262,6 +264,8 @@ fn prove(
                     f64::INFINITY
                 }
             };
+            // A line has several clicks with one name, so each click is matched with the nearest
+            // mark of its name.
             let nearest = (0..left.len())
                 .min_by(|a, b| off(&left[*a]).total_cmp(&off(&left[*b])))
                 .ok_or_else(otherwise)?;

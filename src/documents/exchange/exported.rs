@@ -1,4 +1,4 @@
-//! What an export made.
+//! The result of an export.
 
 use super::error::ExchangeError;
 use super::files::Files;
@@ -8,31 +8,31 @@ use crate::document::{Document, document_to_string, resolved};
 use std::path::{Path, PathBuf};
 use touchline_core::files::folder_of;
 
-/// An export that has proved itself and waits to be written.
+/// A verified export, ready to be written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exported {
     /// The format.
     pub format: Format,
     /// Its files.
     pub files: Files,
-    /// How many frames they hold.
+    /// The number of frames in them.
     pub frames: usize,
-    /// Frames that were asked for and cannot be held, by name, and why.
+    /// Chosen frames that the format cannot store, by name, with the reason.
     pub left_out: Vec<(String, String)>,
-    /// What the format does not hold of the others.
+    /// What the format loses of the others.
     pub loss: Option<Loss>,
-    /// What a user should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
-    /// How far a landmark or click moved when the files were read again, at most, px.
+    /// The largest change of a landmark or click when the files were read back, px.
     pub worst_px: f64,
-    /// It is divided into takes, which have files of their own.
+    /// Whether it is divided into takes, each with its own files.
     pub in_takes: bool,
     /// The dataset and where its relative paths start; none for foreign formats.
     pub(super) dataset: Option<(Document, PathBuf)>,
 }
 
 impl Exported {
-    /// Whether its files go into a folder.
+    /// Whether it is written as a folder.
     #[must_use]
     pub const fn is_folder(&self) -> bool {
         self.in_takes || self.format.is_folder()
@@ -55,7 +55,7 @@ impl Exported {
         let Some((dataset, folder)) = &self.dataset else {
             return self.files.write(path, self.is_folder(), force);
         };
-        // Where it lands its paths point at the same files.
+        // Rewrite its paths so that they refer to the same files from the new folder.
         let moved = document_to_string(
             &dataset
                 .clone()

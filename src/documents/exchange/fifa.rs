@@ -1,5 +1,5 @@
-//! The cameras of the FIFA Skeletal Tracking tasks: one archive of `NumPy` arrays a video, a row a
-//! frame.
+//! The cameras of the FIFA Skeletal Tracking tasks: one archive of `NumPy` arrays per video, with
+//! one row per frame.
 //!
 //! | array | shape | what it is |
 //! |---|---|---|
@@ -8,11 +8,11 @@
 //! | `R` | (1 or n, 3, 3) | camera from world: x right, y down, z ahead in the camera; x along the pitch, y away, z up in the world |
 //! | `t` | (1 or n, 3) | −R C, m; the origin is the pitch's centre on the ground |
 //!
-//! The tasks hand out `R` and `t` of the first frame alone. Every other frame is then read as one
-//! of which the lens is known and pan and tilt are not. A frame keeps its lens and principal point
-//! for itself, because in such files both change with the zoom, and along no line. The files state
-//! no picture size; those of the tasks are of 1920 × 1080 px. Source: the description of the data
-//! in the tasks' starter kit, and the projection in its baseline.
+//! The tasks give `R` and `t` of the first frame only. Every other frame is then read with a known
+//! lens and unknown pan and tilt. Each frame has its own lens and principal point, because in such
+//! files both change with the zoom, and not linearly. The files state no picture size; those of the
+//! tasks are of 1920 × 1080 px. Source: the description of the data in the tasks' starter kit, and
+//! the projection in its baseline.
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
@@ -33,15 +33,15 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 /// The format.
 pub struct Fifa;
 
-/// The pictures of the tasks.
+/// The size of the tasks' pictures.
 const SET_SIZE: ImageSize = ImageSize::new(1920, 1080);
-/// The file that an export makes, without its ending.
+/// The name of an exported file, without its extension.
 const STEM: &str = "cameras";
 /// The arrays that are read.
 const ARRAYS: [&str; 4] = ["K", "k", "R", "t"];
 /// The coefficients that an export writes for a frame: k1, k2, p1, p2, k3.
 const COEFFICIENTS: usize = 5;
-/// The most frames of a file: five hours at 50 frames a second.
+/// The maximum number of frames of a file: five hours at 50 frames per second.
 const MAX_FRAMES: usize = 900_000;
 
 /// The name of a frame by its video and number.
@@ -76,7 +76,7 @@ fn check_shape(
 struct Sequence {
     calibrations: Array,
     distortions: Array,
-    /// Rotations and translations, as many of one as of the other.
+    /// Rotations and translations, equal in number.
     poses: Option<(Array, Array)>,
     frames: usize,
 }
@@ -127,7 +127,8 @@ impl Sequence {
         })
     }
 
-    /// How a frame shows the world, as far as the file says.
+    /// The projection of a frame: a camera if the file has its rotation and translation, else its
+    /// lens.
     fn shown(&self, frame: usize) -> Result<Shown, Problem> {
         let lens = lens_of(self.calibrations.row(frame), self.distortions.row(frame))?;
         if let Some((rotations, translations)) = &self.poses
@@ -282,8 +283,7 @@ impl CameraFormat for Fifa {
     }
 
     fn exactness(&self) -> Exactness {
-        // The tasks' rotations and translations have the digits of float32: 4e-8 and, at 80 m,
-        // 5e-6.
+        // The tasks' rotations and translations have float32 precision: 4e-8, and 5e-6 m at 80 m.
         Exactness {
             angle_rad: 1e-6,
             place_m: 1e-4,
@@ -374,9 +374,9 @@ impl CameraFormat for Fifa {
 
 /// A document in which every frame has a lens of its own.
 ///
-/// Frames that were taken from one place about one pan axis share a camera, whatever their lenses.
-/// Its own lens is that of its first frame. Frames of which only the lens is known belong to the
-/// first camera of their video; they are new, and have no `ptz`.
+/// Frames with one position and one pan axis share a camera, whatever their lenses. The camera's
+/// lens is that of its first frame. Frames of which only the lens is known belong to the first
+/// camera of their video; they have the status `new` and no `ptz`.
 fn document_with_lenses(field: FieldSpec, frames: &[View], exact: Exactness) -> Document {
     let mut posed: Vec<View> = frames
         .iter()
@@ -390,6 +390,7 @@ fn document_with_lenses(field: FieldSpec, frames: &[View], exact: Exactness) -> 
     }
     let mut document = document_of(field, &posed, exact);
 
+    // Merge both kinds back in the order of the file: `solved` has the posed frames in that order.
     let mut solved: std::vec::IntoIter<Frame> = document
         .frames
         .iter()

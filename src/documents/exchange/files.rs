@@ -1,4 +1,5 @@
-//! The files of an export or import in memory: written whole or not at all, read with limits.
+//! The files of an export or import in memory, written completely or not at all, and read with
+//! limits.
 
 use super::error::{ExchangeError, Problem};
 use std::collections::BTreeMap;
@@ -10,16 +11,16 @@ use touchline_core::files::{
     temporary_file_in, temporary_folder_in,
 };
 
-/// The largest file that is read.
+/// The maximum size of a file that is read, bytes.
 pub const MAX_FILE_BYTES: u64 = 64 << 20;
-/// The most that is read of one folder.
+/// The maximum total size of the files read from one folder, bytes.
 const MAX_TOTAL_BYTES: u64 = 1 << 30;
-/// The most files that are looked at in one folder.
+/// The maximum number of files inspected in one folder.
 const MAX_FILES: usize = 500_000;
-/// How deep folders are searched.
+/// The maximum depth to which folders are searched.
 const MAX_DEPTH: usize = 5;
 
-/// Files by their path from the folder that holds them, with `/` between the parts.
+/// Files by their path within a common folder, with `/` between the parts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Files(BTreeMap<String, Vec<u8>>);
 
@@ -30,12 +31,12 @@ impl Files {
         Self(BTreeMap::from([(name.to_owned(), bytes)]))
     }
 
-    /// Adds a file; whoever names them has made sure that no two have one name.
+    /// Adds a file; the caller ensures that names are unique.
     pub fn add(&mut self, name: impl Into<String>, bytes: impl Into<Vec<u8>>) {
         self.0.insert(name.into(), bytes.into());
     }
 
-    /// Every file by name, in the order of numbers within the names.
+    /// All files by name, in natural order of the numbers within the names.
     #[must_use]
     pub fn sorted(&self) -> Vec<(&str, &[u8])> {
         let mut files: Vec<(&str, &[u8])> = self
@@ -47,7 +48,7 @@ impl Files {
         files
     }
 
-    /// What every file holds, in order.
+    /// Reads every file, in order, and returns the concatenated results.
     ///
     /// # Errors
     /// One of them is damaged; it is named.
@@ -114,9 +115,9 @@ impl Files {
         Ok(reader.files)
     }
 
-    /// Writes the only file to `path`, or all of them into a new folder there. Everything is
-    /// written beside it first and then renamed. `force` replaces files of the same names; a folder
-    /// that holds others is not replaced.
+    /// Writes the only file to `path`, or all of them into a new folder there. Everything is first
+    /// written to a temporary place beside it and then renamed. `force` replaces files of the same
+    /// names; a folder with other files is not replaced.
     ///
     /// # Errors
     /// Something is there already and `force` was not given, other files would be lost, or it
@@ -238,7 +239,7 @@ fn read_limited(path: &Path, name: &str) -> Result<Vec<u8>, ExchangeError> {
     })
 }
 
-/// Archives are not read: what lies in them is unpacked by people, who see where it goes.
+/// Rejects archives: the user unpacks them and sees where the contents go.
 ///
 /// # Errors
 /// It is one.

@@ -12,7 +12,7 @@ pub enum Format {
     SoccerNet,
     /// Line annotations of the SoccerNet challenges.
     SoccerNetLines,
-    /// A table with a row a frame.
+    /// A table with one row per frame.
     Csv,
     /// Keypoints for Ultralytics' pose models.
     YoloPose,
@@ -22,7 +22,7 @@ pub enum Format {
     Cvat,
     /// Label Studio's JSON.
     LabelStudio,
-    /// labelme's JSON, a file an image.
+    /// labelme's JSON, one file per image.
     Labelme,
     /// Homographies of the World Cup 2014 set.
     Wc14,
@@ -34,15 +34,15 @@ pub enum Format {
     BroadTrack,
     /// COLMAP's text files.
     Colmap,
-    /// OpenCV's YAML, a file a frame.
+    /// OpenCV's YAML, one file per frame.
     OpenCv,
     /// A USD stage as text.
     Usda,
-    /// `OpenTrackIO` samples, one a line.
+    /// `OpenTrackIO` samples, one per line.
     OpenTrackIo,
     /// `FreeD` packets.
     FreeD,
-    /// What `FreeD` holds, as a table.
+    /// The contents of `FreeD` packets, as a table.
     FreeDCsv,
     /// `DeepSport`'s basketball cameras.
     DeepSport,
@@ -58,7 +58,7 @@ pub enum Format {
     AuthorsMat,
 }
 
-/// What is known of a format as such.
+/// The properties of a format.
 struct Facts {
     name: &'static str,
     title: &'static str,
@@ -264,7 +264,7 @@ impl Format {
         self.facts().name
     }
 
-    /// What it is, in a line.
+    /// Its description in one line.
     #[must_use]
     pub const fn title(self) -> &'static str {
         self.facts().title
@@ -307,7 +307,7 @@ impl Format {
         Self::ALL.into_iter().find(|format| format.name() == name)
     }
 
-    /// Whether it holds points or lines of pictures, not cameras.
+    /// Whether it stores points or lines of pictures, not cameras.
     #[must_use]
     pub const fn is_of_points(self) -> bool {
         matches!(
@@ -333,8 +333,8 @@ impl Format {
         self.facts().imports
     }
 
-    /// Whether an export is read again, and every landmark or click compared, before it is written.
-    /// A sheet without cameras is not; a document is compared as a text.
+    /// Whether an export is read back, and every landmark or click compared, before it is written.
+    /// A sheet without cameras is not verified; a document is compared as text.
     #[must_use]
     pub const fn is_proved(self) -> bool {
         self.exports() && !matches!(self, Self::Cdf | Self::Json)

@@ -1,5 +1,5 @@
-//! A frame's camera as formats exchange it: one rotation, one centre, one lens, without base and
-//! pan.
+//! A frame's camera as exchange formats store it: one rotation, one centre and one lens, without a
+//! base and pan and tilt.
 
 use crate::document::{FrameStatus, SolutionSource};
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera, Radial};
@@ -11,14 +11,14 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use super::error::Problem;
 use super::rate::Rate;
 
-/// How a frame shows the world.
+/// The projection of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shown {
     /// By a camera.
     Camera(Pinhole),
     /// By a homography from the ground (world x and y, m) to the picture (px, corner convention).
     Ground(Mat3),
-    /// By a camera of which only the lens is known.
+    /// By a camera whose pan and tilt are unknown; only its lens is known.
     Lens(KnownLens),
 }
 
@@ -51,7 +51,7 @@ pub struct Pinhole {
 /// A frame of an import or export.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameCamera {
-    /// What the format calls it; unique within a file.
+    /// Its name in the format; unique within a file.
     pub name: String,
     /// Its image as the document or the file has it; none for a frame of a video only.
     pub image: Option<String>,
@@ -61,7 +61,7 @@ pub struct FrameCamera {
     pub video: Option<String>,
     /// The size of the picture; none where the format does not say.
     pub size: Option<ImageSize>,
-    /// How it shows the world.
+    /// Its projection.
     pub shown: Shown,
     /// The video frame, counted from 0.
     pub frame_index: Option<u64>,
@@ -69,16 +69,16 @@ pub struct FrameCamera {
     pub pts_s: Option<f64>,
     /// Frames a second of its video, where the times of the video's frames say so.
     pub rate: Option<Rate>,
-    /// How good it is.
+    /// Status, source and quality of its camera.
     pub record: Record,
 }
 
-/// What is known of a frame besides its camera.
+/// Further data of a frame besides its camera.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
-    /// How far it has come.
+    /// Its status in the document.
     pub status: FrameStatus,
-    /// What it was solved from.
+    /// The source of its solution.
     pub source: Option<SolutionSource>,
     /// Pan and tilt in the document's base.
     pub ptz: Option<Ptz>,
@@ -90,8 +90,8 @@ pub struct Record {
     pub rms_px: Option<f64>,
     /// 0 to 1.
     pub confidence: Option<f64>,
-    /// Where people clicked on landmarks, by name, in px of the picture as it is written; points
-    /// that were held out are not here.
+    /// Clicks on landmarks, by name, in px of the picture as it is written; held-out points are not
+    /// included.
     pub clicks: Vec<(String, ImagePoint)>,
 }
 
@@ -122,8 +122,8 @@ impl FrameCamera {
         }
     }
 
-    /// Where it shows a point of the world; none behind the camera, and off the ground for a
-    /// homography.
+    /// The image of a world point, px; none behind the camera, and for a homography none off the
+    /// ground.
     #[must_use]
     pub fn image_from_world(&self, point_in_world: Vec3) -> Option<ImagePoint> {
         match &self.shown {
@@ -142,7 +142,7 @@ impl FrameCamera {
 }
 
 impl KnownLens {
-    /// A camera with this lens at the origin that points along the third axis.
+    /// A camera with this lens at the origin that looks along the z axis of `world`.
     #[must_use]
     pub fn unpointed(&self) -> Pinhole {
         Pinhole {
@@ -166,7 +166,7 @@ impl Pinhole {
         }
     }
 
-    /// The camera of a frame as it is pointed.
+    /// The camera of a frame at its pan, tilt and focal length.
     #[must_use]
     pub fn of(camera: &PtzCamera) -> Self {
         Self {
@@ -178,7 +178,8 @@ impl Pinhole {
         }
     }
 
-    /// A camera that was read: every number finite, the focal length positive, the rotation tidied.
+    /// Checks a camera that was read: all numbers finite, the focal length positive, the position
+    /// plausible. The rotation is orthogonalised.
     ///
     /// # Errors
     /// One of them is not; `what` names the frame.
@@ -249,7 +250,7 @@ impl Pinhole {
         })
     }
 
-    /// The same as a camera of the mathematics. None where k₂ comes without k₁.
+    /// The same as a [`PtzCamera`] at pan and tilt 0. None where k₂ is given without k₁.
     #[must_use]
     pub fn pointed(&self) -> Option<PtzCamera> {
         let base = CameraBase {
@@ -262,20 +263,20 @@ impl Pinhole {
         ))
     }
 
-    /// Its lens at every focal length.
+    /// Its lens as a curve that is constant over the focal length.
     #[must_use]
     pub fn curve(&self) -> Option<FocalCurve> {
         FocalCurve::through(self.lens)
     }
 
-    /// −R C.
+    /// The translation of `cam_from_world`, t = −R C, m.
     #[must_use]
     pub fn translation(&self) -> Vec3 {
         -(self.cam_from_world * self.position_m)
     }
 
-    /// The homography from the ground (z = 0; x, y in m, 1) to the picture of a lens without
-    /// distortion.
+    /// The homography from the ground (z = 0; x, y in m, 1) to the picture (px) without distortion:
+    /// `K [r₁ r₂ t]`.
     #[must_use]
     pub fn image_from_ground(&self) -> Mat3 {
         let calibration = Mat3::new(
@@ -297,7 +298,7 @@ impl Pinhole {
         calibration * plane
     }
 
-    /// The same camera in a picture of another width; the height follows.
+    /// The same camera in a picture scaled by a factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
@@ -311,7 +312,7 @@ impl Pinhole {
     }
 }
 
-/// A matrix nearer to a rotation than this is taken as it is.
+/// A matrix nearer to a rotation than this is not orthogonalised, so that its digits are kept.
 const EXACT_ROTATION: f64 = 1e-14;
-/// A camera farther from the field than this was read in other units, m.
+/// The maximum coordinate of a position, m; a larger one was probably stored in other units.
 const FARTHEST_M: f64 = 1e5;

@@ -26,21 +26,21 @@ pub struct FreeDCsv;
 
 /// The length of a packet, bytes.
 const PACKET: usize = 29;
-/// What a packet begins with.
+/// The first byte of a packet.
 const D1: u8 = 0xd1;
-/// What the checksum begins with.
+/// The initial value of the checksum.
 const CHECKSUM: u8 = 0x40;
-/// Steps a degree.
+/// Steps per degree.
 const PER_DEGREE: f64 = 32_768.0;
-/// Steps a metre.
+/// Steps per metre.
 const PER_METRE: f64 = 64_000.0;
-/// The largest number of 24 bits with a sign.
+/// The largest signed number of 24 bits.
 const MAX_S24: f64 = 8_388_607.0;
-/// The largest without one.
+/// The largest unsigned number of 24 bits.
 const MAX_U24: f64 = 16_777_215.0;
 /// The camera's number in packets.
 const CAMERA: u8 = 1;
-/// Half a step of three angles and of a place, at a distance of tens of metres, rad.
+/// The rounding of three angles and of a position seen from tens of metres, half a step each, rad.
 const STEP_RAD: f64 = 1.5e-6;
 
 impl Zoom {
@@ -89,7 +89,8 @@ impl Zoom {
     }
 }
 
-/// Linear between the rows of a table, whichever way its first column runs.
+/// Linear interpolation between the rows of a table, whose first column may be ascending or
+/// descending. None outside the table.
 fn between(table: impl Iterator<Item = (f64, f64)>, at: f64) -> Option<f64> {
     let mut rows: Vec<(f64, f64)> = table.collect();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -104,7 +105,7 @@ fn between(table: impl Iterator<Item = (f64, f64)>, at: f64) -> Option<f64> {
     })
 }
 
-/// What neither packets nor the table say.
+/// What the user must state, because neither packets nor the table contain it.
 #[derive(Clone, Copy)]
 struct Reading<'a> {
     size: ImageSize,
@@ -155,6 +156,7 @@ impl Sample {
         let [pan, tilt, roll] = angles_deg(&pinhole.cam_from_world);
         let zoom_raw = zoom.raw(pinhole.focal_px, size, sensor_mm)?;
         Ok(Self {
+            // FreeD's pan is positive to the right.
             angles_deg: [-pan, tilt, roll],
             position_m: pinhole.position_m,
             zoom_raw,
@@ -219,6 +221,8 @@ impl Sample {
                 packet[PACKET - 1]
             )));
         }
+        // A big-endian signed number of 24 bits: shifted to the top of 32 bits and back, which
+        // extends the sign.
         let signed = |at: usize| {
             let [a, b, c] = [packet[at], packet[at + 1], packet[at + 2]];
             f64::from(i32::from_be_bytes([a, b, c, 0]) >> 8)
@@ -238,7 +242,7 @@ fn checksum(packet: &[u8]) -> u8 {
         .fold(CHECKSUM, |sum, byte| sum.wrapping_sub(*byte))
 }
 
-/// What both keep: a pinhole whose focal length is one that a whole zoom value says.
+/// What both formats keep: a pinhole whose focal length corresponds to a whole zoom value.
 fn hold(
     frame: &FrameCamera,
     index: usize,
@@ -393,7 +397,8 @@ impl CameraFormat for FreeD {
     }
 }
 
-/// That a stream is of several cameras: frames of all of them follow each other under one count.
+/// A note if a stream contains several cameras: the frames of all of them are numbered in one
+/// sequence.
 fn second_camera_note(ids: &BTreeSet<String>) -> Option<String> {
     (ids.len() > 1).then(|| {
         let ids: Vec<&str> = ids.iter().map(String::as_str).collect();

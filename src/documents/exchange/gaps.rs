@@ -1,5 +1,5 @@
-//! Frames that are missing between solved frames of a video: interpolated and marked, or the end of
-//! a take.
+//! Frames that are missing between solved frames of a video: they are interpolated and marked as
+//! such, or split the export into takes.
 
 use super::choose::is_chosen;
 use super::error::ExchangeError;
@@ -14,10 +14,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::Angle;
 
-/// The chosen frames, and cameras for up to `most` frames in a row that are missing between two
-/// solved ones of the same video, camera and clip. Pan and tilt are linear in time between them,
-/// and so is the logarithm of the focal length. A gap in which somebody rejected a frame, or in
-/// which a frame has a camera that was not asked for, stays. What stays is told as a note.
+/// The chosen frames, and interpolated cameras for gaps of up to `most` frames between two solved
+/// frames of the same video, camera and clip. Pan, tilt and the logarithm of the focal length are
+/// interpolated linearly in time. A gap that contains a rejected frame, or a frame with a camera
+/// that was not chosen, is not filled. Gaps that were not filled are reported in a note.
 #[must_use]
 pub fn interpolated(
     document: &Document,
@@ -83,7 +83,7 @@ pub fn interpolated(
     )
 }
 
-/// How many numbers of a video are missing between two frames.
+/// The number of video frames between two frames.
 fn missing_between(before: &Frame, after: &Frame) -> u64 {
     let number = |frame: &Frame| frame.video.as_ref().map_or(0, |video| video.frame_index);
     number(after)
@@ -113,7 +113,8 @@ fn runs<'a>(document: &'a Document, choice: &FrameChoice) -> Vec<Vec<&'a Frame>>
     runs.into_values().map(sorted).collect()
 }
 
-/// The frames between two; none where somebody has decided otherwise for one of them.
+/// The interpolated frames between two; none if one of the frames there is rejected or has a
+/// camera.
 fn between(document: &Document, before: &Frame, after: &Frame) -> Option<Vec<Frame>> {
     let (first, last) = (before.video.as_ref()?, after.video.as_ref()?);
     let is_within = |frame: &Frame| {
@@ -142,7 +143,7 @@ fn between(document: &Document, before: &Frame, after: &Frame) -> Option<Vec<Fra
         .collect()
 }
 
-/// A frame whose camera lies between those of two others.
+/// A frame with an interpolated camera. The pan takes the shorter way around.
 fn frame_at(
     number: u64,
     there: Option<&Frame>,
@@ -153,6 +154,8 @@ fn frame_at(
     let (first, last) = (before.video.as_ref()?, after.video.as_ref()?);
     let share = (number - first.frame_index) as f64 / (last.frame_index - first.frame_index) as f64;
     let (from, to) = (before.ptz.as_ref()?, after.ptz.as_ref()?);
+    // Linear in the frame number; the focal length in its logarithm, so that equal ratios take
+    // equal times.
     let mix = |from: f64, to: f64| from + (to - from) * share;
     let (pan, pan_after) = (from.ptz().pan, to.ptz().pan);
     let ptz = Ptz {
@@ -189,11 +192,11 @@ fn frame_at(
     })
 }
 
-/// The export of each take on its own: chosen, solved frames whose numbers follow each other.
-/// Frames without a number are one take.
+/// Exports each take separately: a run of chosen, solved frames with consecutive numbers. Frames
+/// without a number form one take.
 ///
 /// # Errors
-/// As those of `export`.
+/// Those of `export`.
 pub fn in_takes(
     at: DocumentAt<'_>,
     choice: &FrameChoice,
@@ -249,7 +252,7 @@ pub fn in_takes(
     whole.ok_or_else(|| super::choose::nothing(super::format::Format::Json, &[]))
 }
 
-/// Takes so far and one more.
+/// The takes so far, joined with one more.
 fn joined(mut whole: Exported, take: Exported, files: &Files) -> Exported {
     for (name, bytes) in files.sorted() {
         whole.files.add(name, bytes);

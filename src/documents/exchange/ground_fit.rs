@@ -1,23 +1,24 @@
-//! The homography of a picture of a field that no homography shows exactly: through a lens that
-//! distorts, or of crowned ground.
+//! The homography that approximates a picture which no homography describes exactly, because the
+//! lens distorts or the ground is crowned.
 //!
-//! A homography takes a flat ground to a flat picture. The one that comes nearest over the visible
-//! field is fitted to pairs of a pixel and the *nominal* place that it shows: a reader of the
-//! homography knows the field's plan and not its heights.
+//! A homography maps a plane to a plane. It is fitted over the visible field to pairs of a pixel
+//! and the *nominal* point (x, y) that the pixel shows, because a reader of the homography knows
+//! the field's plan but not its heights.
 
 use super::frame_camera::Pinhole;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, homography};
 
-/// The homography is fitted on a grid of pixels with this many steps each way.
+/// The homography is fitted on a grid of this many pixels in each direction.
 const GRID: u32 = 24;
-/// The height of the ground is looked up again where the ray meets it: each round is nearer by the
-/// slope of the crown, some percent.
+/// Rounds of the fixed-point iteration for the intersection of a ray with the crowned ground; each
+/// reduces the error to the slope of the crown, a few per cent.
 const HEIGHT_ROUNDS: usize = 4;
 
-/// The homography from the plan of the field (m) to the picture that comes nearest over the visible
-/// field. The plan is the picture's own exactly where the ground is flat and the lens straight.
+/// The homography from the plan of the field (m) to the picture (px) that fits best over the
+/// visible field, by the normalised direct linear transform. Exact for flat ground and a lens
+/// without distortion.
 #[must_use]
 pub fn fit_image_from_ground(
     pinhole: &Pinhole,
@@ -28,6 +29,9 @@ pub fn fit_image_from_ground(
     let share = |step: u32, side: u32| (f64::from(step) + 0.5) / f64::from(GRID) * f64::from(side);
     let pixels = (0..GRID).flat_map(|column| (0..GRID).map(move |row| (column, row)));
     let half_m = [0.5 * field.length_m, 0.5 * field.width_m];
+
+    // Only pixels that show the field itself: the grid would otherwise be dominated by distant
+    // ground.
     let pairs: Vec<(Vec2, Vec2)> = pixels
         .map(|(column, row)| ImagePoint::new(share(column, size.width), share(row, size.height)))
         .filter_map(|pixel| {
@@ -39,12 +43,12 @@ pub fn fit_image_from_ground(
         .filter(|(place, _)| place.x.abs() <= half_m[0] && place.y.abs() <= half_m[1])
         .collect();
     let fitted = homography(&pairs).ok()?;
-    // The sign by which the pitch lies before the camera.
+    // The direct linear transform leaves the sign open: choose the one with positive depths.
     let depth = fitted.row(2) * Vec3::new(pairs[0].0.x, pairs[0].0.y, 1.0);
     Some(fitted * depth[0].signum())
 }
 
-/// The place on the plan of the field that a pixel shows.
+/// The point (x, y) of the field's plan that a pixel shows, m.
 fn place_from_image(camera: &PtzCamera, pixel: ImagePoint, field: &FieldModel) -> Option<Vec2> {
     let mut place = camera.plane_from_image(pixel, 0.0)?;
     if field.crown_m != 0.0 {

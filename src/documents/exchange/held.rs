@@ -1,4 +1,4 @@
-//! What formats that hold less keep of a camera.
+//! Helpers for formats that store less than a whole camera.
 
 use super::camera_format::stem_of;
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
@@ -39,8 +39,8 @@ pub fn plain(pinhole: &Pinhole, size: ImageSize) -> Pinhole {
     }
 }
 
-/// What a frame's image is called in a file beside the document: its path where that stays in the
-/// folder, else its file's name; frames of a video by the video and their number.
+/// The name of a frame's image in a file beside the document: its path if that stays within the
+/// folder, else its file name; for a frame of a video, the video's name and the frame number.
 #[must_use]
 pub fn relative_name(frame: &FrameCamera) -> String {
     let Some(image) = &frame.image else {

@@ -1,12 +1,12 @@
-//! Homographies: of the World Cup 2014 set, of the TS-WorldCup set, and as JSON lines that state
-//! what they are.
+//! Homographies: those of the World Cup 2014 set, those of the TS-WorldCup set, and JSON lines that
+//! state their conventions.
 //!
-//! Both sets take a pixel (from the first one's centre) to a template of 114.83 × 74.37 *yards*
-//! whose origin is the far left corner, y towards the camera. The same letters are stored the other
-//! way round elsewhere, so the JSON lines name their direction, unit and pixels. A homography knows
-//! neither distortion nor points off the ground: unless `undistorted` is asked for, the one that
-//! comes nearest over the visible pitch is written, and how far it is off is said. Source:
-//! ericsujw/KpSFR (loaders).
+//! The homographies of both sets map a pixel (with the first pixel's centre as the origin) to a
+//! template of 114.83 × 74.37 *yards* whose origin is the far left corner, y towards the camera.
+//! Elsewhere H denotes the opposite direction, so the JSON lines state direction, unit and pixel
+//! convention. A homography has neither distortion nor points off the ground: unless the user asks
+//! for `undistorted`, the one that fits best over the visible pitch is written, and its error is
+//! reported. Source: ericsujw/KpSFR (loaders).
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
@@ -45,7 +45,7 @@ pub struct TsWorldCup;
 /// JSON lines.
 pub struct HomographyLines;
 
-/// The template (yards) from the ground (m).
+/// The map from the ground (m) to the template (yards).
 fn template_from_ground() -> Mat3 {
     let [length, width] = TEMPLATE_YD;
     Mat3::new(
@@ -61,7 +61,7 @@ fn template_from_ground() -> Mat3 {
     )
 }
 
-/// Corner pixels from pixels that are counted from somewhere.
+/// The map from another pixel convention to ours, with the origin at the corner.
 fn corner_from(pixels: Pixels) -> Mat3 {
     let shift = pixels.to_corner_px();
     Mat3::new(1.0, 0.0, shift, 0.0, 1.0, shift, 0.0, 0.0, 1.0)
@@ -93,20 +93,22 @@ fn template_from_image(frame: &FrameCamera) -> Option<Mat3> {
     ))
 }
 
-/// The ground's picture of a homography from picture to template, as both sets store it.
+/// The homography from ground (m) to picture (px), from one from picture to template as both sets
+/// store it.
 fn image_from_ground(template_from_image: &Mat3) -> Result<Mat3, Problem> {
     let image_from_template = inverse(template_from_image, "the homography")?;
     Ok(corner_from(Pixels::Centre) * image_from_template * template_from_ground())
 }
 
-/// The homography of the camera's picture without distortion, or the one nearest to its picture as
-/// it is. Crowned ground has no exact one.
+/// The homography of the camera's undistorted picture if the options ask for that, else of its
+/// picture as it is. Exact without distortion and crown, else fitted.
 fn hold(
     frame: &FrameCamera,
     name: String,
     context: &WriteContext<'_>,
 ) -> Result<FrameCamera, String> {
     let (pinhole, size) = parts(frame)?;
+    // Without distortion and crown the homography is exact: K [r₁ r₂ t]. Else fit it.
     let ideal = Pinhole {
         lens: Radial::default(),
         ..pinhole
@@ -132,7 +134,7 @@ fn hold(
     })
 }
 
-/// What a user should know of both sets.
+/// Notes for the user about both sets.
 fn notes(frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
     let mut notes = Vec::new();
     let (length, width) = (context.field.length_m, context.field.width_m);
@@ -330,7 +332,7 @@ impl CameraFormat for TsWorldCup {
     }
 }
 
-/// How many metres a unit has.
+/// The length of a unit, m.
 fn unit_m(node: &Node<'_>) -> Result<f64, Problem> {
     match node.text()? {
         "m" => Ok(1.0),

@@ -1,4 +1,4 @@
-//! A document of foreign files.
+//! Reads foreign files as a document.
 
 use super::authors_mat::read_authors_folder;
 use super::error::ExchangeError;
@@ -12,7 +12,7 @@ use super::registry::{camera_format, click_format};
 use crate::document::{document_from_bytes, resolved};
 use std::path::Path;
 
-/// The authors' field where they give no model, yards.
+/// The size of the authors' field where there is no model of it, yards.
 const AUTHORS_FIELD_YD: [f64; 2] = [118.0, 70.0];
 
 /// Reads a file or folder of a foreign format as a document.

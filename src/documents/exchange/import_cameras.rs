@@ -1,4 +1,4 @@
-//! A document of foreign cameras.
+//! Import of foreign cameras as a document.
 
 use super::camera_format::CameraFormat;
 use super::error::ExchangeError;
@@ -111,18 +111,18 @@ pub fn import_cameras(
     })
 }
 
-/// Counts where the sizes of the pictures come from.
+/// Counts the sources of the picture sizes.
 #[derive(Default)]
 struct SizesBy {
     option: usize,
     format: usize,
     assumed: usize,
-    /// What was assumed first.
+    /// The first assumed size.
     assumed_size: Option<ImageSize>,
 }
 
 impl SizesBy {
-    /// The image's own size, else the one that was given, else the one that the format says.
+    /// The image's own size, else the given one, else the one stated by the format.
     fn choose(
         &mut self,
         image: Option<ImageSize>,

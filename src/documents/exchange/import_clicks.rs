@@ -1,4 +1,4 @@
-//! A document of points that people set with other tools.
+//! Import of points from other annotation tools as a document.
 
 use super::clicked_frame::{ClickFormat, LabelledFrame, Mark};
 use super::error::ExchangeError;
@@ -17,7 +17,7 @@ use std::path::Path;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::ImageSize;
 
-/// Points farther than this from the picture's corner are a mistake, px.
+/// The maximum distance of a point from the picture's corner, px; a larger one is a mistake.
 const FARTHEST_PX: f64 = 1e6;
 
 /// Reads a file or folder of clicks as a document of drafts.
@@ -103,7 +103,7 @@ pub fn import_clicks(
     })
 }
 
-/// Refuses a picture that is there twice, and points that lie nowhere near theirs.
+/// Rejects a duplicate picture, and points far outside their picture.
 fn refuse_damaged(frames: &[LabelledFrame], path: &Path) -> Result<(), ExchangeError> {
     let mut names = BTreeSet::new();
     for frame in frames {
@@ -138,7 +138,7 @@ fn refuse_damaged(frames: &[LabelledFrame], path: &Path) -> Result<(), ExchangeE
     Ok(())
 }
 
-/// A field whose size nobody has confirmed is said.
+/// The note about a field of unconfirmed size.
 fn points_off_the_field(field: &FieldModel) -> Option<String> {
     (field.template == "soccer").then(|| {
         format!(
@@ -148,7 +148,8 @@ fn points_off_the_field(field: &FieldModel) -> Option<String> {
     })
 }
 
-/// A landmark that is there twice keeps none: nobody knows which is right. A line keeps all.
+/// Drops all clicks on a landmark that occurs twice, because it is unknown which one is right. A
+/// line keeps all its clicks.
 fn drop_repeated_landmarks(clicks: &mut Vec<Click>, twice: &mut BTreeMap<String, usize>) {
     let mut counts: BTreeMap<Target, usize> = BTreeMap::new();
     for target in clicks.iter().filter_map(|click| click.target.clone()) {
@@ -166,7 +167,7 @@ fn drop_repeated_landmarks(clicks: &mut Vec<Click>, twice: &mut BTreeMap<String,
     });
 }
 
-/// The cameras of a document that is made: one for each size of picture.
+/// The cameras of a new document: one for each picture size.
 struct Cameras<'a>(&'a mut Vec<crate::document::Shared<Camera>>);
 
 impl Cameras<'_> {

@@ -1,15 +1,15 @@
-//! What an import made.
+//! The result of an import.
 
 use crate::document::Document;
 use std::path::PathBuf;
 
-/// A document that was made of foreign files.
+/// A document made from foreign files.
 #[derive(Clone, Debug)]
 pub struct Imported {
     /// The document; its relative paths start from `folder`.
     pub document: Document,
-    /// Where its relative paths start.
+    /// The folder that its relative paths start from.
     pub folder: PathBuf,
-    /// What a user should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! A document of cameras that were read: frames that one base explains share a camera.
+//! Converts cameras that were read into a document: frames with a common base share a camera.
 
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use crate::document::{
@@ -12,17 +12,17 @@ use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Mat3, Vec2, Vec3};
 use touchline_core::score::PlaneView;
 use touchline_core::solve::{PlanePoseError, pose_from_plane};
 
-/// Frames whose centres are nearer to each other than this have one camera, m.
+/// Frames whose centres of projection differ by at most this may share a camera, m.
 const SAME_PLACE_M: f64 = 1e-6;
-/// Pans closer together than this do not say where the pan axis points: the second eigenvalue per
-/// frame.
+/// The minimum spread of pans that determines the pan axis: the second smallest eigenvalue of the
+/// mean of x xᵀ over the frames' x axes.
 const MIN_PAN_SPREAD: f64 = 1e-6;
-/// Ground farther from the middle of the field says nothing of its picture, m.
+/// Ground farther from the middle of the field is not used to fit a camera, m.
 const WIDEST_GROUND_M: f64 = 150.0;
-/// Lenses that differ by less than this are one.
+/// Distortion coefficients that differ by at most this are equal.
 const SAME_LENS: f64 = 1e-12;
 
-/// How exactly the numbers of a format agree with each other.
+/// The precision of a format's numbers, as tolerances.
 #[derive(Clone, Copy, Debug)]
 pub struct Exactness {
     /// Angles, rad.
@@ -43,8 +43,8 @@ impl Default for Exactness {
 /// A frame that was read, the size of its picture, and its camera.
 pub type View = (FrameCamera, ImageSize, Pinhole);
 
-/// Makes a document of frames with a known picture size each. A video's path, where given, is what
-/// frame numbers refer to.
+/// Converts frames with known picture sizes into a document. Frame numbers refer to the video's
+/// path, if it is given.
 #[must_use]
 pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Document {
     let mut document = Document::new(field);
@@ -55,7 +55,7 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
         let views: Vec<&Pinhole> = group.iter().map(|&index| &frames[index].2).collect();
         let axis = pan_axis(&views, exact.angle_rad);
         let lens = lens_of(&views);
-        // Frames without a common base or lens have a camera each.
+        // Frames of one position without a common pan axis or lens get a camera each.
         let parts: Vec<(Vec<usize>, Vec3, FocalCurve)> =
             if let (Some(axis), Some(lens)) = (axis, lens) {
                 vec![(group, axis, lens)]
@@ -81,6 +81,8 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
             document.cameras.push(camera.into());
             for index in members {
                 let view = &frames[index].2;
+                // Q_tilt · Q_pan of the view: its first row is (cos θ, 0, −sin θ), its second
+                // column (0, cos φ, −sin φ).
                 let turned = view.cam_from_world * base.base_from_world.transpose();
                 let pan = Angle::from_radians((-turned[(0, 2)]).atan2(turned[(0, 0)]));
                 let tilt = Angle::from_radians((-turned[(2, 1)]).atan2(turned[(1, 1)]));
@@ -105,7 +107,7 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
     document
 }
 
-/// A solved frame as the document has it.
+/// The document's frame of a solved view. New and rejected frames become suggestions.
 fn document_frame(frame: &FrameCamera, camera: CameraId, size: ImageSize, ptz: FramePtz) -> Frame {
     let mut made = unsolved_frame(frame, camera, size);
     made.status = match frame.record.status {
@@ -123,7 +125,7 @@ fn document_frame(frame: &FrameCamera, camera: CameraId, size: ImageSize, ptz: F
     made
 }
 
-/// A frame as the document has it before it is solved.
+/// The document's frame of a view without its camera.
 pub(super) fn unsolved_frame(frame: &FrameCamera, camera: CameraId, size: ImageSize) -> Frame {
     let image = frame.image.clone().unwrap_or_else(|| frame.name.clone());
     match (&frame.image, frame.frame_index) {
@@ -135,12 +137,13 @@ pub(super) fn unsolved_frame(frame: &FrameCamera, camera: CameraId, size: ImageS
     }
 }
 
-/// The positions of frames that may have one camera: taken from one place, with one camera's name,
-/// size and principal point.
+/// Groups of frames (by index) that may share a camera: equal position, camera name, size and
+/// principal point.
 fn of_one_place(frames: &[(FrameCamera, ImageSize, Pinhole)], place_m: f64) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
-    // Groups by the cell of space that their first frame lies in: a set may have a place of its own
-    // for every frame.
+    // A hash grid of the groups' first frames, with cells of the tolerance's size, because a data
+    // set may have a different position for every frame. Frames within the tolerance lie in
+    // touching cells.
     let mut by_cell: BTreeMap<[i64; 3], Vec<usize>> = BTreeMap::new();
     for (index, frame) in frames.iter().enumerate() {
         let fits = |group: &usize| {
@@ -164,7 +167,7 @@ fn of_one_place(frames: &[(FrameCamera, ImageSize, Pinhole)], place_m: f64) -> V
     groups
 }
 
-/// A cell and those that touch it.
+/// A cell and its 26 neighbours.
 fn cells_around(cell: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
     let steps = || -1..=1;
     let offsets =
@@ -174,8 +177,8 @@ fn cells_around(cell: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
     })
 }
 
-/// Ids for cameras: the first of `main`, `main-2`, … that none has; a name that the format gives
-/// takes the place of `main`.
+/// Free camera ids: the first of `main`, `main-2`, … that is not taken. A name from the format
+/// replaces `main`.
 #[derive(Default)]
 struct FreeIds {
     taken: BTreeSet<String>,
@@ -200,9 +203,8 @@ impl FreeIds {
     }
 }
 
-/// The axis about which all of the views are panned, upwards (`world`): upright where that explains
-/// them, else the direction perpendicular to all of their horizontal axes. None if there is none
-/// within `tolerance_rad`.
+/// The common pan axis of all views, upwards (`world`): the vertical if it fits, else the direction
+/// perpendicular to all of their x axes. None if no axis fits within `tolerance_rad`.
 fn pan_axis(views: &[&Pinhole], tolerance_rad: f64) -> Option<Vec3> {
     let right = |view: &&Pinhole| view.cam_from_world.row(0).transpose();
     let explains = |axis: &Vec3| {
@@ -214,6 +216,8 @@ fn pan_axis(views: &[&Pinhole], tolerance_rad: f64) -> Option<Vec3> {
     if explains(&upright) {
         return Some(upright);
     }
+    // A camera without roll keeps its x axis perpendicular to the pan axis. So the pan axis is the
+    // eigenvector of the mean of x xᵀ with the smallest eigenvalue, if the views differ in pan.
     let mut moments = Mat3::zeros();
     for view in views {
         moments += right(view) * right(view).transpose();
@@ -230,11 +234,12 @@ fn pan_axis(views: &[&Pinhole], tolerance_rad: f64) -> Option<Vec3> {
     explains(&axis).then_some(axis)
 }
 
-/// The pan axis of a single view that is as upright as its horizontal axis allows.
+/// The pan axis of a single view: the direction perpendicular to its x axis that is nearest to the
+/// vertical.
 fn upright_axis(view: &Pinhole) -> Vec3 {
     let right: Vec3 = view.cam_from_world.row(0).transpose();
     let upright = Vec3::z() - right * right.z;
-    // A camera on its side: its own vertical axis.
+    // For a camera on its side this vanishes: use its own up axis.
     let upright = if upright.norm() > 1e-6 {
         upright
     } else {
@@ -243,7 +248,8 @@ fn upright_axis(view: &Pinhole) -> Vec3 {
     upright.normalize()
 }
 
-/// The base rotation with this pan axis that looks, seen from above, along world +y at pan zero.
+/// The base rotation with this pan axis in the pan gauge: at pan zero it looks, seen from above,
+/// along world +y.
 fn base_about(up: &Vec3) -> Mat3 {
     let right = Vec3::y().cross(up).normalize();
     Mat3::from_rows(&[
@@ -253,14 +259,16 @@ fn base_about(up: &Vec3) -> Mat3 {
     ])
 }
 
-/// One lens for all views: k₁ linear in the focal length and one ratio of k₂ to k₁². None if there
-/// is none.
+/// The common lens of all views: k₁ linear in the focal length, and k₂ a constant multiple of k₁².
+/// None if no such lens fits all of them.
 fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
     let by_focal = |a: &&&Pinhole, b: &&&Pinhole| a.focal_px.total_cmp(&b.focal_px);
     let (low, high) = (
         views.iter().min_by(by_focal)?,
         views.iter().max_by(by_focal)?,
     );
+    // The line through the shortest and the longest focal length; all other views are checked
+    // against it.
     let mut curve = low.curve()?;
     if views
         .iter()
@@ -281,11 +289,12 @@ fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
     (all && curve.is_finite()).then_some(curve)
 }
 
-/// The camera of a frame, fitted to the homography where the format has only that; the principal
-/// point in the middle. Of a frame of which only the lens is known a camera that points nowhere.
+/// The camera of a frame. For a homography, the camera with the principal point in the middle that
+/// fits it best in px; for a frame of which only the lens is known, a camera with that lens and no
+/// meaningful pose.
 ///
 /// # Errors
-/// No camera with square pixels sees the ground so.
+/// No camera with square pixels fits the homography.
 pub fn camera_of(frame: &FrameCamera, size: ImageSize) -> Result<Pinhole, PlanePoseError> {
     let image_from_ground = match &frame.shown {
         Shown::Camera(pinhole) => return Ok(*pinhole),
@@ -304,7 +313,7 @@ pub fn camera_of(frame: &FrameCamera, size: ImageSize) -> Result<Pinhole, PlaneP
     })
 }
 
-/// Points of the ground that the picture shows on a grid, with their pixels.
+/// Ground points (m) of a regular grid of pixels, with the pixels.
 fn grid_on_ground(image_from_ground: &Mat3, size: ImageSize) -> Vec<(Vec2, ImagePoint)> {
     const STEPS: u32 = 8;
     let Some(view) = PlaneView::new(image_from_ground, size) else {

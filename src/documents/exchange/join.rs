@@ -1,28 +1,28 @@
-//! Imported labels joined with a document that is open: nothing that a person did there is changed.
+//! Joins imported labels with an open document. The user's work in that document is never changed.
 
 use super::imported::Imported;
 use super::places::Places;
 use crate::document::{Camera, CameraId, Document, DocumentAt, FieldSpec, Frame, FrameStatus};
 use std::collections::BTreeMap;
 
-/// A document with imported labels, and what came of them.
+/// A document with imported labels, and counts of what was joined.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joined {
     /// The document.
     pub document: Document,
     /// Frames of the document that got clicks or a camera.
     pub matched: usize,
-    /// Which imported frame is which frame of the document, whether it got anything or not.
+    /// The pairs of an imported frame and a frame of the document, with or without new labels.
     pub pairs: Vec<JoinedPair>,
     /// Frames that were not in the document.
     pub added: usize,
-    /// Frames that have labels of their own, which stay.
+    /// Frames whose own labels were kept.
     pub kept: usize,
     /// Frames whose picture has another size in the document.
     pub other_size: usize,
-    /// Clicks that came.
+    /// Clicks that were added.
     pub clicks: usize,
-    /// Cameras that came.
+    /// Cameras that were added.
     pub cameras: usize,
     /// What a user should know.
     pub notes: Vec<String>,
@@ -38,8 +38,8 @@ pub struct JoinedPair {
 }
 
 /// Joins imported frames with those of a document that show the same pictures (`Places`). A frame
-/// gets clicks if it has none, and a camera if nobody has clicked or decided on it; all others stay
-/// as they are. Frames that are not there are appended.
+/// gets the imported clicks if it has none, and the imported camera if it has no click and no
+/// decision of the user. Frames that are not in the document are appended.
 #[must_use]
 pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
     let mut joined = Joined {
@@ -54,7 +54,7 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
         notes: imported.notes.clone(),
     };
     let places = Places::from_document(open);
-    // From here on its paths start where the document's do.
+    // The imported document with paths relative to the open document's folder.
     let moved = imported
         .document
         .clone()
@@ -110,7 +110,7 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> Joined {
     joined
 }
 
-/// A frame with what an imported one brings; none where it has labels of its own.
+/// A frame with the labels of an imported one; none where its own labels are kept.
 fn label(
     there: Frame,
     imported: &Frame,
@@ -139,16 +139,16 @@ fn label(
     changed.then_some(frame)
 }
 
-/// The cameras that come with the imported frames.
+/// The cameras of the imported frames, and their names in the open document.
 struct Cameras<'a> {
     imported: &'a Document,
-    /// What they are called in the document, by their names in the imported one.
+    /// Their names in the open document, by their names in the imported one.
     ids: BTreeMap<CameraId, CameraId>,
 }
 
 impl Cameras<'_> {
-    /// An imported camera: one of the document with the same base before the same field, else a new
-    /// one.
+    /// The name of an imported camera in the open document: a camera with the same base and field,
+    /// else a new one.
     fn take(&mut self, name: &CameraId, document: &mut Document) -> CameraId {
         if let Some(known) = self.ids.get(name) {
             return known.clone();
@@ -169,8 +169,8 @@ impl Cameras<'_> {
             .map(|known| known.id.clone());
         let id = same.unwrap_or_else(|| {
             let id = free_id(document, name);
-            // A field of its own is kept, and so is the imported document's where the open one has
-            // another.
+            // The camera keeps its own field, or the imported document's field if the open document
+            // has another.
             let own = (camera.field.is_some() || *field != document.field).then(|| field.clone());
             document.cameras.push(
                 Camera {
@@ -186,8 +186,8 @@ impl Cameras<'_> {
         id
     }
 
-    /// The camera of the document that takes pictures of a frame's size before the same field, else
-    /// the frame's own.
+    /// The name of a camera of the open document with a frame's picture size and field, else of the
+    /// frame's own camera.
     fn take_of_size(&mut self, frame: &Frame, document: &mut Document) -> CameraId {
         let field = self
             .imported
@@ -207,7 +207,7 @@ impl Cameras<'_> {
     }
 }
 
-/// The field before a camera: its own, else its document's.
+/// The field of a camera: its own, else its document's.
 fn field_of<'a>(camera: &'a Camera, document: &'a Document) -> &'a FieldSpec {
     camera.field.as_ref().unwrap_or(&document.field)
 }

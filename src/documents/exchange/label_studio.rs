@@ -1,8 +1,8 @@
 //! Label Studio's JSON: a list of tasks with results in percent of the picture, from its corner.
 //!
 //! Old files say `completions` for `annotations`; the flat form JSON-MIN has a list of points
-//! beside the image. Cancelled annotations are left out; of several the last counts, or that of
-//! `--annotator`. Uploaded files carry a prefix before the first `-`.
+//! beside the image. Cancelled annotations are skipped; of several, the last is used, or that of
+//! `--annotator`. Names of uploaded files have a prefix before the first `-`.
 
 use super::camera_format::has_ending;
 use super::clicked_frame::{
@@ -19,9 +19,9 @@ use touchline_core::geometry::{ImagePoint, ImageSize};
 /// The format.
 pub struct LabelStudio;
 
-/// The kinds of results that are points, each the name of its list of labels.
+/// The kinds of results that contain points; each is also the key of its list of labels.
 const KINDS: [&str; 2] = ["keypointlabels", "polygonlabels"];
-/// How long the prefix of an uploaded file is.
+/// The length of the prefix of an uploaded file.
 const PREFIX: usize = 8;
 
 fn to_json(index: usize, frame: &ClickedFrame) -> Value {
@@ -43,7 +43,7 @@ fn to_json(index: usize, frame: &ClickedFrame) -> Value {
             },
         }))
     });
-    // An image without results keeps its size nowhere else.
+    // For an image without results, this is the only place that keeps its size.
     json!({
         "id": index + 1,
         "data": { "image": frame.image, "width": frame.size.width, "height": frame.size.height },
@@ -104,7 +104,7 @@ fn size_of(node: &Node<'_>, width: &str, height: &str) -> Result<Option<ImageSiz
     }
 }
 
-/// The annotation that counts.
+/// The annotation to be read.
 fn annotation<'a>(task: &Node<'a>, annotator: Option<&str>) -> Result<Option<Node<'a>>, Problem> {
     let Some(all) = task
         .find("annotations")
@@ -149,7 +149,7 @@ fn read_task(
                 .filter_map(|result| Some((result.find("value")?, result)))
                 .collect()
         } else {
-            // JSON-MIN: points lie beside the image, under the name of the tag.
+            // JSON-MIN: points are beside the image, under the name of the tag.
             let lists = task.entries()?.filter_map(|(_, node)| node.items().ok());
             lists
                 .flatten()

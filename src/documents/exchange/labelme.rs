@@ -1,8 +1,8 @@
 //! labelme's JSON, a file for each image: shapes with points in px from the picture's corner.
 //!
 //! A `point` is a landmark (or a point on a line, as its label says), `line` and `linestrip` are
-//! points on a line; other shapes are left alone. `imageData`, where it is there, is the picture
-//! again and is not looked at.
+//! points on a line; other shapes are ignored. `imageData`, if present, is a copy of the picture
+//! and is not read.
 
 use super::camera_format::has_ending;
 use super::clicked_frame::{
@@ -19,7 +19,7 @@ use touchline_core::geometry::{ImagePoint, ImageSize};
 /// The format.
 pub struct Labelme;
 
-/// The version of labelme whose files these are like.
+/// The version of labelme whose files are written.
 const VERSION: &str = "6.3.1";
 
 fn to_json(frame: &ClickedFrame) -> Value {

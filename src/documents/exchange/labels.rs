@@ -1,4 +1,4 @@
-//! What the labels of other tools mean on our field.
+//! The meaning of labels of other tools on our field.
 
 use super::error::{ExchangeError, Problem};
 use super::options::{KeypointNames, LabelMap};
@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use touchline_core::field::FieldModel;
 
 /// The 32 points of Roboflow's `SoccerPitchConfiguration` by index. Points 10, 11, 18 and 19 are
-/// labelled where the arc meets the area's line, though its own coordinates put them elsewhere:
-/// names are taken, never coordinates.
+/// labelled where the arc meets the area's line, although the configuration's own coordinates
+/// differ: we use only the names, never the coordinates.
 pub const ROBOFLOW_32: [&str; 32] = [
     "corner_far_left",
     "penalty_area_far_left_goal_line",
@@ -69,7 +69,7 @@ pub const SOCCERNET_LINES: [(&str, &str); 26] = [
     ("Circle right", "penalty_arc_right"),
     ("Goal left crossbar", "crossbar_left"),
     ("Goal right crossbar", "crossbar_right"),
-    // The space at its end is theirs.
+    // The trailing space is part of their class name.
     ("Goal left post left ", "post_near_left"),
     ("Goal left post right", "post_far_left"),
     ("Goal right post left", "post_far_right"),
@@ -92,7 +92,7 @@ pub fn keypoints(names: KeypointNames, field: &FieldModel) -> Vec<String> {
     }
 }
 
-/// The index among the 32 points of the one with a caption, 1 to 32.
+/// The index of the point with a given caption (1 to 32) among the 32 points.
 const fn index_of_caption(caption: usize) -> Option<usize> {
     match caption {
         1..=13 => Some(caption - 1),
@@ -104,14 +104,14 @@ const fn index_of_caption(caption: usize) -> Option<usize> {
     }
 }
 
-/// What a label means.
+/// The meaning of a label.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Meaning {
     /// A landmark or line.
     Target(Target),
-    /// Nothing here, as its map says.
+    /// To be ignored, by its map.
     Nothing,
-    /// Nobody knows.
+    /// Unknown.
     Unknown,
 }
 
@@ -139,7 +139,7 @@ impl LabelMap {
         };
         Ok(match self {
             Self::Touchline => named(Some(label)),
-            // An index as Roboflow counts, or the name that an export gives the point.
+            // Roboflow's index, or the name that an export gives the point.
             Self::Roboflow32 => match label.parse::<usize>() {
                 Ok(index) => named(ROBOFLOW_32.get(index).copied()),
                 Err(_) => named(ROBOFLOW_32.into_iter().find(|name| *name == label)),

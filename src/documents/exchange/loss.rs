@@ -1,11 +1,11 @@
-//! What a format does not hold of the frames, in px of the pictures.
+//! The information that a format loses, as distances in px of the pictures.
 
 use super::frame_camera::{FrameCamera, Shown};
 use std::fmt;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3, counted};
 
-/// Points of each line that are compared.
+/// The number of points of each line that are compared.
 const LINE_POINTS: usize = 9;
 /// Differences below this are rounding, px.
 const ROUNDING_PX: f64 = 1e-7;
@@ -13,17 +13,18 @@ const ROUNDING_PX: f64 = 1e-7;
 /// Something that a format leaves out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loss {
-    /// What: "lens distortion".
+    /// What is lost: "lens distortion".
     pub what: Vec<&'static str>,
-    /// In how many frames.
+    /// The number of frames that lose it.
     pub frames: usize,
-    /// How far visible points of the field move, root mean square over these frames, px.
+    /// Root mean square of the distances by which visible points of the field move, over these
+    /// frames, px.
     pub rms_px: f64,
-    /// How far one moves at most, px.
+    /// The largest such distance, px.
     pub worst_px: f64,
-    /// The frame in which it does.
+    /// The frame with the largest distance.
     pub worst_frame: String,
-    /// Points off the ground that a homography cannot show, of those in the pictures.
+    /// The number of visible points off the ground, which a homography cannot project.
     pub off_ground: usize,
 }
 
@@ -57,9 +58,9 @@ impl fmt::Display for Loss {
 /// A point of the field.
 #[derive(Clone, Copy)]
 struct FieldPoint {
-    /// Where it is on crowned ground, m.
+    /// Its position on the crowned ground, `world`, m.
     in_world: Vec3,
-    /// Where the field's plan has it, m: homographies show the plan.
+    /// Its nominal position, m: homographies map the field's plan.
     nominal: Vec3,
 }
 
@@ -71,7 +72,7 @@ impl FieldPoint {
         }
     }
 
-    /// Where a frame shows it.
+    /// Its image in a frame.
     fn image_in(&self, frame: &FrameCamera) -> Option<ImagePoint> {
         frame.image_from_world(if frame.pinhole().is_some() {
             self.in_world
@@ -96,7 +97,7 @@ fn points_of(field: &FieldModel) -> Vec<FieldPoint> {
     landmarks.chain(lines).collect()
 }
 
-/// Where points of the field are visible in a frame.
+/// The points of the field that are visible in a frame, with their pixels.
 fn visible<'a>(
     frame: &'a FrameCamera,
     points: &'a [FieldPoint],
@@ -108,7 +109,7 @@ fn visible<'a>(
         .filter(|(_, image)| frame.size.is_none_or(|size| size.contains(*image)))
 }
 
-/// What is lost between frames and what a format keeps of them; none where nothing is.
+/// The loss between frames and what a format keeps of them; none where nothing is lost.
 #[must_use]
 pub fn loss_between(
     frames: &[FrameCamera],
@@ -124,6 +125,9 @@ pub fn loss_between(
         worst_frame: String::new(),
         off_ground: 0,
     };
+
+    // Compare the visible points of each frame under the frame's camera and under what is kept of
+    // it.
     let (mut sum, mut count) = (0.0, 0_usize);
     for (frame, kept) in frames.iter().zip(held) {
         let what = differences(frame, kept);
@@ -159,8 +163,8 @@ pub fn loss_between(
     (loss.worst_px > ROUNDING_PX || loss.off_ground > 0).then_some(loss)
 }
 
-/// How far points of the ground move in these frames if it is taken as flat, at most, px: readers
-/// of cameras do not know of a crown.
+/// The largest distance (px) by which ground points move in these frames if the ground is assumed
+/// flat, as readers of cameras do.
 #[must_use]
 pub fn crown_off_px(frames: &[FrameCamera], field: &FieldModel) -> f64 {
     let points: Vec<FieldPoint> = points_of(field)
@@ -175,7 +179,7 @@ pub fn crown_off_px(frames: &[FrameCamera], field: &FieldModel) -> f64 {
     off_px.fold(0.0, f64::max)
 }
 
-/// In what a kept frame differs from the frame.
+/// The kinds of difference between a frame and what is kept of it.
 fn differences(frame: &FrameCamera, kept: &FrameCamera) -> Vec<&'static str> {
     let (Some(from), Some(to)) = (frame.pinhole(), kept.pinhole()) else {
         let bent = frame
@@ -200,8 +204,9 @@ fn differences(frame: &FrameCamera, kept: &FrameCamera) -> Vec<&'static str> {
     .collect()
 }
 
-/// The landmark that moves most between two frames, its name and how far, px: of those within the
-/// picture and as far around it. One that only the first frame shows is infinitely far.
+/// The landmark that moves most between two frames, with its distance, px. Only landmarks within
+/// the picture or near it are compared; one that only the first frame shows has an infinite
+/// distance.
 #[must_use]
 pub fn farthest_landmark(
     frame: &FrameCamera,
@@ -209,7 +214,7 @@ pub fn farthest_landmark(
     field: &FieldModel,
 ) -> (String, f64) {
     let mut farthest = (String::new(), 0.0);
-    // What a homography shows is compared with what was made of it on the plan of the field.
+    // A homography and the camera made from it are compared on the field's plan.
     let is_ground = frame.pinhole().is_none() || other.pinhole().is_none();
     for landmark in &field.landmarks {
         let point = if is_ground {
@@ -233,8 +238,9 @@ pub fn farthest_landmark(
     farthest
 }
 
-/// Within the picture or at most its own size beside it. Farther out a point is near the camera's
-/// plane, and the rounding of an angle moves it by any amount.
+/// Whether a point lies in the picture, or outside by at most the picture's own size. Farther out,
+/// points may be near the camera's plane, where the rounding of an angle moves them arbitrarily
+/// far.
 fn is_near(image: ImagePoint, size: Option<ImageSize>) -> bool {
     size.is_none_or(|size| {
         let (width, height) = (f64::from(size.width), f64::from(size.height));

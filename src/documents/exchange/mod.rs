@@ -1,9 +1,9 @@
 //! Foreign formats, one a file, import and export side by side.
 //!
-//! [`export()`] writes a [`Format`] in memory and reads it again before anything reaches the disk: a landmark that moves by more
-//! than the format's own resolution is an error. What a format cannot hold comes with the result,
-//! in px ([`Loss`]).
-//! [`import()`] makes a document of foreign files. Conventions of each format stand at the top of its file.
+//! [`export()`] writes a [`Format`] in memory and reads it back before anything reaches the disk: a
+//! landmark that moves by more than the format's own resolution is an error. What a format cannot
+//! represent is reported with the result, in px ([`Loss`]). [`import()`] makes a document from
+//! foreign files. The conventions of each format are described at the top of its file.
 
 mod about;
 mod authors_mat;

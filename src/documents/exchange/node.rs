@@ -1,4 +1,4 @@
-//! JSON values with their place in the file, so that what is wrong can be named.
+//! JSON values with their path in the file, for error messages.
 
 use super::error::Problem;
 use super::files::text;
@@ -7,7 +7,7 @@ use super::values::{clipped, side_px};
 use serde_json::Value;
 use std::fmt;
 
-/// A value and the way to it.
+/// A value and its path.
 #[derive(Clone, Debug)]
 pub(super) struct Node<'a> {
     value: &'a Value,
@@ -20,7 +20,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Value, Problem> {
 }
 
 impl<'a> Node<'a> {
-    /// The whole of a file.
+    /// The root value of a file.
     pub fn root(value: &'a Value) -> Self {
         Self {
             value,
@@ -33,7 +33,7 @@ impl<'a> Node<'a> {
         self.value
     }
 
-    /// The way to it.
+    /// Its path.
     pub fn path(&self) -> &str {
         if self.path.is_empty() {
             "the file"
@@ -76,7 +76,7 @@ impl<'a> Node<'a> {
         Some(self.at(value, key, true))
     }
 
-    /// A key that must be there.
+    /// A required key.
     pub fn key(&self, key: &str) -> Result<Self, Problem> {
         if !self.value.is_object() {
             return Err(self.kind("an object"));
@@ -96,7 +96,7 @@ impl<'a> Node<'a> {
             .ok_or_else(|| self.kind("a list"))
     }
 
-    /// The entries of a list, one after the other: a node is larger than most values.
+    /// The entries of a list, created one by one, because a node is larger than most values.
     pub fn items(&self) -> Result<impl DoubleEndedIterator<Item = Self> + use<'a>, Problem> {
         let (items, list) = (self.list()?, self.clone());
         Ok(items
@@ -178,7 +178,7 @@ impl<'a> Node<'a> {
         self.value.as_str().ok_or_else(|| self.kind("a text"))
     }
 
-    /// A name of an image within the folder: it must not lead out of it.
+    /// The name of an image within the folder; it must not lead out of it.
     pub fn image_name(&self) -> Result<String, Problem> {
         let name = self.text()?;
         safe_path(name)

@@ -1,5 +1,5 @@
-//! Arrays as `NumPy` writes them (`.npy`, versions 1 to 3). Object arrays, which run code when they
-//! are read, are refused.
+//! Arrays as `NumPy` writes them (`.npy`, versions 1 to 3). Object arrays are rejected, because
+//! reading them would run code.
 
 use super::error::Problem;
 use super::files::refuse_archive;
@@ -9,7 +9,7 @@ use touchline_core::geometry::Mat3;
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// The longest header that is read, bytes.
 const MAX_HEADER: usize = 4096;
-/// Headers are filled up with blanks, so that the numbers begin at a multiple of this, bytes.
+/// Headers are padded with blanks so that the numbers begin at a multiple of this, bytes.
 const ALIGNMENT: usize = 64;
 /// The bytes before the header: the magic ones, the version and the header's length.
 const BEFORE_HEADER: usize = 10;
@@ -89,7 +89,7 @@ pub fn array(bytes: &[u8]) -> Result<Array, Problem> {
     Header::read(bytes, wanted)?.array(wanted)
 }
 
-/// The types of numbers that are read: what they are called, how long one is, and its value.
+/// The supported types of numbers: name, length in bytes, and decoder.
 type NumberType = (&'static str, usize, fn(&[u8]) -> Option<f64>);
 const NUMBER_TYPES: [NumberType; 4] = [
     ("'<f8'", 8, |bytes| {
@@ -106,7 +106,7 @@ const NUMBER_TYPES: [NumberType; 4] = [
     }),
 ];
 
-/// What stands before the numbers, and the numbers as bytes.
+/// The header of a file, and the numbers as bytes.
 struct Header<'a> {
     /// The file's length, bytes.
     length: usize,
@@ -175,7 +175,8 @@ impl<'a> Header<'a> {
         })
     }
 
-    /// The numbers behind it. No more of them are made than bytes are there.
+    /// The numbers behind it. A shape larger than the data is rejected before anything is
+    /// allocated.
     fn array(&self, wanted: &'static str) -> Result<Array, Problem> {
         let wrong = |found: String| Problem::NotFormat { wanted, found };
         let Some((_, bytes, value)) = NUMBER_TYPES
@@ -214,9 +215,11 @@ impl<'a> Header<'a> {
     }
 }
 
-/// Numbers of which the first axis runs fastest, with the last one running fastest.
+/// Converts numbers from Fortran order (first axis fastest) to C order (last axis fastest).
 fn by_rows(values: &[f64], shape: &[usize]) -> Vec<f64> {
     let from = |place: usize| {
+        // Decompose the C index into coordinates, last axis first; in Fortran order the last axis
+        // has the largest stride.
         let (mut left, mut at, mut stride) = (place, 0, values.len());
         for side in shape.iter().rev() {
             stride /= side;

@@ -1,11 +1,11 @@
 //! An archive of arrays as `numpy.savez` and `numpy.savez_compressed` write it (`.npz`): a zip file
-//! with one `.npy` an array.
+//! with one `.npy` file per array.
 //!
-//! The container is read here and not by a crate: of the zip format such archives use two kinds of
-//! entry, stored and deflated, which with the table at the end of the file (APPNOTE 6.3, 4.3.7,
-//! 4.3.12 and 4.3.16) are these hundred lines; `flate2`, which MATLAB files need as well, does the
-//! deflating. Sizes are taken from that table: `NumPy` leaves those before the data open. Nothing
-//! is allocated by what a file states beyond what it is allowed.
+//! The container is read here instead of by a crate, because such archives use only two kinds of
+//! zip entry, stored and deflated, and the table at the end of the file (APPNOTE 6.3, 4.3.7, 4.3.12
+//! and 4.3.16). `flate2`, which MATLAB files need as well, decompresses. Sizes are taken from that
+//! table, because `NumPy` may leave those before the data unset. Allocations are limited, whatever
+//! sizes a file states.
 
 use super::error::Problem;
 use super::files::MAX_FILE_BYTES;
@@ -18,33 +18,34 @@ use std::io::Read as _;
 const LOCAL: &[u8] = b"PK\x03\x04";
 const CENTRAL: &[u8] = b"PK\x01\x02";
 const END: &[u8] = b"PK\x05\x06";
-/// The fixed part of what stands before an entry's data, bytes.
+/// The fixed part of an entry's local header, bytes.
 const LOCAL_BYTES: usize = 30;
-/// The fixed part of an entry of the table, bytes.
+/// The fixed part of an entry of the table (central directory), bytes.
 const CENTRAL_BYTES: usize = 46;
-/// The fixed part of what ends the file, bytes.
+/// The fixed part of the record at the end of the file, bytes.
 const END_BYTES: usize = 22;
 /// The longest comment behind it, bytes.
 const MAX_COMMENT: usize = 65_535;
-/// The most entries of the table that are looked at; archives of cameras have five.
+/// The maximum number of entries that are read; archives of cameras have five.
 const MAX_ENTRIES: usize = 1000;
-/// The version of the format that is needed to unpack what is written.
+/// The zip version that is needed to extract written archives.
 const VERSION: u16 = 20;
-/// 1 January 1980, the first day that the format knows: the same arrays give the same bytes.
+/// 1 January 1980, the first day of the format: a fixed date, so that the same arrays give the same
+/// bytes.
 const FIRST_DAY: u16 = 0x21;
 const STORED: u16 = 0;
 const DEFLATED: u16 = 8;
 /// The flag of an entry that is encrypted.
 const ENCRYPTED: u16 = 1;
 
-/// An archive that was opened: what it holds, still packed.
+/// An opened archive; its entries are still compressed.
 #[derive(Debug)]
 pub struct Npz<'a> {
     bytes: &'a [u8],
     entries: BTreeMap<String, Entry>,
 }
 
-/// Where an array lies in the file.
+/// The location of an array in the file.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     flags: u16,
@@ -78,7 +79,7 @@ impl<'a> Npz<'a> {
     /// Reads the table of an archive.
     ///
     /// # Errors
-    /// It is empty, is no such archive, or ends too early.
+    /// It is empty, not such an archive, or truncated.
     pub fn open(bytes: &'a [u8]) -> Result<Self, Problem> {
         if bytes.is_empty() {
             return Err(Problem::Empty);
@@ -120,10 +121,10 @@ impl<'a> Npz<'a> {
         self.entries.keys().map(String::as_str)
     }
 
-    /// An array by its name; none where the archive has none of it.
+    /// An array by its name; none where the archive does not contain it.
     ///
     /// # Errors
-    /// It is damaged, packed in another way, or larger than anything that is read.
+    /// It is damaged, compressed by another method, or too large.
     pub fn find(&self, name: &str) -> Result<Option<Array>, Problem> {
         let Some(entry) = self.entries.get(name) else {
             return Ok(None);
@@ -186,7 +187,7 @@ impl<'a> Npz<'a> {
     }
 }
 
-/// An entry of the table with its name, and where the next one begins.
+/// An entry of the table with its name, and the offset of the next one.
 fn entry_at(bytes: &[u8], at: usize) -> Option<(String, Entry, usize)> {
     let fixed = bytes.get(at..at.checked_add(CENTRAL_BYTES)?)?;
     if !fixed.starts_with(CENTRAL) {
@@ -207,7 +208,7 @@ fn entry_at(bytes: &[u8], at: usize) -> Option<(String, Entry, usize)> {
     Some((text, entry, from + name + extra + comment))
 }
 
-/// The packed bytes of an entry.
+/// The compressed bytes of an entry.
 fn data_of(bytes: &[u8], entry: Entry) -> Option<&[u8]> {
     let local = bytes.get(entry.at..)?;
     if !local.starts_with(LOCAL) {

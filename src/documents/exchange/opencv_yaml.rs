@@ -1,4 +1,4 @@
-//! OpenCV's `FileStorage` YAML, a file a frame: `image_width`, `image_height`, `camera_matrix`,
+//! OpenCV's `FileStorage` YAML, one file per frame: `image_width`, `image_height`, `camera_matrix`,
 //! `distortion_coefficients` (k1 k2 p1 p2 k3), `rvec` (Rodrigues) and `tvec` (−R C).
 //!
 //! World and camera axes are ours, metres; pixels count from the first one's centre, so the
@@ -69,8 +69,7 @@ fn yaml(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize) -> String {
     text
 }
 
-/// The plain numbers and the matrices' data of a file, by name. Lines of other kinds are left
-/// alone.
+/// The plain numbers and the matrices' data of a file, by name. Other lines are ignored.
 fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
     let mut found: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     let mut lines = text.lines().enumerate().peekable();
@@ -83,6 +82,7 @@ fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
         };
         let (key, value) = (key.trim().to_owned(), value.trim());
         let at = |problem: Problem| problem.at_line(index + 1);
+        // A matrix: collect the indented lines from `data:` up to the closing bracket.
         let values = if value.starts_with(MATRIX) || value.is_empty() {
             let mut data = String::new();
             let mut is_open = false;
@@ -117,7 +117,7 @@ fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
                 .collect::<Result<Vec<_>, _>>()
                 .map_err(at)?
         } else {
-            // Texts such as a camera's name are nothing that is read.
+            // Texts such as a camera's name are skipped.
             number(&key, value).into_iter().collect()
         };
         if found.insert(key.clone(), values).is_some() {

@@ -1,10 +1,10 @@
-//! `OpenTrackIO` 1.0.1: a sample a line, a frame each.
+//! `OpenTrackIO` 1.0.1: one sample per line and frame.
 //!
 //! World and metres are ours; angles about Z, X, Y with pan positive to the *left*. Focal length,
-//! offsets and distortion are in mm of the sensor; any width gives the same picture as long as it
-//! stands beside them, so an unknown one is a nominal 9.6 mm and the notes say so. Distortion model
-//! `Brown-Conrady U-D` is ours exactly: `radial` = [k1/F², 0, k2/F⁴, 0] (numerator and denominator
-//! alternate). Source: SMPTE/ris-osvp-metadata-camdkit (schema and documentation).
+//! offsets and distortion are in mm of the sensor. Any sensor width gives the same picture as long
+//! as it is stated, so an unknown width is written as a nominal 9.6 mm, and the notes say so. The
+//! distortion model `Brown-Conrady U-D` equals ours: `radial` = [k1/F², 0, k2/F⁴, 0] (numerator and
+//! denominator alternate). Source: SMPTE/ris-osvp-metadata-camdkit (schema and documentation).
 
 use super::body_angles::{angles_deg, cam_from_world, world_from_body};
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
@@ -25,14 +25,14 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3, hex};
 /// The format.
 pub struct OpenTrackIo;
 
-/// The width of a sensor that nobody knows, mm.
+/// The width that is written for an unknown sensor, mm.
 const NOMINAL_MM: f64 = 9.6;
-/// The static part is repeated after so many seconds.
+/// The interval at which the static part is repeated, s.
 const REPEAT_SECONDS: f64 = 2.0;
-/// The distortion model that is ours.
+/// The name of the distortion model that equals ours.
 const MODEL: &str = "Brown-Conrady U-D";
 
-/// An id that follows from what it is of.
+/// A reproducible id, from a hash of what it identifies.
 fn urn(of: &str) -> String {
     let digest = hex(&Sha256::digest(of.as_bytes()));
     format!(
@@ -87,6 +87,8 @@ fn timing(frame: &FrameCamera, context: &WriteContext<'_>) -> Option<Value> {
 
 fn lens(pinhole: &Pinhole, size: ImageSize, sensor_mm: f64) -> Value {
     let mm_per_px = sensor_mm / f64::from(size.width);
+    // Px to mm by the sensor's pixel pitch. The offset is that of the principal point from the
+    // picture's middle.
     let (focal, offset) = (
         pinhole.focal_px * mm_per_px,
         pinhole.principal_point.offset_from(size.centre()) * mm_per_px,
@@ -160,7 +162,8 @@ fn sample(
     sample
 }
 
-/// The sensor's width (mm) and the size of the picture, which only some samples carry.
+/// The sensor's width (mm) and the size of the picture, which only some samples contain; the last
+/// ones read remain valid.
 #[derive(Clone, Copy, Default)]
 struct Static {
     sensor_mm: Option<f64>,
@@ -185,7 +188,8 @@ impl Static {
     }
 }
 
-/// The camera's place and the rotation of its body, all transforms composed.
+/// The rotation and position (m) of the camera's body in the world: all transforms composed, in the
+/// order of the file.
 fn pose(root: &Node<'_>) -> Result<(Mat3, Vec3), Problem> {
     let mut rotation = Mat3::identity();
     let mut place = Vec3::zeros();
@@ -202,13 +206,14 @@ fn pose(root: &Node<'_>) -> Result<(Mat3, Vec3), Problem> {
         }
         let (t, r) = (transform.key("translation")?, transform.key("rotation")?);
         let number = |node: &Node<'_>, key: &str| node.key(key)?.number();
+        // Each transform is in the axes of the one before.
         place += rotation * Vec3::new(number(&t, "x")?, number(&t, "y")?, number(&t, "z")?);
         rotation *= world_from_body([number(&r, "pan")?, number(&r, "tilt")?, number(&r, "roll")?]);
     }
     Ok((rotation, place))
 }
 
-/// What samples may say of a picture that is not read.
+/// Entries that affect the picture and are not read.
 const UNREAD: [&[&str]; 7] = [
     &["static", "camera", "anamorphicSqueeze"],
     &["static", "lens", "distortionOverscanMax"],
@@ -221,7 +226,7 @@ const UNREAD: [&[&str]; 7] = [
 /// The version that is read.
 const VERSION: [f64; 3] = [1.0, 0.0, 1.0];
 
-/// What a sample says that changes the picture and is not read.
+/// The entries of a sample that affect the picture and are not read.
 fn unread_of_sample(root: &Node<'_>) -> BTreeSet<String> {
     let find = |path: &[&str]| {
         path.iter()
@@ -247,7 +252,7 @@ fn unread_of_sample(root: &Node<'_>) -> BTreeSet<String> {
     unread
 }
 
-/// Whether a value changes nothing: an offset of zero, a scale of one.
+/// Whether a value has no effect: an offset of zero, a scale of one.
 fn is_neutral(value: &Value) -> bool {
     match value {
         Value::Object(parts) => match (parts.get("num"), parts.get("denom")) {
@@ -336,6 +341,8 @@ fn read_line(
         );
     }
     let pinhole = Pinhole {
+        // From the body's axes to the camera's. The entrance pupil, which is the centre of
+        // projection, lies ahead of the tracked point along the body's y axis.
         cam_from_world: cam_from_world([0.0; 3]) * body.transpose(),
         position_m: place + body * Vec3::new(0.0, forward, 0.0),
         focal_px: focal_mm / mm_per_px,

@@ -1,4 +1,4 @@
-//! What an export or import may be told.
+//! Options of exports and imports.
 
 use super::rate::Rate;
 use super::timecode::Timecode;
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use touchline_core::geometry::ImageSize;
 
-/// Which frames an export is asked for.
+/// The choice of frames to export.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameChoice {
     /// Only frames of these statuses; empty: all that are solved (for clicks: all that have some)
@@ -29,7 +29,7 @@ impl FrameChoice {
         }
     }
 
-    /// What a person has clicked or accepted; suggestions that nobody has looked at stay out.
+    /// Frames that the user clicked or accepted; unreviewed suggestions are excluded.
     #[must_use]
     pub fn reviewed() -> Self {
         Self {
@@ -56,28 +56,29 @@ pub struct ExportOptions {
     /// SoccerNet lines as the game state challenge names them, without the space behind
     /// `Goal left post left`.
     pub game_state: bool,
-    /// Homographies of pictures whose distortion has been taken out, instead of those that come
-    /// nearest in the pictures as they are.
+    /// Whether homographies are those of undistorted pictures, instead of the best fit to the
+    /// pictures as they are.
     pub undistorted: bool,
     /// The names of keypoints.
     pub names: KeypointNames,
-    /// Keypoints outside of the picture are written too, where the format can hold them.
+    /// Whether keypoints outside the picture are written as well, where the format can store them.
     pub keep_outside: bool,
-    /// Where points come from.
+    /// The source of points.
     pub points: PointSource,
-    /// Frames a second; none: from the frames' times.
+    /// The frame rate; none: derived from the frames' times.
     pub rate: Option<Rate>,
     /// The width of the sensor, mm, where the document does not know it.
     pub sensor_width_mm: Option<f64>,
     /// How FreeD's zoom value says the focal length.
     pub zoom: Zoom,
-    /// Of which frames rotation and translation are written, where the format can leave them open.
+    /// The frames for which rotation and translation are written, where the format allows to omit
+    /// them.
     pub rotations: Rotations,
-    /// What is known of the video as a recording of a match.
+    /// Metadata of the video as a recording of a match.
     pub recording: Recording,
 }
 
-/// What a document does not know of a video and some formats want.
+/// Metadata of a video that a document does not contain and some formats need.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Recording {
     /// The match's id in the other files about it.
@@ -86,7 +87,7 @@ pub struct Recording {
     pub start: Option<String>,
     /// Which of a stadium's cameras it is: `camera_1`, `tactical_wide`, `broadcast`, ….
     pub perspective: Option<String>,
-    /// The camera is not operated by a person.
+    /// Whether the camera is operated automatically.
     pub is_automated: bool,
 }
 
@@ -110,47 +111,46 @@ impl Recording {
     }
 }
 
-/// What happens where frames are missing between solved frames of a video. They are never filled
-/// without being asked for.
+/// What happens where frames are missing between solved frames of a video. They are only filled on
+/// request.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gaps {
-    /// They stay: rows are missing.
+    /// They stay missing.
     #[default]
     Keep,
-    /// Up to so many missing frames in a row get cameras between those of their neighbours, marked
-    /// as interpolated.
+    /// Gaps of up to this many frames get interpolated cameras, marked as such.
     Interpolate(u64),
-    /// A gap begins a new take, in files of its own.
+    /// A gap begins a new take with its own files.
     Takes,
 }
 
-/// Of which frames a format gets rotation and translation that can leave them open.
+/// The frames for which rotation and translation are written, in formats that allow to omit them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rotations {
-    /// Of all.
+    /// All frames.
     #[default]
     All,
-    /// Of the first; of the others the lens alone.
+    /// The first frame; for the others only the lens.
     First,
 }
 
 /// How files are read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImportOptions {
-    /// The field of the document that is made.
+    /// The field of the new document.
     pub field: FieldSpec,
     /// The folder of the images; none: beside the files.
     pub images: Option<PathBuf>,
-    /// The size of the pictures, where neither file nor image says it.
+    /// The size of the pictures, where neither the file nor an image gives it.
     pub size: Option<ImageSize>,
-    /// Where pixels are counted from, where the format leaves it open; none: as the format usually
-    /// has it.
+    /// The pixel convention, where the format does not define it; none: the usual one of the
+    /// format.
     pub pixels: Option<Pixels>,
-    /// What labels mean.
+    /// The meaning of labels.
     pub map: LabelMap,
-    /// Labels without meaning are left out.
+    /// Whether labels without a meaning are skipped.
     pub skip_unmapped: bool,
-    /// Whose annotations are read, where a file has several.
+    /// The annotator whose annotations are read, where a file has several.
     pub annotator: Option<String>,
     /// How FreeD's zoom value says the focal length.
     pub zoom: Option<Zoom>,
@@ -174,7 +174,7 @@ impl Default for ImportOptions {
     }
 }
 
-/// Where pixels are counted from.
+/// The origin of pixel coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pixels {
     /// (0, 0) is the top-left corner of the picture.
@@ -184,7 +184,7 @@ pub enum Pixels {
 }
 
 impl Pixels {
-    /// What is added to a coordinate to count it from the corner, px.
+    /// The shift of a coordinate to the corner convention, px.
     #[must_use]
     pub const fn to_corner_px(self) -> f64 {
         match self {
@@ -194,13 +194,13 @@ impl Pixels {
     }
 }
 
-/// Where the points of a format of clicks come from.
+/// The source of the points of a click format.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PointSource {
-    /// Where people clicked.
+    /// The users' clicks.
     #[default]
     Clicked,
-    /// Where the cameras of solved frames show landmarks and lines.
+    /// Landmarks and lines projected by the cameras of solved frames.
     Projected,
 }
 
@@ -226,7 +226,7 @@ pub enum Zoom {
     Table(Vec<(f64, f64)>),
 }
 
-/// What labels of other tools mean: a landmark or line of the field, or nothing.
+/// The meaning of labels of other tools: a landmark or line of the field, or nothing.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum LabelMap {
     /// Labels are this program's names.
@@ -238,6 +238,6 @@ pub enum LabelMap {
     Roboflow32Captions,
     /// SoccerNet's classes of lines.
     SoccerNet,
-    /// A user's own; none for labels that mean nothing here.
+    /// A user's own map; none for labels to be ignored.
     Own(BTreeMap<String, Option<String>>),
 }

@@ -1,31 +1,30 @@
-//! Cameras of one picture size on pictures of another: rescaled where the proportions agree, else
-//! refused.
+//! Cameras of one picture size for pictures of another: rescaled if the aspect ratios agree, else
+//! rejected.
 //!
-//! Focal length, principal point and homography are in pixels of the picture that the camera was
-//! made for. Taken as they are for a picture twice as wide, they show everything half a picture
-//! away.
+//! Focal length, principal point and homography are in pixels of the camera's own picture. Used
+//! unchanged with a picture twice as wide, they would be off by up to half a picture.
 
 use super::frame_camera::{FrameCamera, Shown};
 use touchline_core::geometry::{ImageSize, Mat3, Vec3};
 
-/// What a format's picture size rests on.
+/// The source of a format's picture size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SizeSource {
     /// The format states it.
     Stated,
-    /// Twice the principal point, as readers of the format take it. A principal point beside the
-    /// middle says nothing.
+    /// Twice the principal point, as readers of the format assume. A principal point that is not in
+    /// the middle gives no size.
     PrincipalPoint,
-    /// It is that of the set the format was made for.
+    /// The picture size of the data set for which the format was made.
     Assumed,
 }
 
-/// The largest distance of a principal point from the middle of its own picture, of the picture's
-/// width.
+/// The largest plausible distance of a principal point from the middle of its own picture, as a
+/// fraction of the picture's width.
 const OFF_CENTRE: f64 = 0.1;
 
-/// The frame as a camera of a picture of another size, and by how much it was rescaled; none where
-/// their proportions differ.
+/// The frame rescaled to a picture of another size, and the factor; none where the aspect ratios
+/// differ.
 #[must_use]
 pub fn fit_to_picture(
     frame: &FrameCamera,
@@ -35,6 +34,8 @@ pub fn fit_to_picture(
     let Some(stated) = frame.size.filter(|size| *size != picture) else {
         return Some((frame.clone(), 1.0));
     };
+    // A size that the format does not state may simply be wrong; then the camera already belongs to
+    // the picture.
     let is_as_it_is = match source {
         SizeSource::Stated => false,
         SizeSource::PrincipalPoint => has_its_centre_in(frame, picture),
@@ -75,7 +76,7 @@ fn rescale(frame: &FrameCamera, factor: f64, picture: ImageSize) -> FrameCamera 
 #[derive(Default)]
 pub struct FittedSizes {
     rescaled: usize,
-    /// The sizes of the first one that was.
+    /// The sizes of the first rescaled camera.
     first: Option<(ImageSize, ImageSize)>,
 }
 
@@ -86,7 +87,7 @@ impl FittedSizes {
         self.first.get_or_insert((stated, picture));
     }
 
-    /// What is said of them.
+    /// The note about them.
     #[must_use]
     pub fn note(&self) -> Option<String> {
         let (stated, picture) = self.first?;

@@ -1,14 +1,14 @@
-//! Where the pictures of imported frames lie.
+//! Finds the pictures of imported frames.
 
 use super::camera_format::has_ending;
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::ImageSize;
 use touchline_vision::media;
 
-/// Endings that are tried where a format names a frame without its image's ending.
+/// Extensions that are tried if a format names a frame without the extension of its image.
 const IMAGE_ENDINGS: [&str; 6] = ["jpg", "png", "jpeg", "JPG", "tif", "bmp"];
 
-/// The file of a named image within a folder, and its size where it is there.
+/// The file of a named image within a folder, and its size if it exists.
 #[must_use]
 pub fn image_of(named: &str, images: &Path) -> (PathBuf, Option<ImageSize>) {
     let candidates: Vec<PathBuf> = if IMAGE_ENDINGS.iter().any(|ending| has_ending(named, ending)) {

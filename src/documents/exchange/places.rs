@@ -1,4 +1,5 @@
-//! Which frame of an open document an imported one is: labels never go onto another picture.
+//! Finds the frame of an open document that shows the same picture as an imported one. Labels must
+//! never be assigned to another picture.
 //!
 //! | rule, in this order | not where |
 //! |---|---|
@@ -6,10 +7,9 @@
 //! | an image of the same name without its ending, if one frame has it | their SHA-256 are known and differ |
 //! | the same number of the same video | – |
 //!
-//! The SHA-256 of a picture is the one that its document states, else that of the file if it is
-//! there. Videos are the same if they lie at one place, or if they have one name and are not two
-//! files of different lengths. A track that names no video belongs to the only video of the
-//! document.
+//! The SHA-256 of a picture is the one stated in its document, else that of the file if it exists.
+//! Videos are the same if they have the same path, or the same name and not two existing files of
+//! different lengths. A track that names no video belongs to the only video of the document.
 
 use crate::document::{DocumentAt, Frame, VideoFrame, resolved};
 use std::collections::BTreeMap;
@@ -17,14 +17,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use touchline_vision::media::sha256_of_file;
 
-/// Times of one video frame that are farther apart belong to two videos, s.
+/// The maximum difference of the times of one video frame, s; a larger one means two different
+/// videos.
 const SAME_TIME_S: f64 = 0.01;
 
-/// Where the frames of a document are, by their pictures.
+/// An index of a document's frames by their pictures.
 pub struct Places<'a> {
     open: DocumentAt<'a>,
     by_file: BTreeMap<PathBuf, usize>,
-    /// None for a name that several frames have.
+    /// None for a name shared by several frames.
     by_stem: BTreeMap<String, Option<usize>>,
     by_number: BTreeMap<(PathBuf, u64), usize>,
     videos: Vec<PathBuf>,
@@ -77,13 +78,13 @@ impl<'a> Places<'a> {
         }
     }
 
-    /// Whether nothing says that a frame shows another picture.
+    /// Whether the digests do not contradict that a frame shows the same picture.
     fn has_same_digest(&self, index: usize, imported: &Frame, folder: &Path) -> bool {
         let Some(frame) = self.open.document.frames.get(index) else {
             return false;
         };
         let is_one_file = image_file(frame, self.open.folder) == image_file(imported, folder);
-        // Of one file only what the documents state can differ.
+        // For the same file only the stated digests can differ.
         let digest = |frame: &Frame, folder: &Path| match (&frame.sha256, is_one_file) {
             (Some(stated), _) => Some(stated.to_ascii_lowercase()),
             (None, true) => None,
@@ -124,13 +125,14 @@ impl<'a> Places<'a> {
     }
 }
 
-/// Whether two videos may be one: they have one name, and are not two files of different lengths.
+/// Whether two videos may be the same: equal names, and not two existing files of different
+/// lengths.
 fn may_be_copies(a: &Path, b: &Path) -> bool {
     let length = |path: &Path| fs::metadata(path).ok().map(|metadata| metadata.len());
     a.file_name() == b.file_name() && length(a).zip(length(b)).is_none_or(|(a, b)| a == b)
 }
 
-/// Whether a path is that of a video. Tracks without one are called by their numbers.
+/// Whether a path names a video file. Tracks without a video are named by their numbers.
 fn names_video(path: &str) -> bool {
     Path::new(path).extension().is_some()
 }

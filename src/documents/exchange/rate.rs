@@ -25,13 +25,13 @@ impl Rate {
         Self::new(100, 1),
     ];
 
-    /// So many frames in so many seconds.
+    /// A rate of `frames` in `seconds`.
     #[must_use]
     pub const fn new(frames: u32, seconds: u32) -> Self {
         Self { frames, seconds }
     }
 
-    /// Frames a second.
+    /// Frames per second.
     #[must_use]
     pub fn per_second(self) -> f64 {
         f64::from(self.frames) / f64::from(self.seconds)

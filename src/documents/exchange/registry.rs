@@ -1,4 +1,4 @@
-//! Which formats hold cameras, and what reads and writes each.
+//! The readers and writers of all formats of cameras and clicks.
 
 use super::broadtrack::BroadTrack;
 use super::camera_format::CameraFormat;

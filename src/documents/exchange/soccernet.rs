@@ -2,9 +2,9 @@
 //!
 //! Their world begins at the centre of the pitch, x right, y towards the main camera, z **down**;
 //! rotation and angles: camera→world = Rz(pan) · Rx(tilt) · Rz(roll), tilt 0 looks straight down
-//! (tilt = 90° + ours on a level base). Distortion is OpenCV's rational model. Nothing says how
-//! large the picture is: readers take twice the principal point. Source: SoccerNet/sn-calibration,
-//! `src/camera.py`.
+//! (tilt = 90° + ours on a level base). Distortion is OpenCV's rational model. The files do not
+//! state the picture size: readers take twice the principal point. Source:
+//! SoccerNet/sn-calibration, `src/camera.py`.
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
@@ -17,40 +17,40 @@ use serde_json::{Value, json};
 use touchline_core::camera::Radial;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 
-/// What the files are called before the frame's name.
+/// The prefix of the files' names, before the frame's name.
 const PREFIX: &str = "camera_";
 /// The pitch of all tools of the challenge, m.
 pub const PITCH_M: [f64; 2] = [105.0, 68.0];
-/// Pixels are square where the two focal lengths differ by less than this share.
+/// Pixels count as square if the two focal lengths differ by less than this fraction.
 const SQUARE: f64 = 1e-9;
 
 /// Cameras as the challenge's files have them.
 pub struct SoccerNet;
 
 /// What `PnLCalib`, No Bells Just Whistles and `TVCalib` write: the same keys with others beside
-/// them, which are left alone.
+/// them, which are ignored.
 pub struct PnlCalib;
 
-/// Their world from ours, and ours from theirs.
+/// A point of our world in theirs; the same map leads back.
 #[must_use]
 pub fn flipped(point: Vec3) -> Vec3 {
     Vec3::new(point.x, -point.y, -point.z)
 }
 
-/// A rotation whose world axes are theirs instead of ours, or ours instead of theirs.
+/// A rotation from the other world, theirs instead of ours or the reverse.
 #[must_use]
 pub fn flipped_world(cam_from_world: &Mat3) -> Mat3 {
     cam_from_world * Mat3::from_diagonal(&Vec3::new(1.0, -1.0, -1.0))
 }
 
-/// Pan, tilt and roll, degrees, of a rotation from *their* world: of the two triples the one that
-/// rolls less.
+/// Pan, tilt and roll, degrees, of a rotation from *their* world. ZXZ angles are ambiguous: (pan +
+/// 180°, −tilt, roll + 180°) is the same rotation. The triple with the smaller roll is returned.
 #[must_use]
 pub fn angles_deg(cam_from_their_world: &Mat3) -> [f64; 3] {
     let o = cam_from_their_world.transpose();
     let sine = o[(0, 2)].hypot(o[(1, 2)]);
     if sine < 1e-15 {
-        // Straight down or up: only pan + roll shows.
+        // Straight down or up, only the sum of pan and roll (or their difference) is determined.
         let (pan, tilt) = (
             o[(1, 0)].atan2(o[(0, 0)]),
             if o[(2, 2)] > 0.0 { 0.0 } else { 180.0 },
@@ -81,7 +81,7 @@ pub fn rotation_of([pan, tilt, roll]: [f64; 3]) -> Mat3 {
     (about_z(pan) * about_x * about_z(roll)).transpose()
 }
 
-/// What a user should know where the pitch is not that of the challenge.
+/// A note for the user if the pitch is not that of the challenge.
 pub fn pitch_note(context: &WriteContext<'_>) -> Option<String> {
     let field = context.field;
     let [length, width] = PITCH_M;
@@ -114,7 +114,7 @@ fn to_json(pinhole: &Pinhole) -> Value {
 /// A camera of their ten keys.
 ///
 /// # Errors
-/// A key is missing or makes no sense, or the lens bends in a way that the document does not hold.
+/// A key is missing or invalid, or the lens has distortion that the document cannot represent.
 pub(super) fn from_json(node: &Node<'_>) -> Result<Pinhole, Problem> {
     let [fx, fy] = [
         node.key("x_focal_length")?.positive()?,
@@ -160,13 +160,13 @@ pub(super) fn from_json(node: &Node<'_>) -> Result<Pinhole, Problem> {
     .checked("the camera")
 }
 
-/// Width by height of the pictures that cameras take.
+/// Usual aspect ratios (width / height) of pictures.
 const USUAL_PROPORTIONS: [f64; 5] = [16.0 / 9.0, 4.0 / 3.0, 3.0 / 2.0, 256.0 / 135.0, 5.0 / 4.0];
-/// Proportions that differ by less are one: sides are whole numbers.
+/// Tolerance of the aspect ratio, because sides are whole numbers.
 const SAME_PROPORTIONS: f64 = 0.005;
 
-/// The size of picture whose middle the principal point is; none where that is no size of a
-/// picture, as of a principal point beside the middle.
+/// The picture size if the principal point is its middle; none where that gives no whole numbers or
+/// an unusual aspect ratio, which means that the principal point is not in the middle.
 #[must_use]
 pub fn size_by_principal_point(point: ImagePoint) -> Option<ImageSize> {
     let is_whole =

@@ -1,5 +1,5 @@
-//! SoccerNet's line annotations: `{frame}.json`, for each class of line points as shares of the
-//! picture.
+//! SoccerNet's line annotations: `{frame}.json`, with points for each class of line, as fractions
+//! of the picture's width and height.
 //!
 //! The first and last point of a straight line are its extremities, more may lie between. The class
 //! `Goal left post left ` ends in a space in the calibration challenge and has none in the game
@@ -61,7 +61,7 @@ fn read_file(bytes: &[u8], size: ImageSize) -> Result<Vec<Mark>, Problem> {
             let share = |key: &str| -> Result<f64, Problem> {
                 let node = point.key(key)?;
                 let value = node.number()?;
-                // Annotators drag points a little over the border.
+                // Annotators may drag points slightly beyond the border.
                 if (-0.5..=1.5).contains(&value) {
                     return Ok(value);
                 }

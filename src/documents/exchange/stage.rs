@@ -1,11 +1,12 @@
-//! The stage of a virtual production: tracks are written in its axes.
+//! Conversion between the field's axes and those of a virtual-production stage, in which tracks are
+//! written.
 
 use super::format::Format;
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use crate::document::Stage;
 use touchline_core::geometry::{Mat3, Vec3};
 
-/// Whether a format is a track that studios take in their own axes.
+/// Whether a format is a camera track that studios use in their stage's axes.
 pub const fn takes_stage(format: Format) -> bool {
     matches!(
         format,

@@ -1,5 +1,5 @@
-//! JSON whose objects have each key once. The usual readers keep the last of two and lose the
-//! other, which in files with a picture's name as key is a lost frame.
+//! JSON whose objects have unique keys. Usual readers keep the last of two equal keys and lose the
+//! other one; in files with picture names as keys that loses a frame.
 
 use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
@@ -10,12 +10,12 @@ use super::values::clipped;
 /// Reads a value.
 ///
 /// # Errors
-/// It is no JSON, or a key occurs twice.
+/// It is not JSON, or a key occurs twice.
 pub fn from_str(text: &str) -> Result<Value, serde_json::Error> {
     serde_json::from_str::<Strict>(text).map(|strict| strict.0)
 }
 
-/// What is wrong, in words that say what a person can change.
+/// The error in words that help the user to correct it.
 pub fn said(error: &serde_json::Error) -> String {
     error
         .to_string()
@@ -38,7 +38,7 @@ impl<'de> serde::Deserialize<'de> for Strict {
     }
 }
 
-/// Builds values and looks at their keys.
+/// Builds values and checks their keys.
 struct Keys;
 
 impl<'de> Visitor<'de> for Keys {

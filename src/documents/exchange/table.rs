@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::ops::Range;
 use touchline_core::geometry::is_formula;
 
-/// The most columns of a table.
+/// The maximum number of columns of a table.
 const MAX_COLUMNS: usize = 1000;
 
 /// A table that was read: columns by name.
@@ -16,14 +16,13 @@ pub struct Table {
     fields: Fields,
 }
 
-/// Rows of fields one behind the other in one text: each field on its own would take several times
-/// as much memory.
+/// All fields concatenated in one text: separate strings would take several times the memory.
 #[derive(Default)]
 struct Fields {
     text: String,
-    /// Where in the text each field ends.
+    /// The end of each field in the text.
     ends: Vec<usize>,
-    /// How many fields there are up to the end of each row.
+    /// The number of fields up to the end of each row.
     row_ends: Vec<usize>,
 }
 
@@ -33,7 +32,7 @@ impl Fields {
         self.row_ends.len()
     }
 
-    /// The numbers of the fields of a row, or of the one that is being read.
+    /// The range of the fields of a row, or of the row being read.
     fn row(&self, index: usize) -> Range<usize> {
         let first = index
             .checked_sub(1)
@@ -74,7 +73,7 @@ impl Table {
     /// Reads a table with a header.
     ///
     /// # Errors
-    /// It is no text, has an open quote, or a row has more or fewer fields than the header.
+    /// It is not text, has an open quote, or a row has more or fewer fields than the header.
     pub fn read(bytes: &[u8]) -> Result<Self, Problem> {
         let fields = split(text(bytes)?)?;
         if fields.rows() == 0 {
@@ -111,7 +110,7 @@ impl Table {
         (1..self.fields.rows()).map(|index| Row { table: self, index })
     }
 
-    /// Refuses a table without one of some columns.
+    /// Rejects a table that lacks one of the given columns.
     ///
     /// # Errors
     /// One is missing; it is named.
@@ -149,17 +148,17 @@ impl Row<'_> {
     /// A finite number that may be absent.
     ///
     /// # Errors
-    /// The field is none.
+    /// The field is not one.
     pub fn find(&self, column: &str) -> Result<Option<f64>, Problem> {
         self.text(column)
             .map(|field| number(column, field).map_err(|problem| problem.at_line(self.line())))
             .transpose()
     }
 
-    /// The number of the frame, in the column `frame_index`, that may be absent.
+    /// The frame number in the column `frame_index`, which may be absent.
     ///
     /// # Errors
-    /// The field is none.
+    /// The field is not one.
     pub fn frame_index(&self) -> Result<Option<u64>, Problem> {
         const COLUMN: &str = "frame_index";
         let number = self.find(COLUMN)?.map(|value| frame_number(COLUMN, value));
@@ -171,7 +170,7 @@ impl Row<'_> {
     /// A finite number.
     ///
     /// # Errors
-    /// The field is empty or none.
+    /// The field is empty or not a number.
     pub fn number(&self, column: &str) -> Result<f64, Problem> {
         let missing = || Problem::Missing(format!("a value for {column}")).at_line(self.line());
         self.find(column)?.ok_or_else(missing)
@@ -197,10 +196,10 @@ pub fn number(what: &str, field: &str) -> Result<f64, Problem> {
     }
 }
 
-/// The numbers of a line between blanks.
+/// The numbers of a line, separated by blanks.
 ///
 /// # Errors
-/// One of them is none.
+/// One of them is not a number.
 pub fn numbers(what: &str, line: &str) -> Result<Vec<f64>, Problem> {
     line.split_whitespace()
         .map(|field| number(what, field))

@@ -14,28 +14,28 @@ pub struct Timecode {
     pub seconds: u64,
     /// Below the rate.
     pub frames: u64,
-    /// Numbers are left out so that the code keeps pace with the clock.
+    /// Whether numbers are dropped so that the code keeps pace with the clock.
     pub is_drop_frame: bool,
 }
 
-/// Frames a second as timecodes count them: 30 at 29.97.
+/// The nominal frame rate by which timecodes count: 30 at 29.97.
 fn nominal(rate: Rate) -> u64 {
     u64::from(rate.frames)
         .div_ceil(u64::from(rate.seconds))
         .max(1)
 }
 
-/// How many numbers each minute that is no tenth leaves out, where a rate drops any: 2 at 29.97, 4
-/// at 59.94.
+/// The number of dropped frame numbers per minute, except every tenth minute: 2 at 29.97, 4 at
+/// 59.94; none at other rates.
 fn dropped_a_minute(rate: Rate) -> Option<u64> {
     let nominal = nominal(rate);
     (rate.seconds == 1001 && nominal.is_multiple_of(30)).then_some(nominal / 15)
 }
 
 impl Timecode {
-    /// The timecode of a frame, counted from 0, of a video that begins at `start`; without one at
-    /// 00:00:00:00, with dropped numbers at 30000/1001 and 60000/1001. At these rates `start` says
-    /// whether numbers are dropped. After 24 hours it begins anew.
+    /// The timecode of a frame, counted from 0, of a video that begins at `start`. Without `start`
+    /// it begins at 00:00:00:00, with dropped numbers at 30000/1001 and 60000/1001; at these rates
+    /// `start` determines whether numbers are dropped. The code restarts after 24 hours.
     #[must_use]
     pub fn from_start(start: Option<Self>, frame_index: u64, rate: Rate) -> Self {
         let dropped =
@@ -44,9 +44,11 @@ impl Timecode {
         let nominal = nominal(rate);
         let mut number = before.saturating_add(frame_index);
         if let Some(dropped) = dropped {
+            // From frame count to frame number: add the dropped numbers. Each block of ten minutes
+            // has nine minutes with dropped numbers; its first minute is complete.
             let minute = 60 * nominal - dropped;
             let ten_minutes = 10 * minute + dropped;
-            // A day has 144 times ten minutes; what lies before the last day cannot be seen.
+            // A day has 144 blocks of ten minutes; whole days do not show in the code.
             number %= 144 * ten_minutes;
             let (tens, rest) = (number / ten_minutes, number % ten_minutes);
             number += 9 * dropped * tens
@@ -66,7 +68,7 @@ impl Timecode {
         }
     }
 
-    /// How many frames lie before it. A number that is left out counts as the one after it.
+    /// The number of frames before this code. A dropped number counts as the next existing one.
     fn count(self, nominal: u64, dropped: Option<u64>) -> u64 {
         let minutes = 60 * self.hours + self.minutes;
         let numbers = (60 * minutes + self.seconds) * nominal + self.frames;

@@ -1,10 +1,10 @@
 //! A USD stage as text: an animated camera, y up, in centimetres.
 //!
 //! Row-vector matrices: translation in the last row, the first three rows the camera's right, up
-//! and back axes in the stage. Focal length and apertures are tenths of a stage unit, so with
-//! centimetres they are mm and careful and careless readers agree. Time codes are frame numbers; a
-//! gap in them begins another camera, so nothing is interpolated over it. The lens is not held: its
-//! coefficients stand in `customLayerData`. Source: `OpenUSD`, `UsdGeomCamera`.
+//! and back axes in the stage. Focal length and apertures are in tenths of a stage unit. With
+//! centimetres these are mm, so readers that ignore the stage unit get the same result. Time codes
+//! are frame numbers; a gap in them starts another camera, so that readers do not interpolate
+//! across it. Distortion cannot be represented. Source: `OpenUSD`, `UsdGeomCamera`.
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::chan::{looking_back, y_up};
@@ -22,14 +22,14 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 /// The format.
 pub struct Usda;
 
-/// The aperture of a sensor that nobody knows, mm.
+/// The aperture that is written for an unknown sensor, mm.
 const NOMINAL_MM: f64 = 36.0;
-/// Centimetres a metre.
+/// Centimetres per metre.
 const CM: f64 = 100.0;
-/// How far a landmark may move through 32-bit focal lengths, px.
+/// The error of a landmark due to 32-bit focal lengths, px.
 const RESOLUTION_PX: f64 = 1e-3;
 
-/// A camera of the stage: its frames follow each other without a gap.
+/// A camera of the stage: a run of consecutive frames.
 struct Take<'a> {
     name: String,
     camera: &'a str,
@@ -101,6 +101,8 @@ fn takes(held: &[FrameCamera]) -> Vec<Take<'_>> {
 }
 
 fn matrix_text(pinhole: &Pinhole) -> String {
+    // The columns are the camera's right, up and back axes in the stage; USD multiplies row
+    // vectors, so they are written as rows.
     let axes: Mat3 = y_up() * pinhole.cam_from_world.transpose() * looking_back();
     let at = y_up() * pinhole.position_m * CM;
     let row = |column: usize| {
@@ -125,6 +127,8 @@ fn matrix_text(pinhole: &Pinhole) -> String {
 fn push_take(take: &Take<'_>, aperture_mm: f64, text: &mut String) {
     let (width, height) = (f64::from(take.size.width), f64::from(take.size.height));
     let per_px = aperture_mm / width;
+    // Aperture offsets, mm: positive where the principal point lies left of the middle, or below
+    // it.
     let offset = take.samples.first().map_or([0.0; 2], |(_, first)| {
         [
             (width / 2.0 - first.principal_point.x) * per_px,
@@ -157,7 +161,7 @@ fn push_take(take: &Take<'_>, aperture_mm: f64, text: &mut String) {
     );
 }
 
-/// What stands between two texts.
+/// The text between two markers.
 fn between<'a>(text: &'a str, from: &str, to: &str) -> Result<&'a str, Problem> {
     let rest = text
         .split_once(from)
@@ -166,13 +170,13 @@ fn between<'a>(text: &'a str, from: &str, to: &str) -> Result<&'a str, Problem> 
     Ok(rest.split_once(to).map_or(rest, |(found, _)| found))
 }
 
-/// A number with as many digits as a reader keeps: attributes are 32-bit floats.
+/// A number rounded to 32 bits, as readers of these attributes do.
 #[expect(clippy::cast_possible_truncation, reason = "that is what readers do")]
 fn single(what: &str, text: &str) -> Result<f64, Problem> {
     Ok(f64::from(number(what, text)? as f32))
 }
 
-/// The frames of a camera that [`push_take`] wrote. Stages of other programs are built otherwise.
+/// The frames of a camera written by [`push_take`]. Stages of other programs are not supported.
 fn read_take(prim: &str, stage: &str) -> Result<Vec<FrameCamera>, Problem> {
     let name = prim.split('"').next().unwrap_or_default();
     let camera: String = serde_json::from_str(between(prim, "touchline:camera = ", "\n")?)

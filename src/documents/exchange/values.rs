@@ -1,9 +1,9 @@
-//! Single values of foreign files: what makes sense and what does not.
+//! Validation of single values of foreign files.
 
 use super::error::Problem;
 use touchline_core::geometry::ImageSize;
 
-/// Frame numbers above this are a mistake: at 60 frames a second it is five centuries.
+/// The maximum frame number: at 60 frames per second it is reached after five centuries.
 const MAX_FRAME: f64 = 1e12;
 
 /// A side of a picture: a whole number of pixels, 1 to 65 535.

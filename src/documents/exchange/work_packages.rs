@@ -1,4 +1,4 @@
-//! Work packages on the disk: a folder each with a project and copies of its pictures, to be
+//! Work packages on the disk: one folder each, with a project and copies of its pictures, to be
 //! labelled on another machine.
 //!
 //! | in a package | what |
@@ -20,8 +20,8 @@ use std::path::{Path, PathBuf};
 use touchline_core::files;
 use touchline_core::files::{PROJECT_FILE, folder_of, temporary_folder_in};
 
-/// Writes the document in packages of `count` frames each into a folder that is empty or not there;
-/// how many frames each has.
+/// Writes the document in packages of `count` frames each into a folder that is empty or does not
+/// exist. Returns the number of frames of each.
 ///
 /// # Errors
 /// The folder holds something, a picture lies outside of the project and `outside` was not given,
@@ -66,8 +66,8 @@ pub fn write_packages(
         .collect())
 }
 
-/// A version of `base` as a whole document: what is missing in a package is taken from `base`, and
-/// pictures and templates of the user's own lie where `base` has them.
+/// A version of `base` as a whole document: what a package does not contain is taken from `base`,
+/// with the paths of pictures and template files of `base`.
 ///
 /// # Errors
 /// A template of `base` cannot be read.
@@ -148,7 +148,7 @@ fn copy_pictures(
 fn copy(from: &Path, to: &Path, as_link: bool) -> Result<(), ExchangeError> {
     let write = || -> io::Result<()> {
         fs::create_dir_all(folder_of(to))?;
-        // A link within the project would be one to nowhere in the package.
+        // A symbolic link within the project would be broken in the package.
         let from = fs::canonicalize(from)?;
         if as_link && fs::hard_link(&from, to).is_ok() {
             return Ok(());
@@ -161,7 +161,7 @@ fn copy(from: &Path, to: &Path, as_link: bool) -> Result<(), ExchangeError> {
     })
 }
 
-/// What files are called in a package: as they are, with a number where two of them have one name.
+/// The names of files in a package: their own, with a number where two have the same name.
 #[derive(Default)]
 struct Names {
     by_file: BTreeMap<PathBuf, String>,
@@ -178,7 +178,7 @@ impl Names {
         };
         let (stem, ending) = (part(file.file_stem()), part(file.extension()));
         loop {
-            // Names that differ in case are one on many systems.
+            // Names that differ only in case are equal on many systems.
             let number = self
                 .taken
                 .entry(format!("{stem}.{ending}").to_lowercase())

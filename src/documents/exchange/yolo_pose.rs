@@ -1,10 +1,10 @@
 //! Keypoints for Ultralytics' pose models: `data.yaml`, and `labels/…/NAME.txt` for
 //! `images/…/NAME.jpg`.
 //!
-//! A line is `class cx cy w h (x y v)*`, all over the picture's width or height, counted from its
-//! corner: no half pixel. A point that is not there is `0 0 0`; a coordinate outside of 0 … 1 drops
-//! the whole picture, so points outside are left out. `flip_idx` says which points change places
-//! when a picture is mirrored.
+//! A line is `class cx cy w h (x y v)*`, as fractions of the picture's width or height in the
+//! corner convention, without a half-pixel shift. An absent point is `0 0 0`. Readers drop the
+//! whole picture if a coordinate is outside 0 … 1, so points outside are not written. `flip_idx` is
+//! the permutation of the points in a mirrored picture.
 
 use super::camera_format::has_ending;
 use super::clicked_frame::{
@@ -26,10 +26,10 @@ use touchline_core::geometry::{ImagePoint, ImageSize};
 pub struct YoloPose;
 
 const DATA: &str = "data.yaml";
-/// The box around the points is wider by this share of the picture on each side.
+/// The margin of the box around the points on each side, as a fraction of the picture.
 const PADDING: f64 = 0.01;
 
-/// Where each keypoint comes to lie in a mirrored picture.
+/// The index of each keypoint's mirror image.
 fn flipped(names: &[String], field: &FieldModel) -> Vec<usize> {
     let twin = |name: &String| {
         let there = field
@@ -162,7 +162,7 @@ fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec
 
 impl ClickFormat for YoloPose {
     fn holds(&self, click: &Click, context: &ClickContext<'_>) -> bool {
-        // Whatever is asked, a point outside would drop the whole picture.
+        // Whatever the options, a point outside would make readers drop the whole picture.
         is_keypoint(click, context)
     }
 

@@ -11,11 +11,11 @@ use crate::field::{Crown, FieldModel};
 use crate::geometry::{Angle, Mat3, Vec2};
 use crate::solve::{Loss, Observation};
 
-/// What is known of a broadcast camera before its clicks are looked at: weak, and decisive only
-/// where the clicks are few.
+/// Priors of a broadcast camera. They are weak, and matter only where the clicks are few.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BasePriors {
-    /// 1-σ of the base's pitch: camera heads are levelled, along the view less well than across it.
+    /// 1-σ of the base's pitch: camera heads are levelled, but less well along the view than across
+    /// it.
     pub pitch: Angle,
     /// 1-σ of the base's roll.
     pub roll: Angle,
@@ -31,8 +31,8 @@ pub struct BasePriors {
 
 impl Default for BasePriors {
     /// Measured on nine matches: rolls of 0.1 to 0.4°, pitches of up to 1.6°, crowns of 0.05 to
-    /// 0.25 m, k₁ ≈ −0.02 + 0.21 (f − 2000) / 1000. Twenty lenses that a World Cup's provider
-    /// calibrated frame by frame have principal points up to 69 px off the middle.
+    /// 0.25 m, k₁ ≈ −0.02 + 0.21 (f − 2000) / 1000. Twenty lenses of a World Cup, calibrated frame
+    /// by frame by its provider, have principal points up to 69 px off the middle.
     fn default() -> Self {
         Self {
             pitch: Angle::from_degrees(1.0),
@@ -48,13 +48,13 @@ impl Default for BasePriors {
 /// How to adjust.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdjustOptions {
-    /// How strongly far-off clicks still pull.
+    /// The robust loss of the clicks.
     pub loss: Loss,
-    /// What is known beforehand.
+    /// The priors of the shared parameters.
     pub priors: BasePriors,
-    /// What is exact because a person says so.
+    /// The parameters that the user declared exact.
     pub prescribed: Prescribed,
-    /// Steps at most.
+    /// Maximum number of steps tried.
     pub max_iterations: usize,
 }
 
@@ -76,12 +76,12 @@ pub struct AdjustedBase {
     pub base: CameraBase,
     /// The crown of the pitch, m.
     pub crown_m: f64,
-    /// Pan, tilt, focal length of every frame; none where the start had none, or where nothing was
-    /// seen.
+    /// Pan, tilt, focal length of every frame; none where the start had none, or where the frame
+    /// has no clicks.
     pub ptz: Vec<Option<Ptz>>,
     /// Covariance of the position, m².
     pub position_covariance: Mat3,
-    /// How much larger than stated the clicks' variance is, at least 1; the covariance has it in.
+    /// The ratio of the clicks' variance to the stated one, at least 1; the covariance includes it.
     pub noise_scale: f64,
     /// The minimised robust cost.
     pub cost: f64,
@@ -89,7 +89,7 @@ pub struct AdjustedBase {
     pub iterations: usize,
 }
 
-/// Adjusts a base and its frames from a start. Frames without `ptz` take no part.
+/// Adjusts a base and its frames from a start. Frames without `ptz` are left out.
 ///
 /// The principal point is the start's.
 #[must_use]
@@ -103,7 +103,7 @@ pub fn adjust_base(
     let CameraClicks { field, frames, .. } = *clicks;
     let image_width_px = clicks.image_size.width;
     let on_ground = |observation: &Observation| BaseClick::new(observation, field.crown());
-    // A frame of which nothing was seen has nothing to say: its equations would have no solution.
+    // A frame without clicks is left out, because its own equations would be singular.
     let start_of =
         |(frame, ptz): (&FrameClicks, &Option<Ptz>)| ptz.filter(|_| frame.used().next().is_some());
     let start_ptz: Vec<Option<Ptz>> = frames.iter().zip(start_ptz).map(start_of).collect();
@@ -114,6 +114,8 @@ pub fn adjust_base(
         .zip(&start_ptz)
         .filter_map(|(clicks, ptz): (Vec<_>, _)| Some((clicks, (*ptz)?)))
         .unzip();
+
+    // Minimise the robust cost of all clicks and the priors.
     let bundle = Bundle::<OF_BASE> {
         frames: clicks,
         priors: options.priors.of_model(
@@ -128,6 +130,8 @@ pub fn adjust_base(
     let found = bundle.minimum(BundleState { shared, ptz }, options.max_iterations);
     let noise_scale = bundle.noise_scale(&found.state);
     let BundleState { shared, ptz } = &found.state;
+
+    // The covariance, with the priors at where the adjusted frames look.
     let held = Adjusted {
         state: &found.state,
         model,
@@ -140,6 +144,8 @@ pub fn adjust_base(
     let covariance = held.covariance(bundle, &|model| {
         options.priors.of_model(model, image_width_px, &view)
     });
+
+    // Return to the pan gauge: the rotation that it takes out of the base is added to every pan.
     let (mut base, added) = shared.base.in_pan_gauge();
     base.sigma = BaseSigma::from_covariance(&covariance, shared.crown.width_m);
     let mut solved = ptz.iter().map(|ptz| Ptz {
@@ -160,13 +166,15 @@ pub fn adjust_base(
     }
 }
 
-/// The start's shared parameters as the model has them.
+/// The start's shared parameters, restricted to those that the model has: its lens and its crown.
 pub(super) fn starting(
     field: &FieldModel,
     start: &CameraBase,
     image_width_px: u32,
     model: &BaseModel,
 ) -> Shared {
+    // k₁ refers to a fixed focal length, so that value and slope have the same meaning for all
+    // bases.
     let at_focal_px = LENS_FOCAL_PX * per_1920(image_width_px);
     let value = start.distortion.at(at_focal_px);
     let distortion = match model.lens {
@@ -210,24 +218,25 @@ fn per_1920(image_width_px: u32) -> f64 {
     f64::from(image_width_px) / 1920.0
 }
 
-/// With fewer frames the principal point and the direction to the field are not told from the
-/// position.
+/// With fewer frames the principal point and the direction to the field cannot be separated from
+/// the position.
 pub(super) const PLACING_FRAMES: usize = 12;
 
-/// Where a camera usually looks: what its priors are about.
+/// Where a camera usually looks: the direction and focal length that its priors refer to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct UsualView {
-    /// From where it stands to the middle of the field, seen from above: unit, `world` x and y.
-    /// Operators level their heads along and across it, wherever a single frame looks.
+    /// From the camera to the middle of the field, seen from above: unit, `world` x and y.
+    /// Operators level the head along and across this direction, wherever a single frame looks.
     pub along: Vec2,
-    /// The focal length, px: the middle of the frames' on a logarithmic scale; none where that of
-    /// the priors holds.
+    /// The geometric mean of the frames' focal lengths, px; none where the focal length of the
+    /// priors is used.
     pub focal_px: Option<f64>,
 }
 
 impl UsualView {
-    /// Of frames of a base. Few frames do not place a camera well enough to say where it sees its
-    /// field: then it is taken to stand on the main stand, at the focal length of the priors.
+    /// The usual view of the frames of a base. Few frames do not locate a camera well enough to
+    /// know its direction to the field: then the camera is assumed on the main stand (looking along
+    /// `world` +y), at the focal length of the priors.
     pub fn from_frames(base: &CameraBase, ptz: &[Ptz]) -> Self {
         if ptz.len() < PLACING_FRAMES {
             return Self {
@@ -245,10 +254,10 @@ impl UsualView {
 }
 
 impl BasePriors {
-    /// Those of the parameters that a model leaves free.
+    /// The priors of the parameters that a model leaves free.
     ///
-    /// Heads are levelled along and across the direction in which they look at the field, whatever
-    /// the field's axes are.
+    /// Pitch and roll refer to the direction from the camera to the field, along and across which
+    /// heads are levelled, not to the field's axes.
     pub(super) fn of_model(
         &self,
         model: &BaseModel,
@@ -262,8 +271,10 @@ impl BasePriors {
             prior(Expected::Roll(view.along), self.roll.radians()),
         ];
         if model.lens != LensModel::Pinhole {
-            // A k₁ that does not follow the focal length is the one at the frames' own.
+            // A constant k₁ is that of the frames' mean focal length: evaluate the usual curve of
+            // k₁ there, and add the uncertainty of its slope.
             let own_px = view.focal_px.filter(|_| !model.lens.follows_focal());
+            // The distance of that focal length from the reference one, px of a frame 1920 px wide.
             let beyond_px = own_px.map_or(0.0, |own_px| own_px / per_1920 - LENS_FOCAL_PX);
             let expected = self.k1.0 + self.k1_slope.0 * beyond_px / 1000.0;
             found.push(prior(

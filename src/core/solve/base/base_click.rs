@@ -1,4 +1,5 @@
-//! A click as the base, the ground and the field's size see it.
+//! The residual of a click in the bundle adjustment, as a function of the base, the crown and the
+//! field's size.
 
 use super::parameters::{CROWN, K1, PRINCIPAL_POINT, ROTATION, SIZE, SIZES, SLOPE, Shared};
 use crate::camera::{Ptz, PtzCamera};
@@ -9,17 +10,17 @@ use crate::solve::shape::ShapeJacobian;
 use crate::solve::{Observation, ObservedShape};
 use nalgebra::SMatrix;
 
-/// A click whose shape follows the crown and the size of the field.
+/// A click whose shape depends on the crown and the size of the field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BaseClick {
-    /// The click, what it shows on flat ground.
+    /// The click, with its shape on flat ground.
     flat: Observation,
-    /// The same shape where each of the fitted lengths is one metre greater; none where the size is
-    /// not fitted.
+    /// The shape on flat ground if one of the fitted lengths is one metre larger; none where that
+    /// length is not fitted.
     larger: [Option<ObservedShape>; SIZES],
 }
 
-/// One frame of a base: what all frames share, and the camera.
+/// The parameters of one frame: the shared ones, and its camera.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FrameView {
     shared: Shared,
@@ -27,7 +28,7 @@ pub(super) struct FrameView {
 }
 
 impl FrameView {
-    /// The base pointed.
+    /// The frame with the given pan, tilt and focal length.
     pub fn new(shared: &Shared, ptz: Ptz) -> Self {
         Self {
             shared: *shared,
@@ -37,8 +38,8 @@ impl FrameView {
 }
 
 impl BaseClick {
-    /// A click on a field of known size; `crown` is that of the field from which the observation
-    /// was made.
+    /// A click on a field of known size; `crown` is the crown of the field on which the
+    /// observation's shape lies.
     pub fn new(observation: &Observation, crown: Crown) -> Self {
         let shape = observation.shape.recrowned(crown, Crown::FLAT);
         Self {
@@ -50,8 +51,8 @@ impl BaseClick {
         }
     }
 
-    /// The same click where a length of the field is fitted: what it shows becomes `larger` (on
-    /// flat ground) when the length grows by `by_m`.
+    /// The same click with a fitted length of the field: its shape becomes `larger` (on flat
+    /// ground) when the length grows by `by_m`. The shape is linear in the length.
     pub fn growing(mut self, size: usize, larger: &ObservedShape, by_m: f64) -> Self {
         self.larger[size] = Some(self.flat.shape.moved(&self.flat.shape, larger, 1.0 / by_m));
         self
@@ -62,7 +63,7 @@ impl BaseClick {
         self.flat.equations()
     }
 
-    /// Its squared distance from what it shows, sigmas²; none where that has no image.
+    /// Its squared distance from its shape, sigmas²; none where that has no image.
     pub fn squared_sigmas(&self, at: &FrameView) -> Option<f64> {
         let off_px = self
             .observation(&at.shared)
@@ -71,7 +72,7 @@ impl BaseClick {
         Some(off_px.norm_squared() / (self.flat.sigma_px * self.flat.sigma_px))
     }
 
-    /// The click, with what it shows as the shared parameters have it.
+    /// The click, with its shape at the field's size and crown of the shared parameters.
     fn observation(&self, shared: &Shared) -> Observation {
         let mut shape = self.flat.shape;
         for (larger, larger_m) in self.larger.iter().zip(shared.larger_m) {
@@ -85,12 +86,14 @@ impl BaseClick {
         }
     }
 
-    /// How the point that a click was compared with moves as the size grows, m/m.
+    /// The derivative of the point that a click was compared with by a length of the field, m/m.
     fn world_by_size(&self, shared: &Shared, size: usize, here: &ShapeJacobian) -> Vec3 {
         let Some(larger) = &self.larger[size] else {
             return Vec3::zeros();
         };
         let mut by = larger.nominal_at(here.parameter) - self.flat.shape.nominal_at(here.parameter);
+        // On a crowned pitch the height of the point changes as well: it moves across the crown,
+        // and the crown becomes wider.
         let [by_y, by_width] = shared
             .crown
             .drop_share_by_y_and_width(here.nearest_in_world.y);
@@ -122,6 +125,8 @@ impl<const SHARED: usize> Residual<2, SHARED, 3> for BaseClick {
             .observation(shared)
             .shape
             .jacobian(camera, self.flat.image)?;
+        // k₁ = value + slope (f − f₀) / 1000, so the derivative by the slope is that by k₁ times (f
+        // − f₀) / 1000.
         let focal_px = camera.ptz().focal_px;
         let kilo_px = (focal_px - shared.base.distortion.at_focal_px) / 1000.0;
         let mut by_shared = SMatrix::<f64, 2, SHARED>::zeros();
@@ -130,6 +135,7 @@ impl<const SHARED: usize> Residual<2, SHARED, 3> for BaseClick {
             .copy_from(&here.by_base.fixed_columns::<5>(0));
         by_shared.set_column(K1, &here.by_k1);
         by_shared.set_column(SLOPE, &(here.by_k1 * kilo_px));
+        // The crown's height c enters as z = −c · `drop_share(y)`.
         let drop = shared.crown.drop_share(here.nearest_in_world.y);
         by_shared.set_column(CROWN, &(here.by_world.column(2) * -drop));
         by_shared
@@ -141,6 +147,7 @@ impl<const SHARED: usize> Residual<2, SHARED, 3> for BaseClick {
                 &(here.by_world * self.world_by_size(shared, size, &here)),
             );
         }
+        // By log f: f times the derivative by f.
         let mut by_own = here.by_ptz;
         by_own.column_mut(2).scale_mut(focal_px);
         Some(Linearised {
@@ -151,7 +158,8 @@ impl<const SHARED: usize> Residual<2, SHARED, 3> for BaseClick {
     }
 }
 
-/// The rotation's columns follow the position's, as they do in a projection's Jacobian by the base.
+/// The columns of the rotation follow those of the position, as in the Jacobian of a projection by
+/// the base.
 const _: () = assert!(ROTATION == 3 && K1 == 5);
 
 #[cfg(test)]

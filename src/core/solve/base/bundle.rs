@@ -1,8 +1,7 @@
 //! Bundle adjustment: the base and every frame's pan, tilt and focal length together.
 //!
-//! Frames see each other only through what they share, so their own three parameters are eliminated
-//! (see
-//! [`BorderedEquations`]).
+//! Frames are coupled only through the shared parameters, so their own three parameters are
+//! eliminated (see [`BorderedEquations`]).
 
 use super::base_click::{BaseClick, FrameView};
 use super::parameters::Shared;
@@ -18,19 +17,18 @@ use crate::solve::refine;
 use crate::solve::residual::Residual;
 use nalgebra::SMatrix;
 
-/// Everything that does not change while the base and its frames are adjusted, for `SHARED` shared
-/// parameters.
+/// A bundle adjustment with `SHARED` shared parameters.
 pub(super) struct Bundle<const SHARED: usize> {
     /// The clicks of each frame.
     pub frames: Vec<Vec<BaseClick>>,
     pub priors: Vec<SharedPrior>,
     /// Which of the shared parameters are free.
     pub free: [bool; SHARED],
-    /// How strongly far-off clicks still pull.
+    /// The robust loss of the clicks.
     pub loss: Loss,
 }
 
-/// All parameters.
+/// The values of all parameters.
 #[derive(Clone, Debug)]
 pub(super) struct BundleState {
     pub shared: Shared,
@@ -72,8 +70,8 @@ impl<const SHARED: usize> Problem for Bundle<SHARED> {
     }
 }
 
-/// The equations of the frames that their clicks determine: one whose own parameters they leave
-/// open says nothing about the base.
+/// Only the frames whose clicks determine their own parameters; the others carry no information
+/// about the base.
 pub(super) fn determined<const SHARED: usize>(
     mut equations: BorderedEquations<SHARED, 3>,
 ) -> BorderedEquations<SHARED, 3> {
@@ -99,9 +97,9 @@ pub(super) fn frame_equations<const SHARED: usize>(
 }
 
 impl<const SHARED: usize> Bundle<SHARED> {
-    /// Walks from a start to the best fit.
+    /// Minimises the cost from a start.
     pub fn minimum(&self, start: BundleState, max_iterations: usize) -> Minimum<Self> {
-        /// A step that lowers the cost by less than this share of it is the last.
+        /// A step that lowers the cost by less than this fraction is the last.
         const SMALL_GAIN: f64 = 1e-10;
         minimise(
             self,
@@ -114,13 +112,14 @@ impl<const SHARED: usize> Bundle<SHARED> {
         )
     }
 
-    /// By how much the clicks' variance exceeds what is stated, at least 1: the median of their χ²,
-    /// each over what it should be.
+    /// The ratio of the clicks' variance to the stated one, at least 1: the median over the clicks
+    /// of χ² divided by its expected median. The median is robust against wrong names.
     ///
-    /// A residual should be smaller than the noise, since its frame's three numbers and its share
-    /// of what all frames share were fitted to it: in a frame of n equations by (n − 3 − its share)
-    /// / n. With three landmarks that is half, and a paint's single equation has a third of the
-    /// median that a landmark's two have.
+    /// Residuals are smaller than the noise, because parameters were fitted to them: in a frame of
+    /// n equations, the expected χ² is reduced by the factor (n − 3 − s) / n, where 3 are the
+    /// frame's own parameters and s is its part of the free shared parameters, in proportion to its
+    /// equations. For three landmarks (n = 6) the factor is at most one half. The median of a paint
+    /// sample's single equation is a third of that of a landmark's two.
     pub fn noise_scale(&self, at: &BundleState) -> f64 {
         /// Medians of χ² with one and two degrees of freedom.
         const MEDIANS: [f64; 2] = [0.455, 1.386];
@@ -131,10 +130,12 @@ impl<const SHARED: usize> Bundle<SHARED> {
         let mut scales: Vec<f64> = Vec::new();
         for (clicks, ptz) in self.frames.iter().zip(&at.ptz) {
             let view = FrameView::new(&at.shared, *ptz);
+            // The factor of the doc comment, with the free shared parameters divided among frames
+            // by equations.
             let own = equations(clicks);
             let left = (own - 3.0 - free * own / all) / own;
             if left <= 0.0 {
-                // A frame that its clicks just determine says nothing about their noise.
+                // Without surplus equations the residuals are zero, whatever the noise.
                 continue;
             }
             let scale = |click: &BaseClick| {
@@ -148,8 +149,8 @@ impl<const SHARED: usize> Bundle<SHARED> {
         median(&mut scales).map_or(1.0, |scale| scale.max(1.0))
     }
 
-    /// Covariance of the shared parameters: of clicks that scatter so much more than stated, and of
-    /// landmarks that lie off their places. Infinite if singular.
+    /// Covariance of the shared parameters, from click noise scaled by `noise_scale` and from
+    /// landmarks displaced in all frames (see [`Scatter`]). Infinite if singular.
     pub fn covariance(&self, at: &BundleState, noise_scale: f64) -> SMatrix<f64, SHARED, SHARED> {
         let equations = self.equations(at);
         let inverse = determined(equations.clone())
@@ -158,6 +159,8 @@ impl<const SHARED: usize> Bundle<SHARED> {
         let Some(inverse) = inverse else {
             return SMatrix::from_diagonal_element(f64::INFINITY);
         };
+
+        // Each click's own normal equations, grouped by the landmark or line that it shows.
         let mut scatter = Scatter::default();
         let BundleState { shared, ptz } = at;
         for ((clicks, ptz), block) in self.frames.iter().zip(ptz).zip(&equations.blocks) {
@@ -174,7 +177,7 @@ impl<const SHARED: usize> Bundle<SHARED> {
         }
         let free = self.free.iter().filter(|free| **free).count();
         let mut covariance = scatter.covariance(&inverse, noise_scale, free, shared.crown.width_m);
-        // What is held is exact, and goes with nothing.
+        // Fixed parameters are exact and have no correlations.
         for held in (0..SHARED).filter(|&parameter| !self.free[parameter]) {
             covariance.row_mut(held).fill(0.0);
             covariance.column_mut(held).fill(0.0);

@@ -1,12 +1,13 @@
-//! Whether a base stops fitting from some frame on: somebody bumped the tripod, or set it up anew
+//! Detects whether a base stops fitting from some frame on: the tripod was bumped, or set up anew
 //! at half-time.
 //!
-//! Each frame's clicks pull the base somewhere (gradient) and say how surely (normal equations, the
-//! frame's own pan, tilt and focal length eliminated). At every place of the sequence two models
-//! are compared: one displacement of the base for all frames, or one before and another from there
-//! on, each with the same prior. With Gaussians the Bayes factor has a closed form. What frames
-//! scatter beyond the noise of their clicks (lens, pitch, names) is estimated along and makes all
-//! of them count less. What is found must also show in pixels.
+//! The clicks of each frame are reduced to a gradient and an information matrix of a small
+//! displacement of the base; the frame's own pan, tilt and focal length are eliminated. At every
+//! frame of the sequence two models are compared: one displacement of the base for all frames, or
+//! one before the frame and another from it on, each with the same prior. With Gaussians the Bayes
+//! factor has a closed form. Scatter of the frames beyond the noise of their clicks (from lens,
+//! pitch and names) is estimated as well, and reduces the weight of all frames. A change must also
+//! be visible in pixels.
 
 use super::FrameClicks;
 use super::base_click::BaseClick;
@@ -27,42 +28,44 @@ const MOVED: usize = K1;
 type Moved = SVector<f64, MOVED>;
 type MovedMatrix = SMatrix<f64, MOVED, MOVED>;
 
-/// As many frames are needed on each side.
+/// Minimum number of frames on each side of a change.
 const MIN_SIDE: usize = 3;
-/// Clicks whose number of equations is less say nothing about the base.
+/// Minimum number of equations of a frame that is used: three determine its own camera, only
+/// further ones constrain the base.
 const MIN_EQUATIONS: usize = 4;
-/// A bump moves a camera by this much, m (1-σ).
+/// Prior of the displacement in each axis, 1-σ, m.
 const BUMP_M: f64 = 1.0;
-/// And turns its head by this much (1-σ).
+/// Prior of the rotation about each horizontal axis, 1-σ.
 const BUMP_TURN: Angle = Angle::from_degrees(0.5);
-/// The logarithm of the Bayes factor that is believed.
+/// Minimum logarithm of the Bayes factor of a change.
 const EVIDENCE: f64 = 12.0;
-/// Where the base no longer fits, clicks are at least this many times farther off than before.
+/// From the change on, the median click error under the old base is at least this many times that
+/// before it.
 const WORSE: f64 = 1.4;
-/// And with a base of their own they come back to at most this share.
+/// A new base reduces the median click error after the change to at most this fraction.
 const MENDED: f64 = 0.8;
-/// A longer sequence is first looked at in this many frames.
+/// A longer sequence is first tested on a subsample of this many frames.
 const COARSE: usize = 300;
 
-/// The place where a base stops fitting.
+/// A frame from which on a base no longer fits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BaseChange {
-    /// The first frame that it no longer fits, by its place among those given.
+    /// The index of the first frame that the base no longer fits.
     pub frame: usize,
     /// Median distance of the clicks before it, px.
     pub before_px: f64,
-    /// Median distance of the clicks from it on, with the base that fits those before, px.
+    /// Median distance of the clicks from it on, under the base that fits those before, px.
     pub after_px: f64,
-    /// The same with a base of their own, px.
+    /// Median distance of the clicks from it on, under a base fitted to them, px.
     pub own_px: f64,
-    /// That base: moved and turned, the lens as before.
+    /// The base fitted to the frames from the change on; the lens is unchanged.
     pub base: CameraBase,
     /// The logarithm of the Bayes factor for a change here.
     pub evidence: f64,
 }
 
-/// Where a base stops fitting, if it does: `frames` and their cameras in the order of time. Frames
-/// without a camera or with too few clicks are passed over.
+/// Finds the frame from which on the base no longer fits, if there is one. `frames` and their
+/// cameras are in temporal order. Frames without a camera or with too few clicks are skipped.
 #[must_use]
 pub fn base_change(
     field: &FieldModel,
@@ -78,13 +81,17 @@ pub fn base_change(
         .filter(|(_, (frame, _))| frame.equations() >= MIN_EQUATIONS)
         .filter_map(|(place, (frame, ptz))| Some(Telling::new(place, frame, (*ptz)?, field)))
         .collect();
+    // Step 1, for long sequences: test a subsample, to save the equations of all frames where
+    // nothing suggests a change.
     if telling.len() > COARSE {
         let coarse: Vec<Pull> = subsample(&telling, COARSE)
             .map(|frame| frame.pull(&shared))
             .collect();
-        // What a part of the frames does not suggest, all of them are not asked.
+        // Half of the evidence must show in the subsample.
         split(&coarse).filter(|split| split.evidence > 0.5 * EVIDENCE)?;
     }
+
+    // Step 2: the most likely change, over all frames.
     let pulls: Vec<Pull> = telling
         .par_iter()
         .map(|frame| frame.pull(&shared))
@@ -95,6 +102,9 @@ pub fn base_change(
         scatter,
     } = split(&pulls).filter(|split| split.evidence > EVIDENCE)?;
 
+    // Step 3: confirm the change in pixels. The evidence comes from equations linearised at the
+    // given base; here a base is fitted to either side, and the clicks after the change are
+    // measured under both.
     let (before, after) = telling.split_at(at);
     let held = Displaced::fitted(&shared, before);
     let own = Displaced::fitted(&shared, after);
@@ -116,7 +126,7 @@ pub fn base_change(
     })
 }
 
-/// A frame that says something about the base.
+/// A frame with a camera and enough clicks to constrain the base.
 struct Telling {
     place: usize,
     clicks: Vec<BaseClick>,
@@ -149,7 +159,8 @@ impl Telling {
     }
 }
 
-/// Where a frame's clicks pull the base, and how surely; or several frames' together.
+/// Gradient Jᵀ W r and information Jᵀ W J of a displacement of the base, from the clicks of one
+/// frame, or summed over several frames.
 #[derive(Clone, Copy, Debug)]
 struct Pull {
     gradient: Moved,
@@ -164,7 +175,8 @@ impl Pull {
         }
     }
 
-    /// Pan, tilt and focal length follow. A frame that leaves those open says nothing.
+    /// Eliminates the frame's pan, tilt and focal length (Schur complement). Zero for a frame that
+    /// does not determine them.
     fn of(frame: &BlockEquations<OF_BASE, 3>) -> Self {
         let Some((information, gradient)) = frame.eliminated() else {
             return Self::none();
@@ -189,8 +201,8 @@ impl Pull {
         }
     }
 
-    /// How much of the misfit a displacement explains, and how much noise alone would have it
-    /// explain.
+    /// How much of χ² a displacement explains, gᵀ (H + V⁻¹)⁻¹ g with gradient g, information H and
+    /// prior covariance V, and the expectation of that under click noise alone, tr((H + V⁻¹)⁻¹ H).
     fn explained(&self) -> (f64, f64) {
         let Some(inverse) = (self.information + prior()).try_inverse() else {
             return (0.0, 0.0);
@@ -201,7 +213,9 @@ impl Pull {
         )
     }
 
-    /// The logarithm of the evidence for one displacement, against none.
+    /// The logarithm of the Bayes factor of one displacement against none: ½ gᵀ (H + V⁻¹)⁻¹ g − ½
+    /// ln det(I + H V), with g and H divided by the scatter. It is the ratio of the marginal
+    /// likelihoods of a Gaussian with prior covariance V and one with zero displacement.
     fn evidence(&self, scatter: f64) -> f64 {
         let information = self.information / scatter;
         let Some(inverse) = (information + prior()).try_inverse() else {
@@ -213,7 +227,7 @@ impl Pull {
     }
 }
 
-/// What is known of a displacement beforehand, as variances (m², rad²).
+/// The prior covariance V of a displacement (m², rad²).
 fn variance() -> MovedMatrix {
     let turn = BUMP_TURN.radians();
     MovedMatrix::from_diagonal(&Moved::from_fn(|index, _| {
@@ -225,21 +239,25 @@ fn variance() -> MovedMatrix {
     }))
 }
 
-/// The inverse of [`variance`].
+/// V⁻¹, the inverse of [`variance`].
 fn prior() -> MovedMatrix {
     MovedMatrix::from_diagonal(&variance().diagonal().map(|variance| 1.0 / variance))
 }
 
-/// Where a sequence is best parted.
+/// The most likely change of a sequence.
 #[derive(Clone, Copy, Debug)]
 struct Split {
     at: usize,
     evidence: f64,
-    /// How many times larger than the clicks' noise the frames' scatter is, as variances.
+    /// The ratio of the variance of the frames' scatter to that expected from click noise, at least
+    /// 1.
     scatter: f64,
 }
 
+/// The index at which two displacements, one before and one from it on, are most likely compared
+/// with a single one.
 fn split(pulls: &[Pull]) -> Option<Split> {
+    // χ² that a displacement per frame explains, and its expectation under click noise.
     let all = pulls.iter().fold(Pull::none(), Pull::plus);
     let (mut misfit, mut freedom) = (0.0, 0.0);
     for pull in pulls {
@@ -247,12 +265,18 @@ fn split(pulls: &[Pull]) -> Option<Split> {
         misfit += explained;
         freedom += expected;
     }
+
+    // Gradients and information add up over frames, so running sums give both sides of every index
+    // in linear time.
     let mut before = Pull::none();
     let mut best: Option<Split> = None;
     for (index, pull) in pulls.iter().enumerate() {
         let after = all.minus(&before);
         if index >= MIN_SIDE && index + MIN_SIDE <= pulls.len() {
             let (of_before, of_after) = (before.explained(), after.explained());
+            // What separate displacements of the frames explain beyond one displacement on each
+            // side is scatter: lens, pitch and names. Compared with its expectation it scales the
+            // noise, never below the noise of the clicks.
             let left = freedom - of_before.1 - of_after.1;
             let scatter = ((misfit - of_before.0 - of_after.0) / left.max(1.0)).max(1.0);
             let evidence =
@@ -270,15 +294,15 @@ fn split(pulls: &[Pull]) -> Option<Split> {
     best
 }
 
-/// A base moved and turned to where some frames' clicks have it.
+/// A base fitted to the clicks of some frames by position and rotation alone.
 struct Displaced {
     shared: Shared,
     information: MovedMatrix,
 }
 
 impl Displaced {
-    /// The base adjusted to some frames, held near the start by what is known of bumps; the lens
-    /// stays.
+    /// Adjusts position and rotation to the clicks of some frames, with the prior of a bump around
+    /// the start. The lens is kept.
     fn fitted(start: &Shared, frames: &[Telling]) -> Self {
         const UNTIL: Stopping = Stopping {
             max_iterations: 8,
@@ -310,7 +334,8 @@ impl Displaced {
         }
     }
 
-    /// Median distance of some frames' clicks, each frame pointed anew, px.
+    /// Median distance of the clicks of some frames, px, each frame's pan, tilt and focal length
+    /// refined under this base.
     fn median_px(&self, frames: &[Telling]) -> Option<f64> {
         let base = self.shared.base;
         let mut errors: Vec<f64> = frames
@@ -328,7 +353,7 @@ impl Displaced {
         median_high(&mut errors)
     }
 
-    /// How far position and rotation are known.
+    /// 1-σ of position and rotation, with the click noise scaled by the scatter.
     fn sigma(&self, scatter: f64) -> BaseSigma {
         let covariance = (self.information / scatter + prior())
             .try_inverse()

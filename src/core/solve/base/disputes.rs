@@ -1,4 +1,4 @@
-//! Clicks and frames that disagree with the base that all the others agree on.
+//! Clicks and frames that contradict the base on which all others agree.
 
 use super::FrameClicks;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
@@ -8,31 +8,31 @@ use crate::solve::refine::squared_sigmas;
 use crate::solve::{Loss, Observation, SolveContext, solve_frame};
 use serde::Serialize;
 
-/// A click farther off than this many sigmas (of clicks as they scatter here) is disputed.
+/// A click farther off than this many sigmas (of the estimated click noise) is disputed.
 const DISPUTED_SIGMAS: f64 = 5.0;
 
-/// Another landmark fits if it is within this many sigmas.
+/// Another landmark is suggested for a click within this many sigmas.
 const FITS_SIGMAS: f64 = 2.5;
 
-/// A click that the rest contradicts.
+/// A click that the other clicks contradict.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DisputedClick {
     /// Which frame, from 0.
     pub frame: usize,
     /// Which of its clicks, from 0.
     pub click: usize,
-    /// How far off it is, px; none where what it shows has no image.
+    /// Its distance from its landmark or line, px; none where that has no image.
     pub error_px: Option<f64>,
-    /// The landmark that would fit there, if there is one, and how far off that is, px.
+    /// The landmark that fits instead, if there is one, and its distance, px.
     pub fits_better: Option<(LandmarkId, f64)>,
 }
 
-/// A frame whose names are all taken from the wrong side.
+/// A frame whose landmarks are all named from the wrong side of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct MirroredFrame {
     /// Which frame, from 0.
     pub frame: usize,
-    /// What mends it: left and right exchanged, near and far, or both.
+    /// The symmetry that corrects the names: left and right exchanged, near and far, or both.
     pub symmetry: Symmetry,
     /// Median error of its clicks as they are named, px.
     pub median_px: f64,
@@ -40,7 +40,7 @@ pub struct MirroredFrame {
     pub median_mirrored_px: f64,
 }
 
-/// The clicks of solved frames that are far off, in order.
+/// The clicks of solved frames that are more than [`DISPUTED_SIGMAS`] off, in order.
 pub(super) fn disputed_clicks(
     base: &CameraBase,
     field: &FieldModel,
@@ -71,7 +71,7 @@ pub(super) fn disputed_clicks(
     found
 }
 
-/// The landmark nearest to a click, if it is near enough.
+/// The landmark nearest to a click, if it is within [`FITS_SIGMAS`].
 fn better_landmark(
     camera: &PtzCamera,
     field: &FieldModel,
@@ -91,14 +91,15 @@ fn better_landmark(
         .filter(|(_, distance_px)| *distance_px < FITS_SIGMAS * click.sigma_px * noise_scale)
 }
 
-/// The frames whose clicks fit well as soon as all names are mirrored, and do not as they are.
+/// The frames whose clicks fit much better when all names are mirrored. Frames with clicks on lines
+/// are not tested.
 pub(super) fn mirrored_frames(
     base: &CameraBase,
     frames: &[FrameClicks],
     ptz: &[Option<Ptz>],
     image_size: ImageSize,
 ) -> Vec<MirroredFrame> {
-    /// Mirrored, a frame must be this much better.
+    /// The cost with mirrored names is less than this fraction of the cost as named.
     const BETTER: f64 = 0.25;
     const MIN_CLICKS: usize = 4;
     let loss = Loss::Cauchy { c: 3.0 };
@@ -109,7 +110,11 @@ pub(super) fn mirrored_frames(
         if clicks.len() < MIN_CLICKS {
             continue;
         }
+        // A frame without a camera has the cost of clicks without an image, so a mirrored solution
+        // beats it.
         let as_named = median_and_cost(base, ptz[index], &clicks, loss);
+
+        // Solve the frame anew under each symmetry and keep the best.
         let mut best: Option<(f64, MirroredFrame)> = None;
         for symmetry in Symmetry::ALL {
             let mirrored: Option<Vec<Observation>> = clicks
@@ -140,7 +145,7 @@ pub(super) fn mirrored_frames(
     found
 }
 
-/// A landmark click under the names of another side; lines stay out of it.
+/// A landmark click moved to its mirror image; none for a click on a line.
 fn mirrored(click: &Observation, symmetry: Symmetry) -> Option<Observation> {
     Some(Observation {
         element: None,
@@ -160,6 +165,7 @@ fn median_and_cost(
         .iter()
         .map(|click| camera.as_ref().and_then(|camera| click.distance_px(camera)))
         .collect();
+    // Clicks without an image have a large constant cost, and an infinite distance in the median.
     let cost = distances
         .iter()
         .zip(clicks)

@@ -1,4 +1,4 @@
-//! The whole way from clicks to a base: start, adjustment, choice of the model, what disagrees.
+//! From clicks to a base: start, adjustment, choice of the model, disputed clicks.
 
 use super::adjust::{PLACING_FRAMES, adjust_base};
 use super::disputes::{disputed_clicks, mirrored_frames};
@@ -17,7 +17,7 @@ use crate::geometry::{AngleRange, ImagePoint, ImageSize, Mat3, median, quantile}
 use crate::progress::Progress;
 use serde::Serialize;
 
-/// What a person may ask for.
+/// The user's choices for an estimation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BaseOptions {
     /// The lens; none: chosen by cross-validation.
@@ -25,22 +25,24 @@ pub struct BaseOptions {
     /// The pitch; none: chosen by cross-validation between the field's crown, or flat, and a free
     /// one.
     pub crown: Option<CrownModel>,
-    /// Also find the principal point where enough frames may show it, held near the middle by its
-    /// prior. True by default.
+    /// Whether to estimate the principal point as well where there are enough frames, with a prior
+    /// at the middle of the picture. True by default.
     pub principal_point: bool,
-    /// How many frames are enough for that; with fewer it stays in the middle and counts in the
-    /// uncertainty. 12 by default.
+    /// The minimum number of frames for that. With fewer the principal point stays in the middle,
+    /// and its prior σ enters the uncertainty. 12 by default.
     pub placing_frames: usize,
     /// How to adjust.
     pub adjust: AdjustOptions,
 }
 
 impl BaseEstimate {
-    /// What a person should know where all frames look the same way: they hold the position less
-    /// well than their number suggests. None where they do not, or where there is only one.
+    /// A notice for the user if all frames look the same way, because they then determine the
+    /// position less well than their number suggests. None if the views differ, or for a single
+    /// frame.
     #[must_use]
     pub fn one_view(&self) -> Option<String> {
-        /// Frames that differ less are one view, degrees and log f.
+        /// Frames whose pan and focal length differ by less than this are one view, degrees and log
+        /// f.
         const SAME: [f64; 2] = [3.0, 0.1];
         let solved: Vec<&FrameFit> = self.frames.iter().flatten().collect();
         let span = |of: &dyn Fn(&Ptz) -> f64| {
@@ -66,14 +68,14 @@ impl BaseEstimate {
 }
 
 impl BaseOptions {
-    /// Around which point the principal point is found; none where it stays. Few frames do not show
-    /// it: on real matches one or two frames err by a tenth more with it than without, and ten by 2
-    /// %; all frames err by a tenth less.
+    /// The mean of the principal point's prior; none if the principal point is not estimated. Few
+    /// frames do not determine it: on real matches the error of one or two frames is a tenth larger
+    /// with it than without, that of ten frames 2 % larger, and that of all frames a tenth smaller.
     fn free_centre(&self, nominal: ImagePoint, frames: usize) -> Option<ImagePoint> {
         (self.principal_point && frames >= self.placing_frames).then_some(nominal)
     }
 
-    /// How to adjust, with what these options prescribe.
+    /// The options of the adjustment, with the prescriptions of these options.
     fn adjusting(&self) -> AdjustOptions {
         let (lens, crown) = (self.lens.is_some(), self.crown.is_some());
         AdjustOptions {
@@ -86,7 +88,7 @@ impl BaseOptions {
         }
     }
 
-    /// The model with most that is free among those that may be chosen.
+    /// The model with the most free parameters among the allowed ones.
     #[must_use]
     pub fn richest(&self, clicks: &CameraClicks<'_>) -> BaseModel {
         let centre = self.free_centre(clicks.principal_point, clicks.frames.len());
@@ -97,7 +99,7 @@ impl BaseOptions {
 }
 
 impl Default for BaseOptions {
-    /// Everything chosen by the program.
+    /// All choices left to the program.
     fn default() -> Self {
         Self {
             lens: None,
@@ -120,19 +122,20 @@ pub struct FrameFit {
     pub rms_px: f64,
 }
 
-/// A base estimated from clicks, with everything needed to judge it.
+/// A base estimated from clicks, with its errors and diagnostics.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BaseEstimate {
-    /// The base with its sigma: the adjustment's (landmarks that lie off their places in every
-    /// frame included), raised where the jackknife over groups of frames shows more.
+    /// The base with its sigma. The sigma is that of the adjustment, which includes landmarks
+    /// displaced in every frame, raised in the directions in which the jackknife over groups of
+    /// frames is larger.
     pub base: CameraBase,
     /// The crown of the pitch, m.
     pub crown_m: f64,
-    /// What was left free.
+    /// Which parameters were free.
     pub model: BaseModel,
-    /// Why.
+    /// Why this model was chosen.
     pub reason: ModelReason,
-    /// The models compared on clicks that they had not seen; one only where it was prescribed.
+    /// The cross-validation scores of all models; a single one where the model was prescribed.
     pub scores: Vec<ModelScore>,
     /// Covariance of the position, m².
     #[serde(serialize_with = "crate::geometry::rows")]
@@ -143,24 +146,24 @@ pub struct BaseEstimate {
     pub median_px: f64,
     /// The 90 % quantile of it, px.
     pub p90_px: f64,
-    /// The same median under the base that was given, if one was.
+    /// The median distance of all clicks under the previous base, px, if one was given.
     pub previous_median_px: Option<f64>,
-    /// The frame that would make it clearly better known, where frames are few.
+    /// Where frames are few: the further frame that would reduce the uncertainty most.
     pub one_more_frame: Option<OneMoreFrame>,
-    /// Clicks that disagree, those of mirrored frames left out.
+    /// Clicks that contradict the others, without those of mirrored frames.
     pub disputed: Vec<DisputedClick>,
-    /// Frames that are named from the wrong side.
+    /// Frames whose landmarks are named from the wrong side of the field.
     pub mirrored: Vec<MirroredFrame>,
 }
 
 /// Estimates the base from the clicks of many frames (one is enough where it has four landmarks).
 ///
-/// The field's crown is a start, and holds where [`CrownModel::Fixed`] says so. `previous` is a
-/// base to start from as well and to compare with.
+/// The field's crown is the initial value, and is kept under [`CrownModel::Fixed`]. `previous` is
+/// an alternative start, used if the clicks give none, and a base to compare with.
 ///
 /// # Errors
-/// No frame to start from, no camera that explains half of the clicks, frames that leave the
-/// position open, or `progress` cancelled it ([`BaseError::Stopped`]).
+/// No frame to start from, no camera that explains half of the clicks, frames that do not determine
+/// the position, or cancellation by `progress` ([`BaseError::Stopped`]).
 pub fn estimate_base(
     clicks: &CameraClicks<'_>,
     previous: Option<&CameraBase>,
@@ -188,6 +191,9 @@ pub fn estimate_base(
             ptz,
         )
     });
+
+    // Start from the clicks alone; the previous base is only a fallback, because it may be the one
+    // that is wrong.
     let (mut base, mut ptz) = match start_base(clicks) {
         Ok(start) => (start.base, start.ptz),
         Err(error) => previous_fit
@@ -195,7 +201,9 @@ pub fn estimate_base(
             .map(|(base, _, ptz)| (*base, ptz.clone()))
             .ok_or(error)?,
     };
-    // First the pinhole, which has nothing to go astray with; then each frame anew from its clicks.
+    // Adjust a pinhole first: without lens parameters a rough start cannot diverge. Then solve each
+    // frame anew with the adjusted base, so that frames without a camera so far can join, and
+    // frames at a wrong minimum can leave it.
     let pinhole = pinhole(field);
     for _ in 0..STARTING_ROUNDS {
         let adjusted = adjust_base(clicks, &base, &ptz, &pinhole, &adjust);
@@ -207,6 +215,8 @@ pub fn estimate_base(
     }
 
     let fit = chosen_fit(clicks, &models, (&base, &ptz), &adjust, &adjustments)?;
+
+    // Summarise on the fitted crown: each frame is solved once more with the final base and lens.
     let crowned = FieldModel {
         crown_m: fit.adjusted.crown_m,
         ..field.clone()
@@ -220,6 +230,8 @@ pub fn estimate_base(
     let ptz = solve_all(&fit.adjusted.base, &frames, image_size);
     let mut estimate = summary(fit, &crowned, &frames, &ptz, image_size)?;
     estimate.previous_median_px = previous_fit.map(|fit| fit.1);
+
+    // With few frames, suggest the next one to click.
     if solved_frames < MIN_FRAMES {
         let known_m = estimate.base.sigma.position_m.norm();
         let adjusting = (&model, &adjust);
@@ -229,10 +241,10 @@ pub fn estimate_base(
     Ok(estimate)
 }
 
-/// The same from clicks and paint in one adjustment. `painted` has the clicks of each frame of
-/// `clicks`, which may be none, followed by its paint; the cameras are adjusted from `start`, a
-/// base and the frames' cameras, and stay where both together put them. The model is the one that
-/// does best at paint that it has not seen.
+/// Estimates the base from clicks and paint in one adjustment. `painted` has the clicks of each
+/// frame of `clicks` (possibly none), followed by its paint. `start` is a base and the frames'
+/// cameras; the adjusted cameras are kept as they are, and are not solved again from the clicks
+/// alone. The model is chosen by its errors at held-out paint.
 ///
 /// # Errors
 /// Those of [`estimate_base`].
@@ -265,6 +277,8 @@ pub fn estimate_base_on_paint(
         crown_m: fit.adjusted.crown_m,
         ..field.clone()
     };
+
+    // The summary is about the clicks; the fits of the frames are about clicks and paint together.
     let recrowned = |frames: &[FrameClicks]| {
         frames
             .iter()
@@ -284,9 +298,9 @@ pub fn estimate_base_on_paint(
     Ok(estimate)
 }
 
-/// The errors of frames under a base that is not adjusted to them, each camera refined on one half
-/// of its clicks and paint and judged by the other: of the paint, and of the clicks. `crown_m` is
-/// the crown that goes with the base.
+/// The errors of frames under a base that is not adjusted to them, at paint and at clicks. Each
+/// camera is refined on one half of its clicks and paint and evaluated on the other. `crown_m` is
+/// the crown that belongs to the base.
 #[must_use]
 pub fn held_out_on_paint(
     painted: &CameraClicks<'_>,
@@ -315,7 +329,7 @@ struct ChosenFit {
     scores: Vec<ModelScore>,
 }
 
-/// The model chosen by cross-validation from a start, and everything adjusted with it.
+/// Chooses the model by cross-validation and adjusts base and frames with it, from a given start.
 fn chosen_fit(
     clicks: &CameraClicks<'_>,
     models: &[BaseModel],
@@ -337,6 +351,9 @@ fn chosen_fit(
     let solved_frames = ptz.iter().flatten().count();
     let (model, reason) =
         choose(&scores, solved_frames).unwrap_or((pinhole(clicks.field), ModelReason::Prescribed));
+
+    // The covariance of the adjustment assumes independent errors; the jackknife also shows what
+    // the frames of a group have in common. Take the larger in each direction.
     let mut adjusted = adjust_base(clicks, base, ptz, &model, options);
     if let Some(score) = scores.iter().find(|score| score.model == model) {
         adjusted.base.sigma = adjusted.base.sigma.covering(&score.spread);
@@ -357,7 +374,7 @@ const fn pinhole(field: &FieldModel) -> BaseModel {
     }
 }
 
-/// What a fit is worth, by clicks on the field that it has found and the frames' cameras.
+/// Checks a fit and summarises it, by the clicks on the fitted field and the frames' cameras.
 fn summary(
     fit: ChosenFit,
     field: &FieldModel,
@@ -381,6 +398,9 @@ fn summary(
             quantile(&errors, share)
         }
     };
+
+    // Reject a base that does not explain half of the clicks, whose position is not determined, or
+    // that stands below the ground. Comparisons are written so that NaN is rejected.
     let median_px = at(0.5);
     let has_clicks = frames.iter().any(|frame| frame.equations() > 0);
     if has_clicks && !(median_px < NO_FIT_PX * image_size.scale_from_1920()) {
@@ -405,6 +425,8 @@ fn summary(
             depth_m: -base.position_m.z,
         });
     }
+
+    // The clicks of a mirrored frame all disagree for one reason; only the frame is reported.
     let mirrored = mirrored_frames(&base, frames, ptz, image_size);
     let noise_scale = adjusted.noise_scale.sqrt();
     let mut disputed = disputed_clicks(&base, field, frames, ptz, noise_scale);
@@ -431,13 +453,13 @@ fn summary(
     })
 }
 
-/// How often the pinhole is adjusted before models are compared.
+/// How many times the pinhole is adjusted before models are compared.
 const STARTING_ROUNDS: usize = 2;
 
-/// Clicks this far off (median, px at 1920 px width) are explained by no camera.
+/// A fit with a larger median click error is rejected, px at 1920 px width.
 const NO_FIT_PX: f64 = 25.0;
 
-/// A base whose position is less well known than this is none, m.
+/// A base with a larger 1-σ of the position, along its worst direction, is rejected, m.
 const MAX_POSITION_SIGMA_M: f64 = 20.0;
 
 /// The models to compare, simple ones first.

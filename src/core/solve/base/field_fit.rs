@@ -1,10 +1,11 @@
-//! The field's length and width from the clicks, where a person asks for it.
+//! Estimation of the field's length and width from the clicks, on the user's request.
 //!
-//! Both shift landmarks against each other in ways that a camera can nearly imitate, so they are
-//! found after the base, with priors at what is assumed and within what the rules allow: as further
-//! shared parameters of the bundle adjustment. How landmarks and lines move with them is taken from
-//! fields of two sizes, whatever the template's expressions are; where they do not move in
-//! proportion, the fit is repeated at the size found.
+//! A change of either displaces the landmarks in a way that a change of the camera nearly
+//! compensates. They are therefore estimated after the base, as further shared parameters of the
+//! bundle adjustment, with priors at the assumed values and within the limits of the rules. The
+//! derivatives of landmarks and lines by the size are finite differences between fields of two
+//! sizes, whatever the template's expressions are. Where the landmarks do not move linearly, the
+//! fit is repeated at the size found.
 
 use super::adjust::{UsualView, starting};
 use super::base_click::BaseClick;
@@ -18,14 +19,14 @@ use crate::field::{Crown, FieldElement, FieldModel};
 use crate::geometry::Vec3;
 use crate::solve::{Observation, ObservedShape};
 
-/// A length of the field that may differ from what is assumed.
+/// A length of the field that may differ from the assumed value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SizeParam {
     /// Its name in documents: `length_m`.
     pub name: String,
-    /// What is assumed, m.
+    /// The assumed value, m.
     pub assumed_m: f64,
-    /// How far venues differ from it, 1-σ, m.
+    /// The 1-σ of venues around it, m.
     pub sigma_m: f64,
     /// The smallest that the rules allow, m.
     pub min_m: f64,
@@ -33,30 +34,31 @@ pub struct SizeParam {
     pub max_m: f64,
 }
 
-/// A length of the field as the clicks have it.
+/// A length of the field as estimated from the clicks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FittedSize {
     /// Its name in documents.
     pub name: String,
-    /// What was assumed, m.
+    /// The assumed value, m.
     pub assumed_m: f64,
-    /// What was found, m.
+    /// The estimate, m.
     pub value_m: f64,
-    /// Its 1-σ, m: of clicks that scatter, and of landmarks that lie off their places.
+    /// The 1-σ of the estimate, m, from click noise and from landmarks that are painted off their
+    /// nominal positions.
     pub sigma_m: f64,
-    /// What that adds to the camera's position, 1-σ along `world` x, y, z, m. Where one end of a
-    /// field is seen and not the other, its middle, the origin of `world`, is known half as well as
-    /// its length, and so is everything that is told from there.
+    /// The 1-σ that this adds to the camera's position along `world` x, y, z, m. If only one end of
+    /// a field is seen, the uncertainty of its length moves the middle of the field, which is the
+    /// origin of `world`, by half, and with it all coordinates.
     pub position_sigma_m: Vec3,
-    /// The frames do not show the length: what was assumed holds.
+    /// Whether the frames do not determine the length, so that the assumed value should be kept.
     pub is_open: bool,
 }
 
-/// A length that is less certain is not shown by the frames, m: where they show it, 0.04 to 0.13 m
-/// is stated before any floor.
+/// A length with a larger 1-σ is not determined by the frames, m. Where they determine it, the 1-σ
+/// is 0.04 to 0.13 m.
 const OPEN_M: f64 = 0.5;
 
-/// Where the fit starts: a base and its frames on the field as assumed.
+/// The start of the fit: a base and its frames on the assumed field.
 #[derive(Clone, Copy, Debug)]
 pub struct SizeStart<'a> {
     /// The field as assumed, with the crown of the base; the frames' clicks are of it.
@@ -65,28 +67,28 @@ pub struct SizeStart<'a> {
     pub frames: &'a [FrameClicks],
     /// The base.
     pub base: &'a CameraBase,
-    /// Pan, tilt and focal length of each frame that takes part.
+    /// Pan, tilt and focal length of each frame; frames without are left out.
     pub ptz: &'a [Option<Ptz>],
-    /// What is free beside.
+    /// Which other parameters are free.
     pub model: &'a BaseModel,
-    /// Columns of the picture: they scale the priors.
+    /// The width of the picture, px; the priors scale with it.
     pub image_width_px: u32,
     /// How to adjust.
     pub options: &'a AdjustOptions,
 }
 
-/// The change of size by which the movement of landmarks is measured, m.
+/// The step of the finite differences by the size, m.
 const STEP_M: f64 = 0.2;
 
-/// Fits at most, each at the size that the one before found.
+/// Maximum number of fits; each linearises at the size that the previous one found.
 const MAX_FITS: usize = 6;
 
-/// A size that moves by less ends the search, m.
+/// The search ends when every size changes by less than this, m.
 const ENOUGH_M: f64 = 0.005;
 
-/// Fits the field's size; `sized` gives the field (crown as in `start`) for values of the
-/// parameters in their order. None where nothing is to be fitted, where it is more than two
-/// lengths, or where the clicks leave it open.
+/// Fits the field's size. `sized` builds the field (with the crown of `start`) for values of the
+/// parameters in their order. None where there are no parameters or more than two, or where the
+/// clicks do not determine the system.
 #[must_use]
 pub fn fit_field_size(
     sized: &dyn Fn(&[f64]) -> Option<FieldModel>,
@@ -110,9 +112,10 @@ pub fn fit_field_size(
         .iter()
         .map(|param| param.assumed_m.clamp(param.min_m, param.max_m))
         .collect();
-    // A size at the end of what the rules allow stays there.
+    // A size that reaches a limit of the rules is fixed there (active set).
     let mut held = [false; SIZES];
     for round in 1.. {
+        // One bundle adjustment, linearised at the current size.
         let (bundle, shared) = fit.bundle(&values, &state.shared, held)?;
         let mut found = bundle.minimum(
             BundleState {
@@ -121,6 +124,8 @@ pub fn fit_field_size(
             },
             start.options.max_iterations,
         );
+
+        // Move to the size found, within the limits.
         let mut moved_m: f64 = 0.0;
         for (size, (value, param)) in values.iter_mut().zip(params).enumerate() {
             let wanted = *value + found.state.shared.larger_m[size];
@@ -129,6 +134,9 @@ pub fn fit_field_size(
             moved_m = moved_m.max((allowed - *value).abs());
             *value = allowed;
         }
+
+        // Converged. For the covariance, sizes at a limit are free again: the limit is no
+        // information about how well the clicks determine the size.
         if moved_m < ENOUGH_M || round == MAX_FITS {
             found.equations.free = fit.free([false; SIZES]);
             let noise_scale = bundle.noise_scale(&found.state);
@@ -136,7 +144,8 @@ pub fn fit_field_size(
             let covariance = information.try_inverse()?;
             let of = |size: usize| {
                 let variance = covariance[(SIZE + size, SIZE + size)];
-                // The position that is most likely at another value of the length, m per m.
+                // The most likely change of the position per change of the length (conditional mean
+                // of the Gaussian), m per m.
                 let position_by_size =
                     Vec3::from_fn(|axis, _| covariance[(axis, SIZE + size)] / variance);
                 (variance * noise_scale, position_by_size)
@@ -148,10 +157,10 @@ pub fn fit_field_size(
     None
 }
 
-/// The variance of a length, m², and how the camera's position goes with it, m per m.
+/// The variance of a length, m², and the regression of the camera's position on it, m per m.
 type Known = (f64, Vec3);
 
-/// What does not change from one fit to the next.
+/// The inputs that all fits have in common.
 struct SizeFit<'a> {
     sized: &'a dyn Fn(&[f64]) -> Option<FieldModel>,
     params: &'a [SizeParam],
@@ -159,8 +168,8 @@ struct SizeFit<'a> {
 }
 
 impl SizeFit<'_> {
-    /// The field at some size with one length changed by up to [`STEP_M`] within what the rules
-    /// allow, and by how much.
+    /// The field with one length changed by ± [`STEP_M`], downwards where the upper limit of the
+    /// rules is near, and the change, m.
     fn changed(&self, values: &[f64], size: usize) -> Option<(FieldModel, f64)> {
         let by_m = if values[size] + STEP_M <= self.params[size].max_m {
             STEP_M
@@ -172,7 +181,7 @@ impl SizeFit<'_> {
         Some(((self.sized)(&changed)?, by_m))
     }
 
-    /// The parameters that are free, sizes that are held left out.
+    /// The free parameters: those of the model, and the sizes that are not fixed.
     fn free(&self, held: [bool; SIZES]) -> [bool; OF_BASE_AND_SIZE] {
         let mut free = free_parameters(self.start.model);
         for size in 0..self.params.len() {
@@ -181,7 +190,8 @@ impl SizeFit<'_> {
         free
     }
 
-    /// The adjustment with the clicks on a field of some size, and its start: `shared` there.
+    /// The bundle adjustment linearised at a field of the given size, and its start: `shared` at
+    /// that size.
     fn bundle(
         &self,
         values: &[f64],
@@ -190,6 +200,7 @@ impl SizeFit<'_> {
     ) -> Option<(Bundle<OF_BASE_AND_SIZE>, Shared)> {
         let start = self.start;
         let field = (self.sized)(values)?;
+        // The field at this size, and one with each length changed.
         let changed: Vec<(FieldModel, f64)> = (0..values.len())
             .map(|size| self.changed(values, size))
             .collect::<Option<_>>()?;
@@ -201,7 +212,8 @@ impl SizeFit<'_> {
         for (size, (larger, by_m)) in changed.iter().enumerate() {
             shared.width_by_size[size] = (larger.width_m - field.width_m) / by_m;
         }
-        // Clicks on something that is no part of the field say nothing about its size.
+        // Each click carries the derivative of its shape by each size. Clicks without an element of
+        // the field, which do not depend on its size, are left out.
         let on_field = |click: &Observation| {
             let element = click.element?;
             let sized = BaseClick::new(&click.renamed(&field, element)?, field.crown());
@@ -222,6 +234,9 @@ impl SizeFit<'_> {
         let frames = solved
             .map(|(frame, _)| frame.used().filter_map(on_field).collect())
             .collect();
+
+        // The priors of the base, and one for each size. The parameter is the change from the
+        // current value, so the prior's mean is the assumed value minus the current one.
         let view = UsualView::from_frames(
             start.base,
             &start.ptz.iter().flatten().copied().collect::<Vec<_>>(),
@@ -249,8 +264,8 @@ impl SizeFit<'_> {
         Some((bundle, shared))
     }
 
-    /// The sizes with their sigmas: the variances of clicks that scatter, each with how the
-    /// position goes with the length, and of landmarks that lie off their places.
+    /// The sizes with their sigmas. The variance of each has two independent parts: that of click
+    /// noise (`variances`) and that of displaced landmarks ([`Self::displaced`]).
     fn fitted(
         &self,
         values: &[f64],
@@ -262,7 +277,7 @@ impl SizeFit<'_> {
             (&SizeParam, &f64),
             (Known, f64),
         )| {
-            // What is seen leaves a length no less certain than it was before.
+            // Observations cannot make a length less certain than its prior.
             let sigma_m = (variance + displaced).sqrt().min(param.sigma_m);
             (variance.is_finite() && variance > 0.0).then(|| FittedSize {
                 name: param.name.clone(),
@@ -276,8 +291,10 @@ impl SizeFit<'_> {
         self.params.iter().zip(values).zip(known).map(of).collect()
     }
 
-    /// The variance of each length, m², because the landmarks and lines that move with it lie off
-    /// their places.
+    /// The variance of each length, m², from landmarks and lines that are painted off their nominal
+    /// positions: that of a least-squares fit of one length, σ² / Σ |∂position / ∂length|² over the
+    /// elements clicked. All frames see the same displacement, so more clicks on one element do not
+    /// reduce it.
     fn displaced(&self, values: &[f64]) -> Option<Vec<f64>> {
         let field = (self.sized)(values)?;
         let clicks = self
@@ -300,7 +317,7 @@ impl SizeFit<'_> {
         (0..values.len()).map(of).collect()
     }
 }
-/// Where a landmark is, or the middle of a line, on flat ground, m.
+/// The position of a landmark, or of the middle of a line, on flat ground, `world`, m.
 fn nominal_m(field: &FieldModel, element: FieldElement) -> Option<Vec3> {
     Some(match element {
         FieldElement::Landmark(index) => field.landmarks.get(index)?.nominal_m,

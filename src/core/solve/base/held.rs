@@ -1,8 +1,8 @@
-//! How far a base is to be trusted when its model holds numbers that no real camera has exactly.
+//! The covariance of a base whose model fixes parameters that are not exact in reality.
 //!
-//! A model without distortion, with a level pitch or with its principal point in the middle leaves
-//! out what is there. What it leaves out is known as well as its prior says, and errs along with
-//! everything that is adjusted beside it.
+//! A model without distortion, with a level pitch or with its principal point in the middle fixes
+//! parameters that a real camera does not have exactly. Each of them is uncertain by its prior, and
+//! its error propagates to all adjusted parameters.
 
 use super::bundle::{Bundle, BundleState, determined};
 use super::parameters::{OF_BASE, PRINCIPAL_POINT, free_parameters};
@@ -13,7 +13,7 @@ use crate::field::FieldModel;
 use crate::solve::least_squares::Problem as _;
 use nalgebra::{SMatrix, Vector2};
 
-/// A base as it was adjusted.
+/// The result of an adjustment, with what its covariance depends on.
 pub(super) struct Adjusted<'a> {
     pub state: &'a BundleState,
     pub model: &'a BaseModel,
@@ -25,18 +25,19 @@ pub(super) struct Adjusted<'a> {
 }
 
 impl Adjusted<'_> {
-    /// The covariance of what the frames share. `priors` are those of the parameters that a model
+    /// The covariance of the shared parameters. `priors` gives those of the parameters that a model
     /// leaves free.
     ///
-    /// Lens and crown were held because the clicks showed nothing of them: their posterior is taken
-    /// as if they were free. The principal point is held whatever the clicks show, so its whole
-    /// prior counts as an error that nothing made up for (a "considered" parameter; Schmidt 1966,
-    /// Tapley, Schutz and Born, Statistical Orbit Determination, chapter 6).
+    /// Lens and crown were fixed because the clicks do not determine them: their posterior is
+    /// computed as if they were free. The principal point is fixed whatever the clicks show, so its
+    /// whole prior is an error that the adjustment did not compensate (a "considered" parameter;
+    /// Schmidt 1966, Tapley, Schutz and Born, Statistical Orbit Determination, chapter 6).
     pub fn covariance(
         &self,
         mut bundle: Bundle<OF_BASE>,
         priors: &dyn Fn(&BaseModel) -> Vec<SharedPrior>,
     ) -> SharedCovariance {
+        // Free the lens and the crown unless the user prescribed them.
         let lens = if self.prescribed.lens {
             self.model.lens
         } else {
@@ -59,6 +60,9 @@ impl Adjusted<'_> {
         if self.model.principal_point.is_some() || self.prescribed.principal_point {
             return covariance;
         }
+
+        // The principal point as a considered parameter: H of the parameters that are free, and the
+        // coupling B of the principal point with them.
         let mut equations = determined(bundle.equations(self.state));
         let held = equations
             .reduced(0.0)
@@ -72,7 +76,7 @@ impl Adjusted<'_> {
         let (Some(inverse), Some((information, _))) = (held, with_all) else {
             return covariance;
         };
-        // Everything else moves by −H⁻¹ B for each px that the principal point is off.
+        // All other parameters change by −H⁻¹ B per px of error of the principal point.
         let mut mixed = information.fixed_columns::<2>(PRINCIPAL_POINT).into_owned();
         mixed.fixed_rows_mut::<2>(PRINCIPAL_POINT).fill(0.0);
         let mut moved: SMatrix<f64, OF_BASE, 2> = -inverse * mixed;

@@ -6,48 +6,49 @@
 //! A broadcast camera stands still. Its frames share a position, the rotation of its head (the
 //! *base*) and a lens whose distortion follows the focal length; each frame adds its own pan, tilt
 //! and focal length. Given clicks on landmarks and lines in some frames, or painted lines seen in
-//! many, find what the frames share, and how well it is known.
+//! many, estimate the shared parameters and their covariance.
 //!
 //! # Method
 //!
 //! 1. **Start** (`start.rs`). A frame with four landmarks on the ground gives a homography, and
-//!    that gives a camera (`plane_pose.rs`). Its position is noisy and some are nonsense, so each
-//!    is tried as the base of a sample of frames, with a level head, and the one whose frames fit
-//!    best wins. Wrong names in a few frames cannot spoil it.
+//!    that gives a camera (`plane_pose.rs`). Its position is noisy, and some positions are grossly
+//!    wrong. So each is tested as the base of a sample of frames, and the one with the lowest
+//!    robust cost wins. Wrong names in a few frames do not affect the result.
 //! 2. **Bundle adjustment** (`bundle.rs`, `adjust.rs`). All parameters together by damped
-//!    Gauss–Newton. Frames see each other only through what they share, so their own three
+//!    Gauss–Newton. Frames are coupled only through the shared parameters, so their own three
 //!    parameters are eliminated first (Schur complement; Triggs and others: "Bundle Adjustment – A
-//!    Modern Synthesis", 2000, section 6). A robust loss lets wrong clicks go.
+//!    Modern Synthesis", 2000, section 6). A robust loss reduces the weight of wrong clicks.
 //! 3. **Priors** (`shared_prior.rs`). Heads are levelled along and across the direction in which
 //!    they see the field; k₁ follows the focal length as measured on twenty broadcast lenses; the
 //!    principal point lies within ±40 px of the middle at 1920 px width.
 //! 4. **Model choice** (`model_choice.rs`). Four lens models, each on a level and a crowned pitch,
-//!    are compared by five-fold cross-validation: frames are left out, each is refined on one half
-//!    of its clicks and judged by the other. A richer model has to be better by 0.5 %. Fewer than
-//!    six frames keep the usual lens and pitch unless their clicks clearly contradict them.
-//! 5. **Size of the field** (`field_fit.rs`), if it is asked for: length and width as two more
+//!    are compared by five-fold cross-validation: frames are held out, each is refined on one half
+//!    of its clicks and evaluated on the other. A richer model has to be better by 0.5 %. Fewer
+//!    than six frames keep the usual lens and pitch unless their clicks clearly contradict them.
+//! 5. **Size of the field** (`field_fit.rs`), on the user's request: length and width as two more
 //!    shared parameters.
 //!
 //! # How certain it is
 //!
-//! The inverse of the normal equations promises too much. Three things are added to it, each as a
-//! full covariance of position, rotation, lens, crown and principal point, so that what cancels in
-//! a picture still cancels:
+//! The inverse of the normal equations underestimates the covariance. Three parts are added to it,
+//! each as a full covariance of position, rotation, lens, crown and principal point, so that errors
+//! that cancel in a picture still cancel:
 //!
-//! * landmarks lie off their places in all frames alike (`scatter.rs`: a random effect per landmark);
-//! * lens, crown and principal point that a model holds are as uncertain as they are known beforehand (`held.rs`);
-//! * what the frames have in common and no model has shows when groups of frames are left out (the jackknife of `model_choice.rs`).
+//! * landmarks are displaced equally in all frames (`scatter.rs`: a random effect per landmark);
+//! * lens, crown and principal point that a model fixes are uncertain by their priors (`held.rs`);
+//! * errors that frames have in common and no model describes show when groups of frames are held
+//!   out (the jackknife of `model_choice.rs`).
 //!
 //! # What it is proof against
 //!
 //! Swapped and mirrored names ([`DisputedClick`], [`MirroredFrame`]), frames of a few clicks each,
-//! a first base that is metres off, lenses that no model describes exactly. It is not proof against
-//! one zoom alone: then k₁ and its slope are known by their priors.
+//! a first base that is metres off, lenses that no model describes exactly. It is not robust
+//! against frames of a single focal length: then k₁ and its slope are determined by their priors.
 //!
 //! # Figures
 //!
-//! `tests/benches/base.md`: drawn cameras with everything drawn from its prior (`base_coverage`),
-//! twelve measured broadcast lenses (`lenses`), clicked matches.
+//! `tests/benches/base.md`: simulated cameras with all parameters drawn from their priors
+//! (`base_coverage`), twelve measured broadcast lenses (`lenses`), clicked matches.
 
 mod adjust;
 mod base_click;
@@ -88,31 +89,31 @@ use thiserror::Error;
 /// The clicks of one frame of the camera whose base is sought.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameClicks {
-    /// Its clicks; held-out ones take no part.
+    /// Its clicks; held-out ones are not used.
     pub observations: Vec<Observation>,
-    /// Its pan, tilt and focal length, if something is known.
+    /// Its pan, tilt and focal length, if known.
     pub start: Option<Ptz>,
 }
 
 impl FrameClicks {
-    /// The clicks that take part.
+    /// The clicks that are used, without held-out ones.
     pub(super) fn used(&self) -> impl Iterator<Item = &Observation> + Clone {
         self.observations
             .iter()
             .filter(|observation| !observation.check)
     }
 
-    /// How many equations they give.
+    /// The number of equations of the clicks used.
     #[must_use]
     pub fn equations(&self) -> usize {
         self.used().map(Observation::equations).sum()
     }
 }
 
-/// The clicks of all frames of one camera: what its base is estimated from.
+/// The clicks of all frames of one camera, from which its base is estimated.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraClicks<'a> {
-    /// The field that the clicks are of. Its crown is a start, unless the model says otherwise.
+    /// The field of the clicks. Its crown is the initial value, unless the model fixes it.
     pub field: &'a FieldModel,
     /// The frames.
     pub frames: &'a [FrameClicks],
@@ -123,7 +124,7 @@ pub struct CameraClicks<'a> {
 }
 
 impl<'a> CameraClicks<'a> {
-    /// Those of a camera whose principal point is the middle of the picture.
+    /// The clicks of a camera whose principal point is the middle of the picture.
     #[must_use]
     pub fn centred(
         field: &'a FieldModel,
@@ -163,7 +164,7 @@ pub enum BaseError {
         /// Median distance of the clicks, px.
         median_px: f64,
     },
-    /// The camera that fits sees the field from below.
+    /// The best-fitting camera is below the field.
     #[error(
         "the best-fitting camera is {depth_m:.1} m below the field: check left and right, near and far"
     )]
@@ -171,10 +172,10 @@ pub enum BaseError {
         /// How deep, m.
         depth_m: f64,
     },
-    /// It was given up.
+    /// The estimation was cancelled.
     #[error("the estimation was stopped")]
     Stopped,
-    /// The frames leave part of the base open.
+    /// The frames do not determine the position.
     #[error(
         "the frames leave the camera's position open by {sigma_m:.0} m: click landmarks in frames that look elsewhere, \
          or zoomed differently"

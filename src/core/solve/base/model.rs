@@ -1,4 +1,4 @@
-//! What is left free when a base is adjusted: the lens, the pitch, the principal point.
+//! Which parameters of a base are free in an adjustment: lens, crown, principal point.
 
 use crate::geometry::ImagePoint;
 use serde::Serialize;
@@ -9,13 +9,13 @@ use std::fmt;
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum LensModel {
-    /// None.
+    /// No distortion.
     Pinhole,
     /// One k₁.
     K1,
     /// k₁ linear in the focal length, the slope with a prior.
     K1Focal,
-    /// The same with k₂ tied to k₁ so that the lens folds nowhere: k₂ = 2 k₁².
+    /// Like `K1Focal`, with k₂ = 2 k₁², so that the lens folds nowhere.
     K1FocalK2,
 }
 
@@ -31,19 +31,19 @@ impl LensModel {
     }
 }
 
-/// How the pitch is shaped.
+/// The shape of the pitch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum CrownModel {
-    /// This much higher in the middle, m.
+    /// A given height of the middle above the touchlines, m.
     Fixed(f64),
-    /// To be found, with a prior.
+    /// The height is estimated, with a prior.
     Free,
 }
 
 impl CrownModel {
-    /// The crown, where it is not to be found.
+    /// The height of the crown, m; none where it is estimated.
     #[must_use]
     pub const fn fixed_m(self) -> Option<f64> {
         match self {
@@ -53,20 +53,21 @@ impl CrownModel {
     }
 }
 
-/// What is left free beside position, base rotation and every frame's pan, tilt and focal length.
+/// Which parameters are free beside position, base rotation and every frame's pan, tilt and focal
+/// length.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BaseModel {
     /// The lens.
     pub lens: LensModel,
     /// The pitch.
     pub crown: CrownModel,
-    /// Where set, the principal point is found as well, with a prior around this point.
+    /// If set, the principal point is estimated as well, with a prior around this point.
     #[serde(rename = "principal_point_px")]
     pub principal_point: Option<ImagePoint>,
 }
 
-/// What a model holds because a person has prescribed it. Where it holds something else, that errs
-/// as its prior says.
+/// Parameters that the user prescribed and that therefore count as exact. Others that a model fixes
+/// count as uncertain by their priors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Prescribed {
     /// The lens.

@@ -1,5 +1,5 @@
-//! Which lens and which pitch: every model is tried on clicks, or on paint where it is known, that
-//! it has not seen.
+//! The choice of the lens and pitch model by cross-validation: every model is evaluated on held-out
+//! clicks, or on held-out paint where paint is known.
 
 use super::adjust::adjust_base;
 use super::progress::Adjustments;
@@ -12,8 +12,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
 
-/// How a model does on clicks that it has not seen; where the frames' paint is known, on paint that
-/// it has not seen.
+/// The cross-validation errors of a model: at held-out clicks, or at held-out paint where the
+/// frames' paint is known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ModelScore {
     /// The model.
@@ -22,45 +22,48 @@ pub struct ModelScore {
     pub median_px: f64,
     /// The 90 % quantile of it, px.
     pub p90_px: f64,
-    /// Root mean square with what is far off (wrong names, other paint) clipped, px: the choice is
-    /// made by it.
+    /// Root mean square with large errors (wrong names, other paint) clipped, px. The choice is
+    /// made by this number.
     pub clipped_rms_px: f64,
-    /// How many clicks, or places of paint, were held out, each once.
+    /// The number of held-out clicks or paint samples; each is held out once.
     pub held_out: usize,
-    /// Where paint decides: the errors at held-out clicks.
+    /// The errors at held-out clicks, where the other fields are about paint.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_clicks: Option<HeldOutErrors>,
-    /// Covariance of what the frames share by how it moves when a group is held out (jackknife).
+    /// Jackknife covariance of the parameters that the frames share, from their changes when a
+    /// group is held out.
     #[serde(skip)]
     pub spread: SharedCovariance,
 }
 
-/// Errors at clicks beyond this are wrong names, whatever the model, px at 1920 px width.
+/// Larger errors at clicks are clipped to this, px at 1920 px width: they are wrong names, whatever
+/// the model.
 const CLIP_PX: f64 = 12.0;
 
-/// Errors of paint beyond this are other paint, whatever the model, px at 1920 px width.
+/// Larger errors of paint are clipped to this, px at 1920 px width: they are other paint, whatever
+/// the model.
 const PAINT_CLIP_PX: f64 = 4.0;
 
-/// So many places of paint that follow each other are held out together: neighbours on one line
-/// know too much of each other.
+/// The number of consecutive paint samples that are held out together. Neighbours on one line have
+/// correlated errors, so that a sample between fitted neighbours would not test the model.
 const PAINT_BLOCK: usize = 4;
 
-/// A richer model must be better by this share.
+/// The fraction by which a richer model must be better, with many frames.
 const WORTHWHILE: f64 = 0.005;
 
-/// With few frames another model must be better than that of the usual camera by this share.
-/// Held-out clicks of so few frames tell less than is known beforehand: smaller differences are
-/// noise.
+/// With few frames, the fraction by which another model must be better than the model of the usual
+/// camera. Held-out clicks of few frames carry less information than the priors: smaller
+/// differences are noise.
 const CLEARLY_BETTER: f64 = 0.25;
 
-/// With one or two frames, whose clicks hardly tell the position from the lens, a simpler model is
-/// the safer one from this share on.
+/// With one or two frames, the fraction by which another model must be better. Their clicks hardly
+/// separate the position from the lens, which makes a simpler model the safer one.
 const BETTER_IN_TWO_FRAMES: f64 = 0.05;
 
-/// With fewer frames clicks hardly tell the position from the lens.
+/// With fewer frames the clicks hardly separate the position from the lens.
 const TELL_LENS_FRAMES: usize = 3;
 
-/// With fewer frames clicks are held out instead of frames.
+/// With fewer frames, clicks are held out instead of frames.
 pub(super) const MIN_FRAMES: usize = 6;
 
 /// Why a model was chosen.
@@ -70,14 +73,14 @@ pub(super) const MIN_FRAMES: usize = 6;
 pub enum ModelReason {
     /// No other was allowed.
     Prescribed,
-    /// It is the best at frames held out.
+    /// It has the smallest errors at held-out frames, or is as good and simpler.
     HeldOut,
-    /// The frames are few: the usual lens and pitch hold, as far as the clicks agree.
+    /// There are few frames: the usual lens and pitch are kept, as far as the clicks agree.
     UsualCamera {
         /// How many frames have a camera.
         frames: usize,
     },
-    /// The frames are few, but their clicks contradict the usual lens or pitch.
+    /// There are few frames, but their clicks contradict the usual lens or pitch.
     UnlikeUsual {
         /// How many frames have a camera.
         frames: usize,
@@ -101,7 +104,7 @@ impl fmt::Display for ModelReason {
     }
 }
 
-/// What cross-validation needs beside the model.
+/// The inputs of cross-validation beside the model.
 pub(super) struct CrossValidation<'a> {
     pub clicks: &'a CameraClicks<'a>,
     pub start: &'a CameraBase,
@@ -111,7 +114,7 @@ pub(super) struct CrossValidation<'a> {
 }
 
 impl CrossValidation<'_> {
-    /// Scores every model; the order stays.
+    /// Scores every model, in the given order.
     pub fn scores(&self, models: &[BaseModel]) -> Vec<ModelScore> {
         models.par_iter().map(|model| self.score(model)).collect()
     }
@@ -131,7 +134,7 @@ impl CrossValidation<'_> {
             } else {
                 self.held_out_clicks(model, fold)
             };
-            // The next fold asks whether the estimation is cancelled.
+            // A cancellation is noticed by the next fold.
             let _ = self.adjustments.count();
             tried
         };
@@ -139,6 +142,8 @@ impl CrossValidation<'_> {
         let errors = folds
             .iter()
             .fold(Errors::default(), |sum, fold| sum.and(&fold.errors));
+
+        // Held-out paint decides where there is any; the errors at clicks are then only reported.
         let scale = self.clicks.image_size.scale_from_1920();
         let (deciding, clip_px, at_clicks) = if errors.paint.is_empty() {
             (errors.clicks, CLIP_PX * scale, None)
@@ -149,6 +154,7 @@ impl CrossValidation<'_> {
                 HeldOutErrors::of(errors.clicks),
             )
         };
+        // Clip the errors, so that a few wrong names or other paint do not decide between models.
         let squares: f64 = deciding
             .iter()
             .map(|error| error.min(clip_px).powi(2))
@@ -166,9 +172,11 @@ impl CrossValidation<'_> {
         }
     }
 
-    /// The base from the frames of the other groups; each frame of this one refined on half of its
-    /// clicks and judged by the other half, both ways.
+    /// Adjusts the base to the frames of the other groups. Each frame of this group is refined on
+    /// half of its clicks and evaluated on the other half, and the reverse.
     fn held_out_frames(&self, model: &BaseModel, fold: usize) -> Fold {
+        // Adjust without the cameras of this group: a frame without a camera is left out of the
+        // bundle.
         let held_out = |index: usize| index % FOLDS == fold;
         let ptz: Vec<Option<Ptz>> = self
             .start_ptz
@@ -196,9 +204,12 @@ impl CrossValidation<'_> {
         }
     }
 
-    /// Everything from the clicks of the other groups, judged by the clicks of this one.
+    /// Adjusts base and frames to the clicks of the other groups, and evaluates them on the clicks
+    /// of this group.
     fn held_out_clicks(&self, model: &BaseModel, fold: usize) -> Fold {
         let part = |(index, frame): (usize, &FrameClicks)| {
+            // Stagger the groups from frame to frame; otherwise one fold would hold out the first
+            // click of every frame, and frames with few clicks would miss the later folds.
             let held_out = |group: usize| (group + index) % FOLDS == fold;
             let hold = |(group, click): (usize, &Observation)| {
                 if held_out(group) {
@@ -214,6 +225,8 @@ impl CrossValidation<'_> {
             }
         };
         let frames: Vec<FrameClicks> = self.clicks.frames.iter().enumerate().map(part).collect();
+
+        // A frame needs three equations for pan, tilt and focal length.
         let ptz: Vec<Option<Ptz>> = frames
             .iter()
             .zip(self.start_ptz)
@@ -255,10 +268,10 @@ impl CrossValidation<'_> {
     }
 }
 
-/// What one group's holding out gave.
+/// The result of holding out one group.
 struct Fold {
     errors: Errors,
-    /// How far what the frames share is from the start's.
+    /// The difference of the shared parameters from those of the start.
     shared: SharedError,
 }
 
@@ -280,7 +293,7 @@ impl HeldOutErrors {
         count: 0,
     };
 
-    /// Of errors in any order, px; none of none.
+    /// Summarises errors (px, in any order); none if there are none.
     fn of(mut errors: Vec<f64>) -> Option<Self> {
         errors.sort_by(f64::total_cmp);
         let at = |share| quantile(&errors, share);
@@ -292,7 +305,7 @@ impl HeldOutErrors {
     }
 }
 
-/// Errors held out, px: of clicks and of paint.
+/// Held-out errors of clicks and of paint, px.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Errors {
     clicks: Vec<f64>,
@@ -300,7 +313,7 @@ pub(super) struct Errors {
 }
 
 impl Errors {
-    /// Adds those of some observations.
+    /// Adds the errors of observations under a camera.
     fn add(&mut self, camera: &PtzCamera, judged: impl Iterator<Item = Observation>) {
         for observation in judged {
             let of_kind = if observation.is_paint() {
@@ -312,9 +325,9 @@ impl Errors {
         }
     }
 
-    /// Adds those of a frame whose camera is refined on one half of what is known of it and judged
-    /// by the other, both ways. Its observations are of the field `from`; the base was found with
-    /// `to`.
+    /// Adds the errors of a frame whose camera is refined on one half of its observations and
+    /// evaluated on the other, both ways. Its observations are of the field `from`; the base was
+    /// estimated on `to`.
     pub fn add_halves(
         &mut self,
         base: &CameraBase,
@@ -336,14 +349,14 @@ impl Errors {
         }
     }
 
-    /// These and others.
+    /// The union of both.
     fn and(mut self, others: &Self) -> Self {
         self.clicks.extend_from_slice(&others.clicks);
         self.paint.extend_from_slice(&others.paint);
         self
     }
 
-    /// Those of the paint, and those of the clicks.
+    /// The summaries for paint and for clicks.
     pub fn summaries(self) -> (Option<HeldOutErrors>, Option<HeldOutErrors>) {
         (
             HeldOutErrors::of(self.paint),
@@ -352,7 +365,7 @@ impl Errors {
     }
 }
 
-/// What takes part of a frame, each with the number of the group that it is held out with.
+/// The observations of a frame that are used, each with the number of its hold-out group.
 fn grouped(frame: &FrameClicks) -> impl Iterator<Item = (usize, &Observation)> {
     let group = |(index, observation): (usize, &Observation)| {
         if observation.is_paint() {
@@ -367,8 +380,8 @@ fn grouped(frame: &FrameClicks) -> impl Iterator<Item = (usize, &Observation)> {
         .map(move |item| (group(item), item.1))
 }
 
-/// How far what an adjusted base's frames share is from a start's, both in the pan gauge and with
-/// k₁ at the same focal length.
+/// The shared parameters of an adjusted base, with position and rotation relative to the start.
+/// Both bases are in the pan gauge; k₁ refers to the same focal length in every fold.
 fn shared_difference(adjusted: &AdjustedBase, start: &CameraBase) -> SharedError {
     let base = &adjusted.base;
     let (moved_m, turned) = (
@@ -393,10 +406,11 @@ fn shared_difference(adjusted: &AdjustedBase, start: &CameraBase) -> SharedError
     )
 }
 
-/// Covariance of what the frames share: the delete-a-group jackknife (Wolter, Introduction to
-/// Variance Estimation, chapter 4). Unlike the covariance of an adjustment it sees what the frames
-/// have in common and the model has not.
+/// Covariance of the shared parameters by the delete-a-group jackknife (Wolter, Introduction to
+/// Variance Estimation, chapter 4). Unlike the covariance of an adjustment it includes errors that
+/// the frames have in common and that the model does not describe.
 fn jackknife(folds: &[Fold]) -> SharedCovariance {
+    // C = (n − 1)/n Σ (θᵢ − θ̄) (θᵢ − θ̄)ᵀ over the estimates θᵢ with group i held out.
     let count = folds.len() as f64;
     let mean = folds.iter().map(|fold| fold.shared).sum::<SharedError>() / count;
     let squares: SharedCovariance = folds
@@ -406,17 +420,18 @@ fn jackknife(folds: &[Fold]) -> SharedCovariance {
     squares * ((count - 1.0) / count)
 }
 
-/// Groups into which frames or clicks are dealt.
+/// The number of groups into which frames or clicks are divided.
 pub(super) const FOLDS: usize = 5;
 
-/// The best model, and why. With many frames richer ones (later in the list) only where they are
-/// worth it. With few frames the richest one that never folds: its priors are what is known of such
-/// cameras, and adjusting under them weighs that against the clicks better than a choice among
-/// models would; another one only where it is clearly better.
+/// The best model, and why.  With many frames, a richer model (later in the list) is chosen only if
+/// it is better by [`WORTHWHILE`]. With few frames, the richest model that never folds is chosen:
+/// its priors describe such cameras, and an adjustment under them weighs prior against clicks
+/// better than a choice among models would. Another model must be clearly better.
 pub(super) fn choose(
     scores: &[ModelScore],
     solved_frames: usize,
 ) -> Option<(BaseModel, ModelReason)> {
+    // A single model: nothing to choose.
     if let [only] = scores {
         return Some((only.model, ModelReason::Prescribed));
     }
@@ -427,6 +442,9 @@ pub(super) fn choose(
             ModelReason::HeldOut,
         ));
     }
+
+    // Few frames: start from the model of the usual camera, which must be beaten clearly. Three to
+    // five frames start from the richest lens that never folds.
     let richest = scores.last()?;
     let (usual, chosen) = if frames >= TELL_LENS_FRAMES {
         let usual = scores
@@ -435,8 +453,8 @@ pub(super) fn choose(
             .unwrap_or(richest);
         (usual, better_by(CLEARLY_BETTER, usual, scores.iter().rev()))
     } else {
-        // So few frames do not tell the two lenses that change with the zoom apart; the later one
-        // of the list errs less with them.
+        // One or two frames cannot distinguish the two lenses that change with the focal length;
+        // the later one in the list has smaller errors in that case.
         let apart = |score: &&ModelScore| {
             score.model.lens != LensModel::K1FocalK2 || score.model.lens == richest.model.lens
         };
@@ -458,7 +476,8 @@ pub(super) fn choose(
     Some((chosen, reason))
 }
 
-/// A model, unless others in turn are better by this share.
+/// The start, replaced in turn by each other model that is better than the current one by this
+/// fraction.
 fn better_by<'a>(
     share: f64,
     start: &'a ModelScore,

@@ -1,4 +1,4 @@
-//! What one more frame would tell about a base that few frames gave.
+//! Which further frame would improve a base that was estimated from few frames.
 
 use super::adjust::adjust_base;
 use super::{AdjustOptions, BaseModel, CameraClicks, FrameClicks};
@@ -9,24 +9,24 @@ use crate::solve::Observation;
 use serde::Serialize;
 use std::fmt;
 
-/// A frame gives this many points.
+/// The number of points assumed on the further frame.
 const POINTS: usize = 4;
 
-/// A frame is advised that leaves at most this share of the position's 1-σ.
+/// A frame is recommended if it reduces the position's 1-σ to at most this fraction.
 const WORTH_A_FRAME: f64 = 0.8;
 
-/// The next frame that would tell most about a base.
+/// The further frame that would improve a base most.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OneMoreFrame {
-    /// On which side of those that were used.
+    /// On which side of the used frames it looks.
     pub side: BesideFrames,
-    /// 1-σ of the position now, m.
+    /// The current 1-σ of the position, m.
     pub now_m: f64,
-    /// And with four points on that frame, m.
+    /// The predicted 1-σ with four points on that frame, m.
     pub then_m: f64,
 }
 
-/// Beside the frames that a base is estimated from.
+/// A side of the frames from which a base was estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BesideFrames {
@@ -50,9 +50,10 @@ impl fmt::Display for OneMoreFrame {
     }
 }
 
-/// Whether one more frame, half a picture farther to the left or to the right than those there are,
-/// would make a base clearly better known, and how much: it is adjusted with points that such a
-/// frame would show. `known_m` is the 1-σ of the position that is stated now.
+/// The further frame, half a picture to the left or to the right of the existing ones, that would
+/// reduce the position's uncertainty clearly and most, if one does. The uncertainty is predicted by
+/// an adjustment with exact points in that frame. `known_m` is the 1-σ of the position as stated
+/// now; the prediction scales it.
 pub(super) fn one_more_frame(
     clicks: &CameraClicks<'_>,
     base: &CameraBase,
@@ -61,7 +62,8 @@ pub(super) fn one_more_frame(
     known_m: f64,
 ) -> Option<OneMoreFrame> {
     let seen = AngleRange::smallest(ptz.iter().flatten().map(|ptz| ptz.pan))?;
-    // With exact points of the new frame the noise would seem smaller than it is.
+    // The estimated noise scale is divided out, because exact points of the new frame would make
+    // the noise seem smaller than it is.
     let sigma_m = |frames: &[FrameClicks], ptz: &[Option<Ptz>]| {
         let adjusted = adjust_base(
             &CameraClicks { frames, ..*clicks },
@@ -72,6 +74,7 @@ pub(super) fn one_more_frame(
         );
         (adjusted.position_covariance.trace() / adjusted.noise_scale).sqrt()
     };
+    // The relative gain is predicted; it scales the σ that is stated now.
     let now = sigma_m(clicks.frames, ptz);
     let gain = |side: BesideFrames| {
         let at = if side == BesideFrames::Left {
@@ -83,6 +86,7 @@ pub(super) fn one_more_frame(
             let off = |ptz: &&Ptz| ptz.pan.turn_from(at).abs().radians();
             off(a).total_cmp(&off(b))
         })?;
+        // The outermost frame on this side, panned outwards by half its field of view.
         let half_view = Angle::from_radians(
             (0.5 * f64::from(clicks.image_size.width) / outermost.focal_px).atan(),
         );
@@ -100,6 +104,8 @@ pub(super) fn one_more_frame(
             &PtzCamera::new(*base, there),
             clicks.image_size,
         )?;
+        // Adjust again with exact points of this frame: they carry the usual click noise in their
+        // σ.
         let (mut frames, mut ptz) = (clicks.frames.to_vec(), ptz.to_vec());
         frames.push(FrameClicks {
             observations,

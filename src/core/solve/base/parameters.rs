@@ -7,9 +7,9 @@ use crate::geometry::rotation::{from_rotation_vector, nearest_rotation};
 use crate::geometry::{Vec2, Vec3};
 use nalgebra::SVector;
 
-/// Where each stands, after the position (m) at 0: rotation about world x and y (rad), k₁, its
-/// slope per 1000 px, height of the crown (m), principal point (px), and how much larger the field
-/// is than assumed (m).
+/// The index of each parameter, after the position (m) at 0: rotation about world x and y (rad),
+/// k₁, its slope per 1000 px, height of the crown (m), principal point (px), and the increase of
+/// the field's lengths over the assumed ones (m).
 pub(super) const ROTATION: usize = 3;
 pub(super) const K1: usize = 5;
 pub(super) const SLOPE: usize = 6;
@@ -17,26 +17,26 @@ pub(super) const CROWN: usize = 7;
 pub(super) const PRINCIPAL_POINT: usize = 8;
 pub(super) const SIZE: usize = 10;
 
-/// How many lengths of the field can be fitted.
+/// The maximum number of fitted lengths of the field.
 pub(super) const SIZES: usize = 2;
 
-/// How many shared parameters there are on a field of known size, and on one whose size is fitted.
+/// The number of shared parameters on a field of known size, and on one whose size is fitted.
 pub(super) const OF_BASE: usize = SIZE;
 pub(super) const OF_BASE_AND_SIZE: usize = SIZE + SIZES;
 
-/// What all frames of a camera share.
+/// The parameters that all frames of a camera share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shared {
     pub base: CameraBase,
     pub crown: Crown,
-    /// How much the field's lengths exceed those that the clicks were made for, m.
+    /// The differences of the field's lengths from those of the clicks' field, m.
     pub larger_m: [f64; SIZES],
-    /// The change of the field's width with each of these lengths.
+    /// The derivative of the field's width by each of these lengths, m/m.
     pub width_by_size: [f64; SIZES],
 }
 
 impl Shared {
-    /// A base on a field whose size is as the clicks have it.
+    /// A base on the field of the clicks, of unchanged size.
     pub const fn new(base: &CameraBase, crown: Crown) -> Self {
         Self {
             base: *base,
@@ -46,7 +46,8 @@ impl Shared {
         }
     }
 
-    /// The parameters after a step.
+    /// The parameters after a step. The rotation is multiplied from the right, in `world`, and made
+    /// orthonormal again, because rounding accumulates over steps.
     pub fn stepped<const SHARED: usize>(&self, step: &SVector<f64, SHARED>) -> Self {
         let position_m = self.base.position_m + Vec3::new(step[0], step[1], step[2]);
         let turn = from_rotation_vector(Vec3::new(step[ROTATION], step[ROTATION + 1], 0.0));

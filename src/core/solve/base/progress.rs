@@ -1,11 +1,11 @@
-//! How far an estimation has come, and whether it is cancelled.
+//! Progress and cancellation of an estimation.
 
 use crate::progress::Progress;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// How far an estimation has come, in adjustments of the base: each model on each group of clicks
-/// held out is one.
+/// The progress of an estimation, in adjustments of the base: one for each model and each held-out
+/// group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BaseProgress {
     /// Adjustments made.

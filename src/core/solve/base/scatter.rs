@@ -1,34 +1,35 @@
-//! How far the shared parameters are to be trusted when clicks do not err independently.
+//! The covariance of the shared parameters when click errors are not independent.
 //!
-//! People miss a landmark in the same way in every frame: paint is wide, and grounds are not
-//! painted to the centimetre. The inverse of the normal equations knows nothing of that and
-//! promises too much, the more frames the more. So each landmark and line is taken to lie off its
-//! place on the ground by a displacement that all frames share, each direction of size τ. To its
-//! clicks a landmark that lies off is a camera that stands off, so nothing but the normal equations
-//! is needed: with H those of the shared parameters after every frame's own are eliminated, `N_l`
-//! and `s_l` what the clicks on landmark l contribute to the camera's x and y, and `G_l` how these
-//! two mix with all the others:
+//! Users misplace a landmark in the same way in every frame, because lines are wide and pitches are
+//! not painted to the centimetre. The inverse of the normal equations assumes independent errors
+//! and is too small, the more so the more frames there are. So each landmark and line is assumed to
+//! be displaced on the ground by a random vector common to all frames, with 1-σ τ in each
+//! direction. For the clicks on a landmark, a displacement of the landmark is equivalent to an
+//! opposite displacement of the camera, so the blocks of the normal equations suffice. H is the
+//! normal matrix of the shared parameters after elimination of every frame's own; `N_l` and `s_l`
+//! are the contributions of the clicks on landmark l to the information and the gradient of the
+//! camera's x and y; `G_l` is their contribution to the columns of H for x and y:
 //!
-//! - Q = Σ `s_l`ᵀ `N_l`⁻¹ `s_l` is as large as click noise s² makes it, and larger by τ² Σ tr
-//!   `N_l`: that gives τ² (the moment estimator of random effects), drawn towards what real grounds
-//!   have where the clicks are too few to tell;
+//! - the expectation of Q = Σ `s_l`ᵀ `N_l`⁻¹ `s_l` is the part of click noise s² plus τ² Σ tr
+//!   `N_l`. Solving for τ² gives its moment estimator (as for random effects), which is shrunk
+//!   towards the value of real pitches where there are few clicks;
 //! - covariance: s² H⁻¹ + τ² H⁻¹ (Σ `G_l` `G_l`ᵀ) H⁻¹.
 
 use crate::field::FieldElement;
 use crate::solve::least_squares::BlockEquations;
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
-/// How far landmarks lie off their places as people click them, 1-σ in each direction, as a share
-/// of the field's width: 6 cm on a soccer pitch.
+/// Usual displacement of landmarks as clicked, 1-σ in each direction, as a fraction of the field's
+/// width: 6 cm on a soccer pitch.
 pub(super) const USUAL_DISPLACEMENT: f64 = 0.06 / 68.0;
 
-/// How many directions of landmarks that is worth.
+/// The weight of the usual displacement in the estimate, as a number of landmark directions.
 const USUAL_WEIGHT: f64 = 6.0;
 
-/// What all clicks on one landmark or line have in common.
+/// Sums over all clicks on one landmark or line.
 #[derive(Clone, Debug)]
 struct Shown<const SHARED: usize> {
-    /// None: a single click on something that is no part of the field.
+    /// None for a single click on something that is not an element of the field.
     element: Option<FieldElement>,
     /// `G_l`.
     mixed: SMatrix<f64, SHARED, 2>,
@@ -38,7 +39,7 @@ struct Shown<const SHARED: usize> {
     score: Vector2<f64>,
 }
 
-/// The clicks of an adjustment, gathered by what they show.
+/// The clicks of an adjustment, grouped by landmark or line.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scatter<const SHARED: usize> {
     shown: Vec<Shown<SHARED>>,
@@ -48,8 +49,8 @@ pub(super) struct Scatter<const SHARED: usize> {
 }
 
 impl<const SHARED: usize> Scatter<SHARED> {
-    /// Adds a frame: its equations, and of each of its clicks what it is on, how many equations it
-    /// gives, and those.
+    /// Adds a frame: its normal equations, and for each of its clicks the element, the number of
+    /// equations and the click's own normal equations.
     pub fn add_frame(
         &mut self,
         frame: &BlockEquations<SHARED, 3>,
@@ -63,6 +64,7 @@ impl<const SHARED: usize> Scatter<SHARED> {
         for (element, equations, block) in clicks {
             self.equations += equations;
             self.squares += block.squares;
+            // The columns for x and y, with the frame's own parameters eliminated.
             let mixed = block.shared.fixed_columns::<2>(0)
                 - gain * block.cross.fixed_rows::<2>(0).transpose();
             let information = block.shared.fixed_view::<2, 2>(0, 0).into_owned();
@@ -88,8 +90,8 @@ impl<const SHARED: usize> Scatter<SHARED> {
     }
 
     /// The covariance of the shared parameters, `free` of which are free, given the inverse of
-    /// their normal equations and by how much clicks scatter more than stated. `width_m` is the
-    /// field's.
+    /// their normal equations and the ratio of the click variance to the stated one. `width_m` is
+    /// the field's width.
     pub fn covariance(
         &self,
         inverse: &SMatrix<f64, SHARED, SHARED>,
@@ -106,10 +108,10 @@ impl<const SHARED: usize> Scatter<SHARED> {
         inverse * noise_scale + inverse * together * inverse * tau_squared
     }
 
-    /// τ², m²; `usual` is what it is elsewhere.
+    /// τ², m²; `usual` is that of other pitches, m².
     fn displacement_squared(&self, free: usize, usual: f64) -> f64 {
-        // Each direction in which a landmark can be seen to lie off: its information, and its share
-        // of Q.
+        // Each observable direction of a displacement of a landmark or line: its information (an
+        // eigenvalue of `N_l`) and its part of Q. A line has only one, across it.
         let mut directions: Vec<(f64, f64)> = Vec::with_capacity(2 * self.shown.len());
         for shown in &self.shown {
             let eigen = shown.information.symmetric_eigen();
@@ -127,15 +129,22 @@ impl<const SHARED: usize> Scatter<SHARED> {
         let (count, equations) = (directions.len() as f64, self.equations as f64);
         let q: f64 = directions.iter().map(|direction| direction.1).sum();
         let information: f64 = directions.iter().map(|direction| direction.0).sum();
-        // What frames and shared parameters have already taken up.
+        // The fitted parameters absorb part of the residuals: each frame three equations, the
+        // shared parameters `free` of the directions.
         let left_by_frames = 1.0 - 3.0 * self.frames as f64 / equations;
         let left_by_shared = 1.0 - free as f64 / count;
         if !(left_by_frames > 0.0 && left_by_shared > 0.0 && equations > count) {
             return usual;
         }
+
+        // Residuals beyond those of the directions are click noise s². τ² is the excess of Q over
+        // it.
         let noise =
             ((self.squares - q) / (left_by_frames * (equations - count))).max(f64::MIN_POSITIVE);
         let found = (q / (left_by_frames * left_by_shared) - noise * count) / information;
+
+        // Shrink towards the usual value. A direction counts fully where a usual displacement
+        // exceeds its noise, and hardly where noise hides it.
         let weight: f64 = directions
             .iter()
             .map(|(value, _)| (usual / (usual + noise / value)).powi(2))

@@ -1,4 +1,4 @@
-//! What is known of the shared parameters before the clicks, one number each.
+//! Priors of the shared parameters, each of one number.
 
 use super::parameters::{CROWN, K1, PRINCIPAL_POINT, ROTATION, SIZE, SLOPE, Shared};
 use crate::camera::CameraBase;
@@ -8,7 +8,7 @@ use crate::solve::Loss;
 use crate::solve::residual::{Linearised, Residual};
 use nalgebra::{SMatrix, SVector};
 
-/// A number that is known beforehand with a 1-σ.
+/// A Gaussian prior of one number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SharedPrior {
     pub of: Expected,
@@ -16,13 +16,13 @@ pub(super) struct SharedPrior {
     pub sigma: f64,
 }
 
-/// Which number, and what it should be.
+/// Which number a prior is about, and its mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Expected {
-    /// The base's downward axis leans neither forward nor backward along the direction to the field
-    /// (unit, `world` x and y), rad.
+    /// The base's downward axis has no lean along the direction to the field (unit, `world` x and
+    /// y), rad.
     Pitch(Vec2),
-    /// Nor to the side of that direction, rad.
+    /// The base's downward axis has no lean across that direction, rad.
     Roll(Vec2),
     /// k₁ at the curve's focal length.
     K1(f64),
@@ -34,21 +34,21 @@ pub(super) enum Expected {
     PrincipalPoint(ImagePoint, usize),
     /// The position along one axis of `world`, m.
     Position(Vec3, usize),
-    /// No turn from another base about one axis of `world`, rad.
+    /// No rotation from another base about one axis of `world`, rad.
     Turn(Mat3, usize),
-    /// How much one of the field's lengths exceeds what the clicks were made for, m.
+    /// The difference of one of the field's lengths from that of the clicks' field, m.
     Larger(f64, usize),
 }
 
 impl Expected {
-    /// The number less what it should be, and its derivatives: by which parameters, and how much.
+    /// The number minus its mean, and its derivatives as (parameter, value).
     fn off(&self, shared: &Shared) -> (f64, [(usize, f64); 2]) {
         let base = &shared.base;
         let down = base.base_from_world.row(1);
         let alone = |value: f64, parameter: usize| (value, [(parameter, 1.0), (parameter, 0.0)]);
         match *self {
-            // Turning by ω moves the downward axis by down × ω, of which x and y are −down_z ω_y
-            // and down_z ω_x.
+            // A rotation by ω (about world x and y) moves the downward axis d by d × ω, whose x and
+            // y are −d_z ω_y and d_z ω_x.
             Self::Pitch(view) => {
                 let lean = -(view.x * down[0] + view.y * down[1]);
                 (
@@ -101,9 +101,8 @@ impl Expected {
     }
 }
 
-/// The derivative of a rotation vector by a further turn on its right, for vectors short of half a
-/// turn: the inverse of the right Jacobian of SO(3) (Solà, Deray and Atchuthan, arXiv 1812.01537,
-/// eq. 144).
+/// The derivative of a rotation vector by a further rotation on its right, for angles below π: the
+/// inverse of the right Jacobian of SO(3) (Solà, Deray and Atchuthan, arXiv 1812.01537, eq. 144).
 fn rotation_vector_by_turn(vector: Vec3) -> Mat3 {
     let cross = crate::geometry::rotation::skew(vector);
     let angle = vector.norm();
@@ -148,8 +147,8 @@ impl<const SHARED: usize> Residual<1, SHARED, 3> for SharedPrior {
     }
 }
 
-/// A base known to stand and look as another one does, within a 1-σ of its position (m) and of its
-/// rotation.
+/// Priors that a base equals another one, within a 1-σ of its position (m) and of its rotation
+/// about world x and y.
 pub(super) fn near(
     base: &CameraBase,
     sigma_m: f64,

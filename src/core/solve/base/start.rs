@@ -1,9 +1,9 @@
-//! Where the adjustment starts: a base that many frames agree on, found without knowing anything.
+//! The start of the adjustment: a base that many frames agree on, from the clicks alone.
 //!
-//! Every frame with four ground landmarks gives a camera by itself; its position is noisy, a few
-//! are nonsense. Each such position (and their median) is tried as the base, with a level head, on
-//! a sample of frames: the one whose frames fit best wins. Wrong names in some frames so cannot
-//! spoil the start.
+//! Every frame with four ground landmarks determines a camera by itself. Its position is noisy, and
+//! a few positions are grossly wrong. Each such position, and their median, is tested as the base
+//! on a sample of frames, with a level head and with the rotation of least roll. The base with the
+//! lowest robust cost wins. Wrong names in some frames therefore do not spoil the start.
 
 use super::{BaseError, CameraClicks, FrameClicks};
 use crate::camera::{BaseAngles, CameraBase, Ptz};
@@ -12,16 +12,17 @@ use crate::solve::plane_pose::pose_from_plane;
 use crate::solve::refine::squared_sigmas;
 use crate::solve::{Loss, SolveContext, solve_frame};
 
-/// Frames on which a position is tried.
+/// Number of frames on which a position is tested.
 const SAMPLE: usize = 12;
 
-/// Positions tried at most.
+/// Maximum number of positions tested.
 const MAX_POSITIONS: usize = 16;
 
-/// Scores positions: a frame with wrong names costs, but not without bound.
+/// The loss that ranks positions. It grows slowly, so that a frame with wrong names does not
+/// decide.
 const SCORE_LOSS: Loss = Loss::Cauchy { c: 5.0 };
 
-/// A first base, and what each frame is under it.
+/// A first base, and each frame's camera under it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BaseStart {
     /// The base: no distortion.
@@ -41,6 +42,8 @@ pub fn start_base(clicks: &CameraClicks<'_>) -> Result<BaseStart, BaseError> {
         principal_point,
         ..
     } = *clicks;
+    // Position and x axis (`world`) of each frame's own camera. Positions below 1 m, above 200 m or
+    // farther than 500 m away are no sports cameras.
     let mut poses: Vec<(Vec3, Vec3)> = Vec::new();
     let mut most_landmarks = 0;
     for frame in frames {
@@ -60,6 +63,9 @@ pub fn start_base(clicks: &CameraClicks<'_>) -> Result<BaseStart, BaseError> {
             most_landmarks,
         });
     }
+
+    // Hypotheses: positions × rotations, tested on frames with surplus equations (six for three
+    // unknowns).
     let rotations = [
         BaseAngles::default().base_from_world(),
         least_roll(poses.iter().map(|pose| pose.1)),
@@ -75,6 +81,8 @@ pub fn start_base(clicks: &CameraClicks<'_>) -> Result<BaseStart, BaseError> {
     positions.push(Vec3::from_fn(|axis, _| {
         median_high(&mut poses.iter().map(|pose| pose.0[axis]).collect::<Vec<_>>()).unwrap_or(0.0)
     }));
+
+    // Keep the hypothesis with the lowest cost on the sample.
     let mut best: Option<(f64, CameraBase)> = None;
     for position_m in positions {
         for rotation in rotations {
@@ -100,8 +108,7 @@ pub fn start_base(clicks: &CameraClicks<'_>) -> Result<BaseStart, BaseError> {
     Ok(BaseStart { base, ptz })
 }
 
-/// Each frame's pan, tilt, focal length under a base; what a frame brings along where its clicks
-/// give none.
+/// Each frame's pan, tilt and focal length under a base; none where its clicks determine no camera.
 pub(super) fn solve_all(
     base: &CameraBase,
     frames: &[FrameClicks],
@@ -118,7 +125,8 @@ pub(super) fn solve_all(
         .collect()
 }
 
-/// Robust cost of a frame under a base, each click counted alike.
+/// Robust cost of a frame, solved under a base. Clicks without an image, and all clicks of a frame
+/// that cannot be solved, have a large constant cost.
 fn frame_cost(base: &CameraBase, frame: &FrameClicks, image_size: ImageSize) -> f64 {
     let solved = solve_frame(base, &frame.observations, &SolveContext::new(image_size)).ok();
     let camera = solved.map(|solved| crate::camera::PtzCamera::new(*base, solved.ptz));
@@ -131,9 +139,9 @@ fn frame_cost(base: &CameraBase, frame: &FrameClicks, image_size: ImageSize) -> 
         .sum()
 }
 
-/// The landmarks of a frame on the ground: where they are, and the pixel.
+/// The ground landmarks of a frame: x and y in `world`, m, and the pixel.
 fn ground_landmarks(frame: &FrameClicks) -> Vec<(Vec2, ImagePoint)> {
-    /// A crowned pitch counts as flat here.
+    /// Maximum height of ground above z = 0: a crowned pitch counts as flat here, m.
     const GROUND_M: f64 = 0.4;
     frame
         .used()
@@ -147,9 +155,11 @@ fn ground_landmarks(frame: &FrameClicks) -> Vec<(Vec2, ImagePoint)> {
         .collect()
 }
 
-/// The base rotation whose pan axis is most nearly perpendicular to every camera's x axis (given in
-/// `world`): about it, and then about x, all of them turn without roll. A weak pull to the vertical
-/// decides where the cameras do not.
+/// The base rotation with the least roll of all cameras, given their x axes in `world`. Pan about
+/// the base's y axis and then tilt about x leave a camera's x axis perpendicular to the pan axis.
+/// So the pan axis u minimises Σ (xᵢ · u)²: it is the eigenvector of Σ xᵢ xᵢᵀ with the smallest
+/// eigenvalue. A small horizontal term added to the matrix favours the vertical where the cameras
+/// do not determine u.
 fn least_roll(x_axes_in_world: impl Iterator<Item = Vec3>) -> Mat3 {
     let mut spread = Mat3::from_diagonal(&Vec3::new(0.3, 0.3, 0.0));
     for axis in x_axes_in_world {
@@ -161,6 +171,7 @@ fn least_roll(x_axes_in_world: impl Iterator<Item = Vec3>) -> Mat3 {
     if up.z < 0.0 {
         up = -up;
     }
+    // The pan gauge: z of `base` points, seen from above, along `world` +y.
     let right = Vec3::y().cross(&up).normalize();
     let forward = up.cross(&right);
     Mat3::from_rows(&[right.transpose(), -up.transpose(), forward.transpose()])

@@ -1,4 +1,5 @@
-//! Sets of clicks with some names changed, and the cameras that fit them.
+//! Hypotheses about wrong names: sets of clicks with some names changed, and the cameras that fit
+//! them.
 
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::{Curve, FieldElement, FieldLine, FieldModel, Symmetry};
@@ -12,7 +13,8 @@ use std::collections::BTreeSet;
 /// A name fits a click that lies within this many sigmas of it.
 const FITS_SIGMAS: f64 = 4.0;
 
-/// Parts of the field and lines tried at most, those with the most clicks first.
+/// Maximum number of hypotheses about parts of the field and lines; those with the most clicks come
+/// first.
 const MAX_GROUPS: usize = 12;
 
 /// Clicks with some names changed.
@@ -28,18 +30,19 @@ pub(super) struct Judged {
     ptz: Ptz,
     rms_px: f64,
     pub chi_squared: f64,
-    /// How far the camera is from what it usually does, as χ² counts.
+    /// The cost of the camera under the motion prior, in units of χ².
     pub surprise: f64,
 }
 
 impl Judged {
-    /// Of equally good explanations the one that changes least.
+    /// The cost that ranks hypotheses. Each rename costs 4 (2 σ), so that of equally good
+    /// explanations the one that changes least wins.
     pub fn penalty(&self) -> f64 {
         self.chi_squared + self.surprise + 4.0 * self.hypothesis.renames.len() as f64
     }
 
-    /// What is told of it: how far the farthest of the renamed clicks is off as named, and under
-    /// the new names.
+    /// Reports the hypothesis, with the distance (px) of the farthest renamed click under the
+    /// user's names and under the new ones.
     pub fn finding(
         self,
         evidence: Evidence,
@@ -80,7 +83,7 @@ pub(super) struct Search<'a> {
     pub field: &'a FieldModel,
     pub clicks: &'a [Observation],
     pub context: SolveContext,
-    /// How far off the camera may be without being out of the usual.
+    /// The deviation of the camera that the motion prior does not penalise.
     pub slack: PtzStep,
 }
 
@@ -104,9 +107,11 @@ impl Search<'_> {
         })
     }
 
-    /// Other names for the clicks that most others contradict, and swaps among the oddest of them;
-    /// with them the camera of most clicks.
+    /// Other names for the clicks that contradict the majority, and swaps among the clicks that are
+    /// farthest off; with them the camera that fits the majority.
     pub fn odd_ones(&self) -> Option<(PtzCamera, Vec<Hypothesis>)> {
+        // Under a heavy-tailed loss the clicks that agree determine the camera; the misnamed ones
+        // show as large residuals.
         let majority = self.camera_of(self.clicks, Loss::Cauchy { c: 2.0 })?;
         let sigmas = |click: &Observation| {
             click
@@ -122,13 +127,14 @@ impl Search<'_> {
         Some((majority, found))
     }
 
-    /// χ² of a hypothesis in the camera that refinement leads to from a known one: a fraction of
-    /// the time that looking from everywhere takes.
+    /// χ² of a hypothesis after refinement from a known camera. Takes a fraction of the time of a
+    /// search from all starts.
     pub fn chi_squared_near(&self, known: &PtzCamera, hypothesis: &Hypothesis) -> Option<f64> {
         Some(fit_from(self.base, known.ptz(), &hypothesis.clicks, &self.context)?.chi_squared)
     }
 
-    /// The mirrored sides, every swap, and every single click of another landmark or line.
+    /// All hypotheses of a single mistake: the mirrored sides, every swap of two landmarks, and
+    /// every single click with another name.
     pub fn single_mistakes(&self) -> Vec<Hypothesis> {
         self.sides()
             .chain(self.swaps())
@@ -136,14 +142,14 @@ impl Search<'_> {
             .collect()
     }
 
-    /// All names of the mirrored field, for each of its symmetries.
+    /// All clicks renamed by a symmetry of the field, for each symmetry.
     pub fn sides(&self) -> impl Iterator<Item = Hypothesis> {
         Symmetry::ALL
             .into_iter()
             .filter_map(|side| self.mirrored(side))
     }
 
-    /// All clicks on one part of the field, or on one line, taken for another.
+    /// All clicks on one part of the field, or on one line, renamed to another part or line.
     pub fn group_mistakes(&self) -> Vec<Hypothesis> {
         let mut found = self.other_parts();
         found.extend(self.parallel_lines());
@@ -153,11 +159,12 @@ impl Search<'_> {
         found
     }
 
-    /// A few clicks that fit: does the mirrored side fit them as well?
+    /// The mirrored side that fits as well as the solution, if any. This matters for few clicks,
+    /// which cannot decide between the two sides.
     pub fn equal_mirror(&self, solution: &FrameSolution, surprise: f64) -> Option<IdentityFinding> {
-        /// χ² that is no evidence against a set of names.
+        /// A hypothesis whose χ² is larger by less than this fits as well.
         const AS_WELL: f64 = 4.0;
-        // What the frames before and after saw has decided already.
+        // A camera expected from the start or the neighbouring frames decides the side already.
         if self.context.expected().is_some() {
             return None;
         }
@@ -170,8 +177,8 @@ impl Search<'_> {
             .map(|judged| judged.finding(Evidence::None, self.base, solution))
     }
 
-    /// All names of the mirrored side; none if the field lacks one of them, or nothing would
-    /// change.
+    /// All clicks renamed by a symmetry; none if an element has no mirror image on this field, or
+    /// if nothing would change.
     fn mirrored(&self, symmetry: Symmetry) -> Option<Hypothesis> {
         let twins: Option<Vec<FieldElement>> = self
             .clicks
@@ -184,7 +191,7 @@ impl Search<'_> {
             IdentityKind::Mirrored(symmetry),
             twins?.into_iter().map(Some),
         )?;
-        // Where all but two clicks lie on the mirror, it is a swap.
+        // If all clicks but two lie on the mirror axis, the renaming only exchanges those two.
         let kind = if self.exchanges_two(&clicks) {
             IdentityKind::Swapped
         } else {
@@ -197,8 +204,8 @@ impl Search<'_> {
         })
     }
 
-    /// The clicks under new names, one for each click, none where it keeps its own; none if nothing
-    /// changes.
+    /// The clicks under new names; a click whose new name is none keeps its own. None if nothing
+    /// changes, or if an element does not exist.
     fn with_names(
         &self,
         kind: IdentityKind,
@@ -251,12 +258,15 @@ impl Search<'_> {
         self.with_names(IdentityKind::Swapped, named)
     }
 
-    /// Each click left out in turn: what would it show in the camera that the others see?
+    /// Leaves out each click in turn, solves the camera from the others, and names the click by
+    /// what that camera sees there.
     fn left_out_one_by_one(&self) -> Vec<Hypothesis> {
         let mut found = Vec::new();
         for left_out in 0..self.clicks.len() {
             let mut others = self.clicks.to_vec();
             others.remove(left_out);
+            // The remaining clicks are presumed right, so a plain square uses all of their
+            // information.
             if let Some(camera) = self.camera_of(&others, Loss::Squared) {
                 found.extend(self.renamed(&camera, &[left_out]));
             }
@@ -264,20 +274,20 @@ impl Search<'_> {
         found
     }
 
-    /// New names for the clicks that the camera of most clicks contradicts; `off` is how far each
-    /// is off there, sigmas.
+    /// New names for the clicks that contradict the majority's camera; `off` is each click's
+    /// distance there, sigmas.
     fn by_majority(&self, camera: &PtzCamera, off: &[f64]) -> Option<Hypothesis> {
         let odd: Vec<usize> = (0..off.len()).filter(|&i| off[i] > FITS_SIGMAS).collect();
-        // More odd ones than others are no majority.
+        // Without a majority on the other side, nothing contradicts them.
         if odd.is_empty() || 2 * odd.len() > self.clicks.len() {
             return None;
         }
         self.renamed(camera, &odd)
     }
 
-    /// The clicks farthest off in the camera of most clicks, each pair of them exchanged: where the
-    /// base is imperfect, right clicks are off as well and no new name fits, but the wrong ones are
-    /// still the farthest off.
+    /// Every swap among the clicks that are farthest off in the majority's camera. Where the base
+    /// is imperfect, correct clicks are off as well and no new name fits within [`FITS_SIGMAS`],
+    /// but the wrong ones are still the farthest off.
     fn swaps_of_the_oddest(&self, off: &[f64]) -> Vec<Hypothesis> {
         const ODDEST: usize = 4;
         let mut order: Vec<usize> = (0..off.len()).collect();
@@ -300,7 +310,8 @@ impl Search<'_> {
         Some(PtzCamera::new(*self.base, best.ptz))
     }
 
-    /// The clicks with the odd ones named as they fit; none if one of them fits nothing.
+    /// The clicks with new names for the odd ones, those that fit in `camera`; none if one of them
+    /// fits nothing.
     fn renamed(&self, camera: &PtzCamera, odd: &[usize]) -> Option<Hypothesis> {
         let mut named = vec![None; self.clicks.len()];
         for &index in odd {
@@ -315,7 +326,7 @@ impl Search<'_> {
         Some(Hypothesis { kind, ..found })
     }
 
-    /// Whether clicks differ from the given ones in two names that changed places.
+    /// Whether the clicks differ from the user's only in two exchanged names.
     fn exchanges_two(&self, clicks: &[Observation]) -> bool {
         let changed: Vec<usize> = (0..clicks.len())
             .filter(|&i| clicks[i].element != self.clicks[i].element)
@@ -324,7 +335,8 @@ impl Search<'_> {
             if clicks[i].element == self.clicks[j].element && clicks[j].element == self.clicks[i].element)
     }
 
-    /// The landmark (for a click on a line: the line) nearest to a click, if it fits.
+    /// The nearest other landmark (for a click on a line: the nearest other line) within
+    /// [`FITS_SIGMAS`] of a click.
     fn name_for(&self, camera: &PtzCamera, click: &Observation) -> Option<FieldElement> {
         let named = click.element?;
         let others = named.alike(self.field).filter(|element| *element != named);
@@ -340,9 +352,12 @@ impl Search<'_> {
             .map(|(_, element)| element)
     }
 
-    /// Two or more clicks on a part of the field, named as points of another part: names that
-    /// differ in their beginning only, such as those of goal area and penalty area.
+    /// Two or more clicks on a part of the field, renamed to the same points of another part. Parts
+    /// are recognised by their ids: those of goal area and penalty area, for example, differ only
+    /// in their beginning.
     fn other_parts(&self) -> Vec<Hypothesis> {
+        // All pairs (part, other part): every prefix up to an underscore of a clicked id, with
+        // every prefix that has the same rest in another id of the field.
         let mut parts: BTreeSet<(String, String)> = BTreeSet::new();
         for element in self.clicks.iter().filter_map(|click| click.element) {
             let Some(id) = element.name(self.field) else {
@@ -361,8 +376,12 @@ impl Search<'_> {
                 );
             }
         }
+
+        // A hypothesis for each pair. Different pairs may give the same renames; each set of
+        // renames is tried once.
         let mut found: Vec<Hypothesis> = Vec::new();
-        // The longest beginnings first: they name the part best.
+        // In reverse order, of prefixes of one id the longest comes first: it describes the part
+        // best.
         for (part, other) in parts.into_iter().rev() {
             let renamed = self
                 .clicks
@@ -384,7 +403,7 @@ impl Search<'_> {
         found
     }
 
-    /// What an element of one part is called in the other.
+    /// The element of the other part that has the same rest of its id.
     fn in_part(&self, element: FieldElement, part: &str, other: &str) -> Option<FieldElement> {
         let rest = element
             .name(self.field)?
@@ -396,13 +415,14 @@ impl Search<'_> {
             .find(|element| element.name(self.field) == Some(&id))
     }
 
-    /// Two or more clicks on a straight line, taken for a parallel one.
+    /// Two or more clicks on a straight line, renamed to a parallel line.
     fn parallel_lines(&self) -> Vec<Hypothesis> {
         let mut found = Vec::new();
         for (index, click) in self.clicks.iter().enumerate() {
             let Some(FieldElement::Line(line)) = click.element else {
                 continue;
             };
+            // Handle each line once, at its first click, and only with a second click on it.
             let on_it = |other: &Observation| other.element == click.element;
             let first = !self.clicks[..index].iter().any(on_it);
             if !first || !self.clicks[index + 1..].iter().any(on_it) {
@@ -430,10 +450,10 @@ impl Search<'_> {
     }
 }
 
-/// Whether a line's paint reaches to a click on it: its straight continuation is another line's, or
-/// nothing.
+/// Whether the paint of a line reaches the click. Beyond its ends, the straight continuation shows
+/// another line, or none. True for points and arcs.
 fn reaches(camera: &PtzCamera, click: &Observation) -> bool {
-    /// Beyond its ends, as a share of its length.
+    /// Tolerance beyond either end, as a fraction of the line's length.
     const BEYOND: f64 = 0.1;
     let ObservedShape::Curve(curve) = &click.shape else {
         return true;
@@ -445,9 +465,9 @@ fn reaches(camera: &PtzCamera, click: &Observation) -> bool {
     nearest.is_some_and(|here| (-BEYOND..=1.0 + BEYOND).contains(&here.parameter))
 }
 
-/// Whether two straight lines run the same way.
+/// Whether both curves are straight lines and parallel.
 fn are_parallel(one: &Curve, two: &Curve) -> bool {
-    /// Sine of the angle between them.
+    /// Maximum sine of the angle between parallel lines.
     const SAME_WAY: f64 = 1e-6;
     match (one, two) {
         (

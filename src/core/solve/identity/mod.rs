@@ -1,18 +1,17 @@
-//! The mistakes that people make with names: two landmarks swapped, the mirrored end or side, a
-//! neighbouring line or landmark, one part of the field for another.
+//! Detection of wrong names: two landmarks swapped, the mirrored end or side, a neighbouring line
+//! or landmark, one part of the field for another.
 //!
 //! # Problem
 //!
-//! A frame's clicks were solved. They may be exact and their names wrong. Three equations are
-//! needed for a camera, so two points leave one surplus equation, and a wrong name often fits
-//! nearly as well as the right one. Find other names that explain the clicks better, and say what
-//! speaks for them.
+//! Clicks may be exact and still have wrong names. Three equations determine a camera, so two
+//! points leave one surplus equation, and a wrong name often fits nearly as well as the right one.
+//! Find other names that explain the clicks better, and the evidence for them.
 //!
 //! # Method
 //!
 //! An explanation is a *hypothesis*: the clicks with some names changed. Each is solved and scored
-//! by χ² of its clicks, plus χ² of how far its camera is from what the camera usually does (the
-//! motion prior), plus a penalty for each changed name. `hypotheses.rs` makes them, in this order:
+//! by χ² of its clicks, plus χ² of its camera under the motion prior, plus a penalty for each
+//! changed name. `hypotheses.rs` generates them in this order:
 //!
 //! 1. From five clicks on, the camera of the majority is found by a robust loss; the clicks that
 //!    contradict it get the nearest fitting names, and the oddest four are swapped pairwise.
@@ -21,20 +20,21 @@
 //!    others.
 //! 4. A whole part for another (goal area for penalty area), a line for a parallel one.
 //!
-//! A hypothesis counts as the truth if the clicks contradict each other as named (misfit of 2 and
-//! more), fit when renamed (misfit below 2), and χ² falls by 25 and to a quarter. With an imperfect
-//! base nothing fits that well; then χ² has to fall to a sixteenth.
+//! A hypothesis is accepted if the clicks contradict each other as named (misfit of 2 and more),
+//! fit when renamed (misfit below 2), and χ² falls by 25 and to a quarter. With an imperfect base
+//! nothing fits that well; then χ² has to fall to a sixteenth.
 //!
 //! # What is said
 //!
 //! * [`Evidence::Clicks`]: the clicks contradict each other as named.
-//! * [`Evidence::MotionPrior`]: both fit, and as named the camera does what it never does.
+//! * [`Evidence::MotionPrior`]: both fit, but as named the camera is outside its usual range or
+//!   motion.
 //! * [`Evidence::None`]: both fit and nothing decides. Both are shown, unless frames before and after have decided already.
 //!
 //! # What it is proof against
 //!
-//! A frame of many clicks that fit is left alone, which takes no time. It is not proof against a
-//! set of wrong names that agree with each other and with the motion of the camera;
+//! A frame of many clicks that fit is not searched, so that it costs no time. A set of wrong names
+//! that agree with each other and with the motion of the camera is not detected here;
 //! `calibrate::disagreements` compares frames for that.
 
 mod hypotheses;
@@ -44,36 +44,36 @@ use crate::camera::CameraBase;
 use crate::field::FieldModel;
 use hypotheses::{Hypothesis, Judged, Search};
 
-/// Renaming must lower χ² by this much, and to this share.
+/// Renaming must lower χ² by this amount, and to this fraction.
 const MIN_GAIN: f64 = 25.0;
 const MAX_SHARE: f64 = 0.25;
 
-/// As named, the clicks must contradict each other this much (see [`FrameSolution::misfit`]).
+/// Minimum misfit of the clicks as named (see [`FrameSolution::misfit`]).
 const MIN_MISFIT: f64 = 2.0;
 
-/// Renamed, they must fit about as well as clicks do.
+/// Maximum misfit of the renamed clicks.
 const MAX_RENAMED_MISFIT: f64 = 2.0;
 
-/// With an imperfect base no clicks fit that well: then other names must lower χ² to this share,
-/// and fit this well.
+/// With an imperfect base no clicks fit that well. Then other names must lower χ² to this fraction,
+/// with at most this misfit.
 const CLEAR_SHARE: f64 = 1.0 / 16.0;
 const MAX_CLEAR_MISFIT: f64 = 6.0;
 
-/// From this many clicks on the majority is asked first which of them are odd.
+/// From this many clicks on, the outliers of the majority's camera are renamed first.
 const MAJORITY_CLICKS: usize = 5;
 
-/// Up to this many clicks every swap and every single wrong name is tried.
+/// Up to this many clicks, every swap and every single wrong name is tested.
 const FEW_CLICKS: usize = 6;
 
-/// With more clicks than this no mirrored side fits as well by chance.
+/// With more clicks than this, a mirrored side does not fit as well by chance.
 const MIRRORS_FIT_UPTO: usize = 4;
 
 /// Looks for a better or equally good set of names for a solved frame's clicks; the best, if there
 /// is one.
 ///
-/// `observations` are those that were solved, made from `field`; without their elements no other
-/// name is found for them. A frame of many clicks that fit, and whose camera does what it usually
-/// does, is left alone: that takes no time.
+/// `observations` are those that were solved, made from `field`; clicks without an element get no
+/// other name. A frame of many clicks that fit, with a camera that is usual under the motion prior,
+/// returns at once.
 #[must_use]
 pub fn check_identity(
     base: &CameraBase,
@@ -101,6 +101,8 @@ pub fn check_identity(
     let misfit = solution.misfit()?;
     let surprise = context.motion.surprise(&solution.ptz, &slack);
     let contradicted = misfit >= MIN_MISFIT;
+    // Nothing contradicts the names: only a mirrored side that fits as well is reported, for few
+    // clicks.
     if !contradicted && surprise < MIN_GAIN {
         return if clicks.len() <= MIRRORS_FIT_UPTO {
             search.equal_mirror(solution, surprise)
@@ -108,6 +110,9 @@ pub fn check_identity(
             None
         };
     }
+
+    // A hypothesis must lower χ² + surprise by a constant and by a factor, and fit in absolute
+    // terms. Under an uncertain base χ² is expected to be larger; `expected` includes that.
     let as_named = solution.chi_squared + surprise;
     let expected = search.redundancy() as f64
         * (solution.expected_chi_squared / solution.redundancy as f64).max(1.0);
@@ -125,6 +130,9 @@ pub fn check_identity(
             .filter(convinces);
         judged.min_by(|a, b| a.penalty().total_cmp(&b.penalty()))
     };
+
+    // Hypotheses 1 and 2 of the module page: rename the outliers of the majority, or mirror the
+    // field.
     let by_majority = || {
         if clicks.len() < MAJORITY_CLICKS {
             return None;
@@ -137,12 +145,12 @@ pub fn check_identity(
             chi_squared
                 .is_some_and(|chi_squared| (chi_squared / expected).sqrt() < MAX_RENAMED_MISFIT)
         };
-        // A few other names with which all clicks fit the camera of most of them: a mirrored side
-        // is not asked then.
+        // If a few new names make all clicks fit the majority's camera, the mirrored sides need not
+        // be tested.
         let (fitting, others): (Vec<_>, Vec<_>) = odd_ones.into_iter().partition(fits);
         best(fitting).or_else(|| best(search.sides().chain(others).collect()))
     };
-    // What takes longer is tried only where nothing simpler explains the clicks.
+    // Hypotheses 3 and 4 take longer, and are tested only if no simpler one explains the clicks.
     let one_by_one = || {
         if clicks.len() <= FEW_CLICKS {
             best(search.single_mistakes())

@@ -1,11 +1,11 @@
-//! What a person reads about names that look wrong.
+//! User texts about wrong names.
 
 use super::{Evidence, IdentityFinding, IdentityKind};
 use crate::field::Symmetry;
 use crate::solve::{Warning, WarningCode};
 
 impl IdentityFinding {
-    /// What a person reads: what is wrong, the numbers, the way out.
+    /// The warning for the user: the problem, the numbers and the remedy.
     #[must_use]
     pub fn warning(&self) -> Warning {
         let (before, after) = (self.as_named_px, self.renamed_px);
@@ -83,7 +83,7 @@ impl IdentityFinding {
         }
     }
 
-    /// What speaks for the other names where both fit.
+    /// The evidence for the other names, in words, where both fit.
     fn why_then(&self) -> &'static str {
         match self.evidence {
             Evidence::MotionPrior => "and then the camera looks where it usually does",
@@ -91,7 +91,7 @@ impl IdentityFinding {
         }
     }
 
-    /// The name of the step that mends it.
+    /// The name of the edit that corrects the names.
     #[must_use]
     pub fn step(&self) -> String {
         let clicks: Vec<usize> = self.renames.iter().map(|rename| rename.click).collect();

@@ -1,4 +1,4 @@
-//! What is found about names: what is wrong, what speaks for it, the other names.
+//! A finding about wrong names: the mistake, the evidence and the new names.
 
 mod describe;
 
@@ -6,7 +6,7 @@ use crate::camera::Ptz;
 use crate::field::{FieldElement, FieldModel, LandmarkId, LineId, Symmetry};
 use serde::{Serialize, Serializer};
 
-/// What is wrong with the names.
+/// The kind of mistake.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum IdentityKind {
@@ -25,15 +25,15 @@ pub enum IdentityKind {
     },
 }
 
-/// What speaks for the other names.
+/// The evidence for the other names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Evidence {
     /// The clicks contradict each other as named.
     Clicks,
-    /// Both fit, but as named the camera does what it never does.
+    /// Both fit, but as named the camera is outside its usual range or motion.
     MotionPrior,
-    /// Nothing: both fit, and the picture alone cannot tell.
+    /// None: both fit, and the picture alone cannot decide.
     None,
 }
 
@@ -96,7 +96,7 @@ pub struct IdentityFinding {
     pub kind: IdentityKind,
     /// What speaks for it.
     pub evidence: Evidence,
-    /// What to change: apply all of them to mend it.
+    /// The renames that correct the mistake, all of them together.
     pub renames: Vec<Rename>,
     /// The camera under the new names.
     pub ptz: Ptz,

@@ -17,9 +17,9 @@ use touchline_vision::media;
 
 /// A yard, m.
 const YARD_M: f64 = 0.9144;
-/// Bases this near to each other are one camera, m and entries of the rotation.
+/// Bases that differ by at most this are one camera, in m and in entries of the rotation.
 const SAME_BASE: f64 = 1e-6;
-/// The folder of the field's models, in the sequences' folder or beside it.
+/// The folder with models of the field, in the sequences' folder or beside it.
 const MODELS: &str = "util";
 
 /// The variable of a field's model.
@@ -33,9 +33,9 @@ pub struct AuthorsFolder {
     pub document: Document,
     /// Length and width of the field, yards.
     pub field_yd: [f64; 2],
-    /// The model of the field that was found; none: the size is the one that was asked for.
+    /// The model of the field that was found; none if the size is the given one.
     pub field_model: Option<PathBuf>,
-    /// The farthest that a frame's full camera is turned from the base turned by its pan and tilt.
+    /// The largest angle between a frame's full camera and the base with its pan and tilt.
     pub worst_turn: Angle,
 }
 
@@ -43,7 +43,7 @@ pub struct AuthorsFolder {
 /// model is found, yards.
 ///
 /// # Errors
-/// There is none, or one cannot be read or is damaged.
+/// There is no sequence, or one cannot be read or is damaged.
 pub fn read_authors_folder(
     folder: &Path,
     field_yd: [f64; 2],
@@ -115,8 +115,8 @@ fn mat_files(folder: &Path) -> Result<Vec<PathBuf>, AuthorsError> {
     Ok(files)
 }
 
-/// The first file with a `model_size`, in the folder, its `util` or the one beside it; of several
-/// there the one whose name begins as the folder's does.
+/// The first file with a `model_size`, in the folder, in its `util` or in the `util` beside it.
+/// Within one folder, files whose names share the longest prefix with the folder's name come first.
 fn field_model(folder: &Path) -> Result<Option<(PathBuf, [f64; 2])>, AuthorsError> {
     let name = folder
         .file_name()
@@ -185,7 +185,7 @@ fn add(document: &mut Document, sequence: &AuthorsSequence, folder: &Path, middl
         .iter()
         .map(|frame| sequence.image_path(&frame.image))
         .collect();
-    // Without images the principal point says how large they are: it is their middle.
+    // Without images, the picture size is twice the principal point, which is their middle.
     let middle = sequence.base_from_corner.principal_point;
     let told = ImageSize::new((2.0 * middle.x - 1.0) as u32, (2.0 * middle.y - 1.0) as u32);
     let size = images

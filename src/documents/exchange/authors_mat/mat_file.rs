@@ -1,10 +1,10 @@
-//! MATLAB's files of level 5 (saved with `-v6` or `-v7`), as far as they hold numbers, words, cells
-//! and structures.
+//! A reader of MATLAB's level 5 files (saved with `-v6` or `-v7`), for numbers, strings, cells and
+//! structures.
 //!
 //! Format: `MathWorks`, "MAT-File Format", 2023, chapter 1. A file is a header and a row of
-//! elements; an element is a tag (type, number of bytes) and its bytes. Whatever a damaged file
-//! says, nothing is read beyond it and nothing is reserved that its bytes cannot fill. Only the
-//! variables that are asked for are unfolded and read.
+//! elements; an element is a tag (type, number of bytes) and its bytes. Whatever lengths a damaged
+//! file states, nothing is read beyond its end and no more is allocated than its bytes can fill.
+//! Only the requested variables are decompressed and read.
 
 use super::mat_value::{MatValue, Named};
 use flate2::read::ZlibDecoder;
@@ -14,14 +14,14 @@ use thiserror::Error;
 
 /// The header: text, an offset, the version and the order of bytes.
 const HEADER: usize = 128;
-/// What the compressed variables that are asked for may unfold to together, bytes: twenty thousand
-/// annotated frames.
+/// The maximum decompressed size of all requested variables together, bytes: enough for twenty
+/// thousand annotated frames.
 const MOST_UNFOLDED: usize = 8 << 20;
-/// How much of a compressed variable is unfolded to find its name, bytes.
+/// The length to which a compressed variable is decompressed to find its name, bytes.
 const NAME_WITHIN: usize = 1024;
 /// The longest name of a structure's field, with its final 0: MATLAB's own limit.
 const MOST_LETTERS: f64 = 64.0;
-/// Structures and cells within each other.
+/// The maximum nesting depth of structures and cells.
 const MOST_NESTED: u32 = 16;
 
 /// Why a MAT file cannot be read.
@@ -46,7 +46,7 @@ pub enum MatError {
         /// Bytes that there are.
         left: usize,
     },
-    /// An element makes no sense.
+    /// An element is invalid.
     #[error("it is damaged at byte {at}: {what}")]
     Damaged {
         /// Where, counted within its element if that is compressed.
@@ -54,15 +54,15 @@ pub enum MatError {
         /// What is wrong.
         what: &'static str,
     },
-    /// A compressed element cannot be unfolded.
+    /// A compressed element cannot be decompressed.
     #[error("a compressed part of it cannot be decompressed: {0}")]
     Compressed(String),
 }
 
-/// The variables of these names that a MAT file has, in its order.
+/// The requested variables that a MAT file contains, in the order of the file.
 ///
 /// # Errors
-/// It is no MAT file of level 5, or it is damaged.
+/// It is not a MAT file of level 5, or it is damaged.
 pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<Named, MatError> {
     // An HDF5 file begins with 0x89 "HDF", after MATLAB's own 512 bytes of text or at once.
     if bytes.starts_with(b"\x89HDF") || bytes.starts_with(b"MATLAB 7.3") {
@@ -86,7 +86,8 @@ pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<Named, MatError> {
         let read = match element.kind {
             ElementType::MATRIX => element.inside(big_endian).variable(wanted)?,
             ElementType::COMPRESSED => {
-                // The name stands near the beginning; what nobody asked for stays folded.
+                // The name is near the beginning, so variables that were not requested need not be
+                // decompressed entirely.
                 let begin = unfold(element.bytes, NAME_WITHIN)?;
                 let mut inside = Reader {
                     bytes: &begin,
@@ -130,7 +131,7 @@ pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<Named, MatError> {
     Ok(variables)
 }
 
-/// The first bytes of a compressed element, `most` at most.
+/// Decompresses at most the first `most` bytes of an element.
 fn unfold(bytes: &[u8], most: usize) -> Result<Vec<u8>, MatError> {
     let mut unfolded = Vec::new();
     let read = ZlibDecoder::new(bytes)
@@ -173,7 +174,7 @@ impl ElementType {
     }
 }
 
-/// What an array begins with.
+/// The head of an array.
 struct Head {
     class: u8,
     count: usize,
@@ -198,7 +199,7 @@ impl<'a> Element<'a> {
     }
 }
 
-/// A place in some bytes.
+/// A cursor in a byte slice.
 struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -238,7 +239,7 @@ impl<'a> Reader<'a> {
     fn element(&mut self) -> Result<Element<'a>, MatError> {
         let first = self.word()?;
         if first >> 16 != 0 {
-            // A small one: type and length share a word, and at most four bytes follow.
+            // A small element: type and length share one word, and at most four bytes follow.
             let (kind, length) = (ElementType(first & 0xffff), (first >> 16) as usize);
             let at = self.at;
             let bytes = self.take(4)?;
@@ -297,14 +298,14 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The type of the next element, of which perhaps only the beginning is there.
+    /// The type of the next element, which may be incomplete.
     fn skip_tag(&mut self) -> Result<ElementType, MatError> {
         let kind = ElementType(self.word()?);
         self.word()?;
         Ok(kind)
     }
 
-    /// The inside of a top-level `MATRIX` element, if it is asked for.
+    /// The contents of a top-level `MATRIX` element, if its name is requested.
     fn variable(&mut self, wanted: &[&str]) -> Result<Option<(Arc<str>, MatValue)>, MatError> {
         let head = self.matrix_head()?;
         if !wanted.contains(&&*head.name) {
@@ -314,7 +315,7 @@ impl<'a> Reader<'a> {
         Ok(Some((head.name.as_str().into(), value)))
     }
 
-    /// What an array without a name holds.
+    /// The value of an unnamed array.
     fn matrix(&mut self, depth: u32) -> Result<MatValue, MatError> {
         if self.bytes.is_empty() {
             return Ok(MatValue::Numbers(Vec::new()));
@@ -365,7 +366,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// What follows a head.
+    /// The value that follows a head.
     fn matrix_value(&mut self, head: &Head, depth: u32) -> Result<MatValue, MatError> {
         Ok(match head.class {
             1 => MatValue::Cells(self.matrices(head.count, depth)?),
@@ -376,9 +377,9 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// How many `MATRIX` elements there are.
+    /// Reads `count` consecutive `MATRIX` elements.
     fn matrices(&mut self, count: usize, depth: u32) -> Result<Vec<MatValue>, MatError> {
-        // Each takes eight bytes at least.
+        // Each takes at least eight bytes; check before allocating.
         let left = (self.bytes.len().saturating_sub(self.at)) / 8;
         if count > left {
             return Err(MatError::Short {
@@ -427,13 +428,12 @@ impl<'a> Reader<'a> {
                 .zip(values.by_ref().take(names.len()))
                 .collect()
         };
-        // Without fields there is nothing to tell elements apart by.
+        // Elements without fields contain nothing.
         let count = if names.is_empty() { 0 } else { count };
         Ok(MatValue::Structures((0..count).map(element).collect()))
     }
 
-    /// The letters of an array of characters, whose columns stand one after the other: those of its
-    /// first row.
+    /// The first row of a character array, which is stored column by column.
     fn letters(&mut self, rows: Option<f64>) -> Result<String, MatError> {
         let Element { kind, bytes, at } = self.element()?;
         if kind == ElementType::UTF8 {
@@ -453,7 +453,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Letters by their numbers, up to the first 0.
+/// The text of character codes, up to the first 0.
 fn words(numbers: &[f64]) -> String {
     let letters = numbers.iter().take_while(|number| **number != 0.0);
     letters

@@ -1,14 +1,15 @@
-//! What a MATLAB variable holds.
+//! The value of a MATLAB variable.
 
 use std::sync::Arc;
 
 /// Fields of a structure or variables of a file: name and value, in order.
 pub type Named = Vec<(Arc<str>, MatValue)>;
 
-/// A MATLAB variable, or an entry of one. Sizes are left out: what is read here is rows of numbers.
+/// A MATLAB variable, or an entry of one. Array sizes are not kept, because only rows of numbers
+/// are needed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MatValue {
-    /// Numbers, column after column; imaginary parts are left out.
+    /// Numbers in column order; imaginary parts are dropped.
     Numbers(Vec<f64>),
     /// Characters: the first row.
     Words(String),

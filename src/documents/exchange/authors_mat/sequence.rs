@@ -1,5 +1,4 @@
-//! One annotated sequence: its cameras as the file has them, checked, in this program's
-//! conventions.
+//! One annotated sequence: its cameras, checked and converted to this program's conventions.
 
 use super::AuthorsError;
 use super::mat_file::read_mat;
@@ -11,16 +10,17 @@ use touchline_core::files::read_named;
 use touchline_core::geometry::rotation::{angle_between, from_rotation_vector};
 use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Mat3, PixelBox, Vec3};
 
-/// From their principal point, which counts from the first pixel's centre, to corner coordinates,
-/// px.
+/// The shift from their principal point, whose origin is the first pixel's centre, to corner
+/// coordinates, px.
 const CORNER_FROM_CENTRE: f64 = 0.5;
-/// How far a frame's full camera may be from the base turned by its pan and tilt: beyond, one of
-/// them means something else.
+/// The maximum difference between a frame's full camera and the base with its pan and tilt; a
+/// larger one means a different convention.
 const MOST_APART_DEG: f64 = 0.5;
 const MOST_APART_M: f64 = 0.5;
-/// The largest MAT file that is read: features, which lie beside the annotations, are large.
+/// The maximum size of a MAT file that is read, bytes: feature files beside the annotations are
+/// large.
 pub(super) const MAX_MAT_BYTES: u64 = 256 << 20;
-/// What follows a sequence's name in that of its file.
+/// The suffix of a file's name after the sequence's name.
 const SUFFIX: &str = "_anno";
 
 /// A sequence of frames from one camera.
@@ -28,16 +28,15 @@ const SUFFIX: &str = "_anno";
 pub struct AuthorsSequence {
     /// Its name: the file's, `seq3` of `seq3_anno.mat`.
     pub name: String,
-    /// The base; its origin is the field's corner, nearest to the camera and on the left, as the
-    /// file has it, m.
+    /// The base in the world of the file, m, whose origin is the near left corner of the field.
     pub base_from_corner: CameraBase,
-    /// Where the score strip is, px.
+    /// The box of the score strip, px.
     pub logo: Option<PixelBox>,
-    /// Folders in which the images may lie, the likeliest first.
+    /// Folders that may contain the images, the likeliest first.
     pub image_folders: Vec<PathBuf>,
     /// The frames.
     pub frames: Vec<AuthorsFrame>,
-    /// The farthest that a frame's full camera is turned from the base turned by its pan and tilt.
+    /// The largest angle between a frame's full camera and the base with its pan and tilt.
     pub worst_turn: Angle,
 }
 
@@ -50,10 +49,11 @@ pub struct AuthorsFrame {
     pub ptz: Ptz,
 }
 
-/// Reads a sequence: none where the file holds no `annotation` (a model of the field, features).
+/// Reads a sequence; none where the file has no `annotation`, such as a model of the field or
+/// features.
 ///
 /// # Errors
-/// The file cannot be read, or what it holds is not what the authors write.
+/// The file cannot be read, or does not have the structure of the authors' files.
 pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, AuthorsError> {
     let bytes = read_named(path, MAX_MAT_BYTES).map_err(|source| AuthorsError::Read {
         path: path.to_path_buf(),
@@ -121,7 +121,7 @@ pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, Aut
             camera[0] + CORNER_FROM_CENTRE,
             camera[1] + CORNER_FROM_CENTRE,
         );
-        // Where there is no image, the picture is as large as this says.
+        // Without an image, the picture size is derived from the principal point.
         if ![principal.x, principal.y]
             .iter()
             .all(|middle| ImageSize::is_side_px(2.0 * middle - 1.0))
@@ -150,8 +150,8 @@ pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, Aut
 }
 
 impl AuthorsSequence {
-    /// Whether a frame's full camera is the base turned by its pan and tilt; how far it is turned
-    /// from that.
+    /// Checks that a frame's full camera agrees with the base and the frame's pan and tilt, and
+    /// returns the angle between them.
     fn check(
         &self,
         path: &Path,
@@ -178,7 +178,7 @@ impl AuthorsSequence {
         })
     }
 
-    /// Where a frame's image lies: in the first folder that has it, else in the likeliest.
+    /// The path of a frame's image: in the first folder that contains it, else in the likeliest.
     pub(super) fn image_path(&self, image: &str) -> PathBuf {
         let there = self
             .image_folders
@@ -196,14 +196,14 @@ fn name_of(path: &Path) -> String {
     stem.strip_suffix(SUFFIX).unwrap_or(&stem).to_owned()
 }
 
-/// Beside the file: a folder of the sequence's name, that which `meta` names, one of `images`; then
-/// the file's own folder.
+/// The candidate folders beside the file: one with the sequence's name, those named in `meta`,
+/// `images`, and the file's own folder.
 fn image_folders(path: &Path, name: &str, meta: &[(Arc<str>, MatValue)]) -> Vec<PathBuf> {
     let beside = path.parent().unwrap_or(Path::new(""));
     let told = ["base_dir", "seq"]
         .into_iter()
         .filter_map(|key| named(meta, key)?.words());
-    // `base_dir` is a path on the authors' machine: what counts is its end.
+    // `base_dir` is a path on the authors' machine: only its last part is used.
     let told = told.filter_map(|words| words.rsplit(['/', '\\']).find(|part| !part.is_empty()));
     let folders = [name].into_iter().chain(told).chain(["images", ""]);
     let mut folders: Vec<PathBuf> = folders
@@ -222,8 +222,8 @@ fn vector(numbers: &[f64]) -> Option<Vec3> {
     is_row(numbers, 3).then(|| Vec3::from_column_slice(numbers))
 }
 
-/// From x, y, width and height of MATLAB's pixels, which count from 1 and of which `x : x + width`
-/// are covered.
+/// A box from x, y, width and height in MATLAB's pixels, which are numbered from 1; it covers the
+/// pixels `x : x + width`, both ends included.
 fn logo(numbers: &[f64]) -> Option<PixelBox> {
     let &[x, y, width, height] = numbers else {
         return None;

@@ -1,4 +1,4 @@
-//! The dataset card: what a stranger has to know before using it.
+//! The dataset card: what a new user must know before using the dataset.
 
 use super::done::DatasetDone;
 use super::matches::match_names;
@@ -12,15 +12,15 @@ use std::fmt::Write as _;
 use touchline_core::field::{FieldModel, Landmark};
 use touchline_core::geometry::quantile;
 
-/// What the card is about.
+/// The inputs of the card.
 pub struct Card<'a> {
-    /// The document as the dataset has it.
+    /// The document of the dataset.
     pub dataset: DocumentAt<'a>,
-    /// Its frames with their paths as they were.
+    /// The original document, with the original paths of the frames.
     pub original: DocumentAt<'a>,
     /// The frames of the dataset.
     pub frames: &'a [&'a PlannedFrame],
-    /// What was asked for.
+    /// The options of the dataset.
     pub options: &'a DatasetOptions,
     /// What was written.
     pub done: &'a DatasetDone,
@@ -184,12 +184,12 @@ fn fields_of(card: &Card<'_>, fields: &Fields, text: &mut String) {
     text.extend(said);
 }
 
-/// Rounded to a millimetre: what is fitted has sixteen digits.
+/// Rounded to a millimetre, because fitted values have sixteen digits.
 fn in_millimetres(metres: f64) -> f64 {
     (metres * 1000.0).round() / 1000.0
 }
 
-/// Median, 95 % and largest of some distances in px, with how many of all frames have one.
+/// Median, 95 % quantile and maximum of distances in px, with the number of frames that have one.
 fn spread(mut values: Vec<f64>, of: usize) -> String {
     if values.is_empty() {
         return format!("not known in any of {of}");
@@ -204,7 +204,7 @@ fn spread(mut values: Vec<f64>, of: usize) -> String {
     )
 }
 
-/// Median, 5 % and smallest of some probabilities, with how many of all frames have one.
+/// Median, 5 % quantile and minimum of probabilities, with the number of frames that have one.
 fn probabilities(mut values: Vec<f64>, of: usize) -> String {
     if values.is_empty() {
         return format!("not known in any of {of}");
@@ -219,8 +219,7 @@ fn probabilities(mut values: Vec<f64>, of: usize) -> String {
     )
 }
 
-/// How far clicks on landmarks lie from where the camera shows them, px: those that were solved
-/// with, and those held out.
+/// Reprojection errors of landmark clicks, px: of those used in the solve, and of those held out.
 fn misses(card: &Card<'_>, fields: &Fields) -> [Vec<f64>; 2] {
     let document = card.original.document;
     let mut misses = [Vec::new(), Vec::new()];

@@ -1,14 +1,14 @@
-//! What writing a dataset came to.
+//! The result of writing a dataset.
 
-/// What was written.
+/// The contents of the written dataset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DatasetDone {
-    /// How many frames it holds.
+    /// The number of frames.
     pub frames: usize,
-    /// How many pictures.
+    /// The number of pictures.
     pub pictures: usize,
-    /// How many frames each split holds.
+    /// The number of frames of each split.
     pub counts: [usize; 3],
-    /// Frames that were asked for and are not in it, by name, and why.
+    /// Chosen frames that are not in it, by name, with the reason.
     pub left_out: Vec<(String, String)>,
 }

@@ -1,5 +1,5 @@
-//! `fields.json`: where landmarks and lines lie, so that a reader can draw them without knowing any
-//! rules.
+//! `fields.json`: the coordinates of landmarks and lines, so that a reader can draw them without
+//! the rules of the sport.
 
 use crate::document::{DocumentAt, Fields};
 use crate::exchange::error::ExchangeError;
@@ -7,8 +7,8 @@ use serde_json::{Map, Value, json};
 use std::sync::Arc;
 use touchline_core::field::{FieldLine, FieldModel};
 
-/// Lines are given by points at most this far apart, m: between two of them no lens bends a line by
-/// more than about 0.01 px.
+/// The maximum distance of neighbouring points of a line, m: between them distortion curves a line
+/// by at most about 0.01 px.
 const STEP_M: f64 = 0.25;
 
 /// The fields of a document's cameras as JSON.

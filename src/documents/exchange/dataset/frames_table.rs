@@ -1,4 +1,4 @@
-//! `frames.csv`: a row a frame.
+//! `frames.csv`: one row per frame.
 
 use super::matches::match_names;
 use super::plan::PlannedFrame;
@@ -29,8 +29,8 @@ const COLUMNS: [&str; 20] = [
     "id",
 ];
 
-/// The table of the frames of a dataset; `dataset` and `original` are a frame as the dataset and as
-/// the document has it.
+/// The table of the frames of a dataset; each entry has the plan of a frame, the frame in the
+/// dataset and the original frame.
 pub fn frames_table(frames: &[(&PlannedFrame, &Frame, &Frame)]) -> String {
     let matches = match_names(frames.iter().map(|(_, _, original)| *original));
     let mut text = String::new();

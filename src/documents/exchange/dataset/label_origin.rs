@@ -8,28 +8,28 @@ use std::fmt;
 pub enum LabelOrigin {
     /// A person's clicks.
     Clicked,
-    /// Pulled onto the painted lines.
+    /// Aligned to the painted lines.
     Snapped,
-    /// Carried from other frames of the clip; nobody has looked at it.
+    /// Tracked from other frames of the clip, and not reviewed.
     Tracked,
     /// The same, accepted by a person.
     TrackedAccepted,
-    /// The forest's answer; nobody has looked at it.
+    /// The forest's suggestion, not reviewed.
     Suggested,
     /// The same, accepted by a person.
     SuggestedAccepted,
     /// A foreign file.
     Imported,
-    /// Numbers that a person set.
+    /// Numbers set by the user.
     SetByHand,
-    /// Between its neighbours.
+    /// Interpolated between its neighbours.
     Interpolated,
-    /// There are clicks, and no camera.
+    /// Clicks without a camera.
     ClicksOnly,
 }
 
 impl LabelOrigin {
-    /// That of a frame; none where it has neither clicks nor a camera.
+    /// The origin of a frame's label; none where it has neither clicks nor a camera.
     #[must_use]
     pub fn of(frame: &Frame) -> Option<Self> {
         let is_clicked = frame.clicks.iter().any(|click| click.target.is_some());

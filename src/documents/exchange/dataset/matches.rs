@@ -1,11 +1,10 @@
-//! What the matches of a dataset are called: nothing of where files lie on this machine.
+//! The names of the matches of a dataset, without the location of files on this machine.
 
 use super::split::match_of;
 use crate::document::Frame;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The names of matches by what the document tells of them: the last parts of a path, as many as
-/// tell it from the others.
+/// Names of matches by their keys in the document: the shortest unique suffix of the path.
 pub fn match_names<'a>(frames: impl Iterator<Item = &'a Frame>) -> BTreeMap<String, String> {
     let paths: BTreeSet<String> = frames.map(match_of).collect();
     let parts: Vec<Vec<&str>> = paths.iter().map(|path| parts(path)).collect();
@@ -21,7 +20,7 @@ pub fn match_names<'a>(frames: impl Iterator<Item = &'a Frame>) -> BTreeMap<Stri
         };
         let count = (1..own.len()).find(is_alone).unwrap_or(own.len());
         let name = last(own, count).join("/");
-        // What differs only above the document's folder.
+        // For paths that differ only above the document's folder.
         let numbered = (2_usize..).map(|number| format!("{name} ({number})"));
         let free = std::iter::once(name.clone())
             .chain(numbered)

@@ -1,4 +1,4 @@
-//! A dataset: a folder with the labelled frames of a document, their pictures and what others need
+//! A dataset: a folder with the labelled frames of a document, their pictures and everything needed
 //! to use them.
 //!
 //! | file | what it holds |
@@ -15,8 +15,9 @@
 //! | `touchline_dataset.py` | reads it with numpy |
 //! | `manifest.sha256` | every other file: `sha256sum -c manifest.sha256` |
 //!
-//! [`plan_dataset`] says what will be written, [`write_dataset`] writes it into a temporary folder beside the place and renames it
-//! in the end. The same document, pictures and options give the same bytes.
+//! [`plan_dataset`] plans what will be written; [`write_dataset`] writes it into a temporary folder
+//! beside the target and renames it at the end. The same document, pictures and options give the
+//! same bytes.
 
 mod card;
 mod done;

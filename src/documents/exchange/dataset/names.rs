@@ -1,19 +1,20 @@
-//! What pictures are called in a dataset: as they were, and never anything that leaves its folder.
+//! The names of pictures in a dataset: their original names, but never a path that leaves the
+//! folder.
 
 use super::options::{PictureFormat, Pictures};
 use crate::document::Frame;
 use crate::exchange::node::safe_path;
 use std::path::Path;
 
-/// The folder that pictures usually lie in already; it is not repeated.
+/// The usual folder of pictures, which is not repeated.
 const IMAGES: &str = "images/";
 
 /// The path of a frame's picture below the folder of its split: that of its image within the
-/// document's folder, or the image's name where it lies elsewhere; for a frame of a video the
-/// video's name and its number.
+/// document's folder, or the image's file name if it lies elsewhere; for a frame of a video, the
+/// video's name and the frame number.
 ///
 /// # Errors
-/// The name cannot be a file's; the reason in words.
+/// The name is not a valid file name; the reason in words.
 pub fn picture_name(
     frame: &Frame,
     pictures: Pictures,
@@ -62,7 +63,7 @@ fn of_image(image: &str) -> String {
         .to_owned()
 }
 
-/// Refuses what would lie outside of the folder, or break the lines of a list.
+/// Rejects a name that would leave the folder, or break the lines of a list.
 fn refuse_unusable(name: &str) -> Result<(), String> {
     let leaves = safe_path(name).is_err() || name.ends_with('/');
     if leaves || name.is_empty() || name == "." {

@@ -1,4 +1,4 @@
-//! The dataset that another one replaces: which of its files the program wrote.
+//! The dataset to be replaced: which of its files the program wrote.
 
 use crate::exchange::error::ExchangeError;
 use std::collections::BTreeMap;
@@ -6,13 +6,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use touchline_vision::media::sha256_of_file;
 
-/// What marks a folder as a dataset; every other file stands in it.
+/// The file that marks a folder as a dataset; it lists every other file.
 pub const MANIFEST: &str = "manifest.sha256";
 /// The document of a dataset.
 pub const DOCUMENT: &str = "dataset.json";
 
-/// Where a new folder of this name is written: in place of the chosen one if that is empty or
-/// absent or holds a dataset, else in it.
+/// The path for a new folder: the chosen one if it is empty, absent or a dataset, else a folder of
+/// this name in it.
 #[must_use]
 pub fn folder_for_new(chosen: &Path, name: &str) -> PathBuf {
     let is_full = fs::read_dir(chosen).is_ok_and(|mut entries| entries.next().is_some());
@@ -24,15 +24,15 @@ pub fn folder_for_new(chosen: &Path, name: &str) -> PathBuf {
     }
 }
 
-/// The files of an earlier dataset with their SHA-256, as its manifest lists them.
+/// The files of an earlier dataset with their SHA-256, from its manifest.
 #[derive(Default)]
 pub struct OldDataset(BTreeMap<String, String>);
 
 impl OldDataset {
-    /// Reads the manifest in a folder. An empty or missing folder holds no file.
+    /// Reads the manifest in a folder. An empty or missing folder has no files.
     ///
     /// # Errors
-    /// The folder holds something other than a dataset, or a dataset and `force` was not given.
+    /// The folder is not empty and not a dataset, or it is a dataset and `force` was not given.
     pub fn read(folder: &Path, force: bool) -> Result<Self, ExchangeError> {
         let is_empty = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
         if is_empty || fs::symlink_metadata(folder).is_err() {
@@ -61,7 +61,7 @@ impl OldDataset {
         ))
     }
 
-    /// Whether the program wrote a file, and nobody changed it since.
+    /// Whether the program wrote a file and it has not changed since.
     pub fn wrote(&self, name: &str, path: &Path) -> bool {
         self.0
             .get(name)

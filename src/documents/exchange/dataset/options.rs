@@ -1,22 +1,22 @@
-//! What a dataset may be told.
+//! Options of a dataset.
 
 use crate::document::FrameStatus;
 use crate::exchange::options::FrameChoice;
 
-/// Which frames a dataset holds, and how.
+/// Which frames a dataset contains, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DatasetOptions {
-    /// Which frames. By default those that a person accepted.
+    /// The choice of frames. By default those that the user accepted.
     pub frames: FrameChoice,
-    /// Where the pictures come from.
+    /// The source of the pictures.
     pub pictures: Pictures,
-    /// How pictures are written that are decoded first.
+    /// The format of pictures that are decoded and written anew.
     pub picture_format: PictureFormat,
-    /// Pictures without lens distortion as well, with a `dataset.json` of their own.
+    /// Whether undistorted pictures are written as well, with their own `dataset.json`.
     pub undistorted: bool,
-    /// Pictures from outside of the project's folder are taken too.
+    /// Whether pictures from outside the project's folder are included.
     pub outside: bool,
-    /// How frames are divided; none: not at all.
+    /// How frames are split; none: not at all.
     pub splitting: Option<Splitting>,
     /// The licence of the labels and pictures, for the card.
     pub licence: Option<String>,
@@ -39,18 +39,18 @@ impl Default for DatasetOptions {
     }
 }
 
-/// Where the pictures of a dataset come from.
+/// The source of the pictures of a dataset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pictures {
-    /// Image files are copied byte for byte; frames that only a video has are decoded.
+    /// Image files are copied byte for byte; frames that are only in a video are decoded.
     #[default]
     Copied,
-    /// The same with hard links in place of copies: nothing is stored twice, and both names are one
-    /// file.
+    /// Like `Copied`, but with hard links instead of copies: nothing is stored twice, and both
+    /// names refer to one file.
     Linked,
     /// Every frame is decoded, from its video where it has one, and written anew.
     Extracted,
-    /// There are none; `dataset.json` names the files where they lie.
+    /// There are no pictures; `dataset.json` refers to the files at their original paths.
     Left,
 }
 
@@ -93,7 +93,7 @@ impl PictureFormat {
         }
     }
 
-    /// How many bytes a pixel of a broadcast picture takes, about.
+    /// The approximate size of a pixel of a broadcast picture, bytes.
     pub(super) const fn bytes_per_px(self) -> f64 {
         match self {
             Self::Png => 1.5,
@@ -102,14 +102,14 @@ impl PictureFormat {
     }
 }
 
-/// How frames are divided for training, validation and test.
+/// How frames are split into training, validation and test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Splitting {
-    /// The shares of training, validation and test; they count by their ratio.
+    /// The weights of training, validation and test; only their ratios matter.
     pub shares: [u32; 3],
-    /// What is never split.
+    /// The unit that is never divided.
     pub by: SplitBy,
-    /// Another seed gives another split.
+    /// The seed of the shuffling.
     pub seed: u64,
 }
 
@@ -123,7 +123,8 @@ impl Default for Splitting {
     }
 }
 
-/// What a split never divides. Single frames are no choice: neighbours show the same.
+/// The unit that a split never divides. Single frames are not offered, because neighbouring frames
+/// are nearly equal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SplitBy {
     /// A shot of a camera.

@@ -1,14 +1,14 @@
-//! Pictures that lie outside of the project: they are copied on request only.
+//! Pictures outside the project, which are copied only on request.
 //!
-//! A project that somebody sent may name any file of this machine, and a dataset is made to be
-//! passed on. A project for a video or a folder of frames lies beside it (`match.mp4.touchline/`),
-//! and these frames are its own.
+//! A received project may refer to any file of this machine, and a dataset is made to be passed on.
+//! The project of a video or of a folder of frames lies beside it (`match.mp4.touchline/`); these
+//! frames belong to the project.
 
 use crate::document::resolved;
 use std::path::{Component, Path, PathBuf};
 use touchline_core::files::PROJECT_SUFFIX;
 
-/// Where a project's own pictures lie.
+/// The paths that contain a project's own pictures.
 pub struct OwnPlaces(Vec<PathBuf>);
 
 impl OwnPlaces {
@@ -27,8 +27,8 @@ impl OwnPlaces {
         Self(std::iter::once(folder).chain(frames).collect())
     }
 
-    /// Whether a file lies in one of them, links followed. Of one that is not there nobody knows
-    /// where `..` leads.
+    /// Whether a file lies in one of them, with links resolved. False if the path still contains
+    /// `..`, which cannot be resolved in a missing folder.
     pub fn hold(&self, file: &Path) -> bool {
         let file = resolved(file);
         let leads_up = file.components().any(|part| part == Component::ParentDir);

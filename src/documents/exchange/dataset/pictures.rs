@@ -18,16 +18,16 @@ use touchline_vision::media::{Picture, sha256_of_file};
 /// The quality of JPEG pictures, of 100.
 const JPEG_QUALITY: u8 = 95;
 
-/// A folder that is being filled, and the SHA-256 of every file in it.
+/// A folder being written, and the SHA-256 of every file in it.
 pub struct Folder<'a> {
     root: &'a Path,
-    /// Where it will be: what errors name.
+    /// Its final path, which errors name.
     place: &'a Path,
     hashes: BTreeMap<String, String>,
 }
 
 impl<'a> Folder<'a> {
-    /// An empty folder, which will be renamed to `place`.
+    /// An empty folder at `root`, which will be renamed to `place`.
     pub const fn new(root: &'a Path, place: &'a Path) -> Self {
         Self {
             root,
@@ -36,7 +36,7 @@ impl<'a> Folder<'a> {
         }
     }
 
-    /// Every file and its SHA-256, as `sha256sum` writes and checks them.
+    /// Every file and its SHA-256, in the format of `sha256sum`.
     pub fn manifest(&self) -> String {
         self.hashes
             .iter()
@@ -52,14 +52,14 @@ impl<'a> Folder<'a> {
         self.hashes.into_keys().collect()
     }
 
-    /// Writes a file; its SHA-256.
+    /// Writes a file and returns its SHA-256.
     pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<String, ExchangeError> {
         let path = self.file(name)?;
         fs::write(path, bytes).map_err(|source| self.failed(name, source))?;
         Ok(self.note(name, hex(&Sha256::digest(bytes))))
     }
 
-    /// Copies a file, or makes a hard link to it; its SHA-256.
+    /// Copies a file, or makes a hard link to it, and returns its SHA-256.
     pub fn take_over(
         &mut self,
         name: &str,
@@ -84,7 +84,7 @@ impl<'a> Folder<'a> {
         Ok(self.note(name, hash))
     }
 
-    /// Takes a file away again.
+    /// Removes a file.
     pub fn remove(&mut self, name: &str) -> Result<(), ExchangeError> {
         self.hashes.remove(name);
         fs::remove_file(self.root.join(name)).map_err(|source| self.failed(name, source))
@@ -102,7 +102,7 @@ impl<'a> Folder<'a> {
         hash
     }
 
-    /// Where a file is written until the folder is whole.
+    /// The temporary path of a file, until the folder is complete.
     fn file(&self, name: &str) -> Result<PathBuf, ExchangeError> {
         let path = self.root.join(name);
         fs::create_dir_all(folder_of(&path)).map_err(|source| self.failed(name, source))?;
@@ -110,7 +110,7 @@ impl<'a> Folder<'a> {
     }
 }
 
-/// A picture as a file of a format.
+/// A picture encoded in a format.
 pub fn encoded(picture: &Picture, format: PictureFormat) -> Result<Vec<u8>, ImageError> {
     let size = picture.size();
     let rgb: Vec<u8> = picture

@@ -1,4 +1,4 @@
-//! What a dataset will hold, before anything is written.
+//! The plan of a dataset, made before anything is written.
 
 use super::label_origin::LabelOrigin;
 use super::names::picture_name;
@@ -13,40 +13,39 @@ use std::path::{Path, PathBuf};
 use touchline_core::geometry::ImageSize;
 use touchline_vision::media::{FrameRef, image_size};
 
-/// What a dataset will hold.
+/// The contents of a dataset to be written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DatasetPlan {
     /// The frames in the document's order.
     pub frames: Vec<PlannedFrame>,
-    /// Frames that were asked for and are not taken, by name, and why.
+    /// Chosen frames that are left out, by name, with the reason.
     pub left_out: Vec<(String, String)>,
-    /// About how many bytes the pictures take.
+    /// The estimated size of the pictures, bytes.
     pub picture_bytes: u64,
-    /// What a user should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
 /// A frame of a dataset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedFrame {
-    /// Which.
+    /// Its id in the document.
     pub id: FrameId,
-    /// The part that it is in; none where there are none.
+    /// Its split; none if the dataset is not split.
     pub split: Option<Split>,
-    /// Where its label comes from.
+    /// The origin of its label.
     pub origin: LabelOrigin,
-    /// Its picture within the dataset, with `/` between the parts; none where pictures are left
-    /// where they lie.
+    /// Its picture within the dataset, with `/` between the parts; none if pictures are not copied.
     pub picture: Option<String>,
-    /// The same without lens distortion, where that is asked for and its camera is known.
+    /// Its picture without lens distortion, if the options ask for that and its camera is known.
     pub undistorted: Option<String>,
-    /// What the frame is called in messages.
+    /// Its name in messages.
     pub name: String,
-    /// Where its pixels come from.
+    /// The source of its pixels.
     pub(super) source: Source,
 }
 
-/// Where a picture comes from.
+/// The source of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Source {
     /// A file that is copied or linked.
@@ -112,7 +111,7 @@ impl DatasetPlan {
         names.flatten().map(String::as_str).collect()
     }
 
-    /// How many pictures are written.
+    /// The number of pictures that are written.
     #[must_use]
     pub fn pictures(&self) -> usize {
         let of = |frame: &PlannedFrame| {
@@ -122,8 +121,7 @@ impl DatasetPlan {
     }
 }
 
-/// Plans a dataset: which frames it holds, what their pictures are called, and how large it
-/// becomes.
+/// Plans a dataset: its frames, the names of their pictures, and its size.
 ///
 /// # Errors
 /// No frame is left, or two pictures would have one name.
@@ -200,7 +198,7 @@ pub fn plan_dataset(
     Ok(plan)
 }
 
-/// A frame with what its pictures take, bytes.
+/// The plan of a frame, and the estimated size of its pictures, bytes.
 fn planned(
     at: DocumentAt<'_>,
     frame: &Frame,
@@ -249,7 +247,7 @@ fn planned(
     ))
 }
 
-/// Where the pixels of a frame come from, if they are there and of the stated size.
+/// The source of a frame's pixels, if it exists and has the stated size.
 fn source_of(
     at: DocumentAt<'_>,
     frame: &Frame,
@@ -285,7 +283,7 @@ fn source_of(
     Ok(source)
 }
 
-/// What is said of a picture that is not as large as the document states.
+/// The message about a picture whose size differs from the document's.
 pub(super) fn other_size(frame: &Frame, found: ImageSize) -> String {
     let stated = frame.image_size;
     format!(
@@ -301,7 +299,7 @@ fn refuse_same_names(frames: &[(&Frame, PlannedFrame)]) -> Result<(), ExchangeEr
             .into_iter()
             .flatten()
         {
-            // Two names that differ in case are one file on many systems.
+            // Two names that differ only in case are one file on many systems.
             if let Some(first) = seen.insert(name.to_lowercase(), frame.name()) {
                 return Err(ExchangeError::SameName {
                     name: name.clone(),

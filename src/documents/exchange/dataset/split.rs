@@ -1,4 +1,5 @@
-//! Training, validation and test: whole clips, cameras or matches, by a seed.
+//! Splits a dataset into training, validation and test parts by whole clips, cameras or matches,
+//! with a seed.
 
 use super::options::{SplitBy, Splitting};
 use crate::document::Frame;
@@ -11,9 +12,9 @@ use std::fmt;
 pub enum Split {
     /// For training.
     Train,
-    /// For choices made while training.
+    /// For choosing hyperparameters and models.
     Validation,
-    /// For the end.
+    /// For the final evaluation.
     Test,
 }
 
@@ -38,7 +39,7 @@ impl fmt::Display for Split {
     }
 }
 
-/// What a document tells of the match of a frame: its video, else the folder of its image.
+/// The match of a frame, as far as the document shows it: its video, else the folder of its image.
 pub fn match_of(frame: &Frame) -> String {
     let folder = || {
         let image = frame
@@ -56,7 +57,7 @@ pub fn match_of(frame: &Frame) -> String {
         .map_or_else(folder, |video| video.path.clone())
 }
 
-/// What is never divided, by name.
+/// The key of a frame's group; groups are never divided.
 fn group_of(frame: &Frame, by: SplitBy) -> Vec<String> {
     let camera = frame.camera.as_str().to_owned();
     match by {
@@ -76,8 +77,8 @@ fn group_of(frame: &Frame, by: SplitBy) -> Vec<String> {
     }
 }
 
-/// The split of each frame. Groups come in an order that the seed shuffles: first each split gets
-/// one, as far as there are any, then each group goes where most is missing.
+/// The split of each frame. Groups are shuffled by the seed. Each split with a share first gets one
+/// group, then each further group goes to the split that lacks most frames.
 pub fn split(frames: &[&Frame], splitting: Splitting) -> Vec<Split> {
     let mut groups: BTreeMap<Vec<String>, Vec<usize>> = BTreeMap::new();
     for (index, frame) in frames.iter().enumerate() {
@@ -115,7 +116,8 @@ pub fn split(frames: &[&Frame], splitting: Splitting) -> Vec<Split> {
     of_frame
 }
 
-/// Where a group stands in the shuffled order: it does not depend on the other groups.
+/// The sort key of a group in the shuffled order: a hash of seed and group, so that added groups do
+/// not reorder the others.
 fn key(seed: u64, group: &[String]) -> [u8; 32] {
     let mut digest = Sha256::new();
     digest.update(seed.to_le_bytes());

@@ -1,14 +1,14 @@
-//! Field templates of the user's own travel with a dataset.
+//! The user's own field templates, which are copied into a dataset.
 
 use crate::document::{Camera, Document, DocumentAt, FieldSpec};
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::Files;
 use std::path::Path;
 
-/// Where they lie in a dataset.
+/// Their folder in a dataset.
 const FOLDER: &str = "fields";
 
-/// Files by their place in the dataset.
+/// Files by their path in the dataset.
 pub type Templates = Vec<(String, Vec<u8>)>;
 
 /// The document with its own templates in `fields/`, and their files.
@@ -49,7 +49,7 @@ fn take_along(
         1 => format!("{FOLDER}/{stem}.json"),
         number => format!("{FOLDER}/{stem}-{number}.json"),
     });
-    // A template of the same name from another folder gets another one.
+    // A template of the same name from another folder gets a number.
     for place in numbered {
         match files.iter().find(|(known, _)| *known == place) {
             Some((_, known)) if known != bytes => {}

@@ -7,7 +7,7 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 use touchline_vision::media::{MediaError, Picture};
 
 /// The picture that the same camera would take without distortion: same size, focal length and
-/// principal point. What the lens left out is black.
+/// principal point. Pixels that the distorted picture does not show are black.
 ///
 /// # Errors
 /// The size of the picture cannot be addressed.
@@ -21,6 +21,8 @@ pub fn undistorted_picture(picture: &Picture, camera: &PtzCamera) -> Result<Pict
     let fold = lens.fold_radius_squared();
     let row = |y: u32| {
         (0..size.width).flat_map(move |x| {
+            // Inverse mapping: distort the ideal point of each pixel of the result and sample the
+            // picture there. The forward direction of the lens model is closed-form.
             let pixel = ImagePoint::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
             let ideal: Vec2 = pixel.offset_from(principal_point) / focal_px;
             let radius_squared = ideal.norm_squared();
@@ -42,7 +44,8 @@ pub fn undistorted_picture(picture: &Picture, camera: &PtzCamera) -> Result<Pict
     Picture::new(size, rgba)
 }
 
-/// The colour at a point between the four pixels around it; black outside of the picture.
+/// The colour at a point, interpolated bilinearly between the four nearest pixel centres; black
+/// outside the picture.
 fn sample(picture: &Picture, size: ImageSize, at: ImagePoint) -> [u8; 4] {
     if !size.contains(at) {
         return [0, 0, 0, 255];
@@ -69,9 +72,9 @@ fn sample(picture: &Picture, size: ImageSize, at: ImagePoint) -> [u8; 4] {
     })
 }
 
-/// A document whose pixels are those of undistorted pictures: no lens, clicks moved. Frames whose
-/// camera is not known go; masks, being boxes, go as well, and so does a click that the lens shows
-/// nowhere.
+/// A document in the pixels of undistorted pictures: without a lens and with clicks undistorted.
+/// Frames without a known camera are removed; so are masks, because boxes do not stay boxes, and
+/// clicks without an undistorted position.
 pub fn undistorted_document(document: &Document) -> Document {
     let mut plain = document.clone();
     plain
@@ -107,7 +110,7 @@ fn straighten(frame: &mut Frame, camera: &PtzCamera) {
         .iter()
         .all(|click| straight(click.image).is_some());
     if !is_shown && let Some(solution) = &mut frame.solution {
-        // Indices of clicks no longer hold.
+        // Indices of clicks are no longer valid.
         solution.disputed.clear();
         for warning in &mut solution.warnings {
             warning.clicks.clear();

@@ -1,4 +1,4 @@
-//! Writing a dataset: into a temporary folder beside the place, which is renamed in the end.
+//! Writes a dataset into a temporary folder beside the target, which is renamed at the end.
 
 use super::card::{Card, card};
 use super::done::DatasetDone;
@@ -39,9 +39,9 @@ const ALWAYS_WRITTEN: [&str; 7] = [
 /// Writes a dataset as it was planned. A step of `progress` counts pictures.
 ///
 /// # Errors
-/// Something other than a dataset is at `folder`, or a dataset and `force` was not given, or it
-/// holds files that the program did not write; it was cancelled; a file cannot be written. Nothing
-/// is left then, and what was there still is.
+/// `folder` is not a dataset, or it is one and `force` was not given, or it contains files that the
+/// program did not write; it was cancelled; a file cannot be written. In these cases nothing is
+/// left behind, and the previous contents are unchanged.
 pub fn write_dataset(
     at: DocumentAt<'_>,
     plan: &DatasetPlan,
@@ -53,7 +53,7 @@ pub fn write_dataset(
 ) -> Result<DatasetDone, ExchangeError> {
     let folder = &follow_link(folder);
     let old = OldDataset::read(folder, force)?;
-    // Before the work; what is written in the end is asked again.
+    // Check before the work; the final contents are checked again.
     let pictures = plan.picture_names();
     refuse_other_files(folder, &|name, path| {
         ALWAYS_WRITTEN.contains(&name) || pictures.contains(name) || old.wrote(name, path)
@@ -109,7 +109,7 @@ pub fn write_dataset(
     };
     write_document(&mut files, DOCUMENT, &dataset)?;
     if options.undistorted {
-        // Beside the pictures without distortion; templates lie one folder up.
+        // The document of the undistorted pictures; templates are one folder up.
         let plain = with_pictures(
             &undistorted_document(&chosen),
             &kept,
@@ -196,7 +196,7 @@ struct Written {
 }
 
 impl Written {
-    /// Writes the pictures of a frame; one that cannot be had leaves the frame out.
+    /// Writes the pictures of a frame; if one cannot be read, the frame is left out.
     fn add(
         &mut self,
         at: DocumentAt<'_>,
@@ -220,7 +220,7 @@ impl Written {
     }
 }
 
-/// Writes the pictures of a frame, or says why they cannot be had.
+/// Writes the pictures of a frame, or returns why they cannot be read.
 fn write_pictures(
     at: DocumentAt<'_>,
     planned: &PlannedFrame,
@@ -235,7 +235,7 @@ fn write_pictures(
         (&planned.picture, &planned.source),
         (Some(_), Source::File(_))
     );
-    // A copy is hashed where it lies.
+    // The hash of a copied file is compared after copying; here only other pictures are checked.
     if !is_copied && has_changed(at, frame) {
         return Ok(Err(CHANGED.to_owned()));
     }
@@ -273,7 +273,7 @@ fn write_pictures(
     Ok(Ok(hashes))
 }
 
-/// Whether the image file of a frame is there and is not the one that was labelled.
+/// Whether the image file of a frame exists and is not the one that was labelled.
 fn has_changed(at: DocumentAt<'_>, frame: &Frame) -> bool {
     let Some(path) = frame
         .image_path(at.folder)
@@ -292,7 +292,7 @@ fn states_other(frame: &Frame, hash: &str) -> bool {
         .is_some_and(|stated| !stated.eq_ignore_ascii_case(hash))
 }
 
-/// The pixels of a frame, if they can be had and are of the stated size.
+/// The pixels of a frame, if they can be read and have the stated size.
 fn read(
     planned: &PlannedFrame,
     frame: &Frame,
@@ -315,7 +315,7 @@ fn chosen(document: &Document, frames: &BTreeMap<FrameId, Hashes>) -> Document {
     let is_used =
         |id: &crate::document::CameraId| chosen.frames.iter().any(|frame| frame.camera == *id);
     chosen.cameras.retain(|camera| is_used(&camera.id));
-    // A bare number counts in the first video of the document.
+    // A plain number refers to the first video of the document.
     let keeps_first_video = first_video(&chosen) == first_video(document);
     let is_there = |end: &ShotEnd| match end {
         ShotEnd::Frame(id) => frames.contains_key(id),
@@ -335,7 +335,8 @@ fn first_video(document: &Document) -> Option<&str> {
         .map(|video| video.path.as_str())
 }
 
-/// The document with the pictures of a dataset and their hashes; frames without one go.
+/// The document with the pictures of a dataset and their hashes; frames without a picture are
+/// removed.
 fn with_pictures<'a>(
     document: &Document,
     frames: &[&'a PlannedFrame],
@@ -360,7 +361,7 @@ fn with_pictures<'a>(
             (frame.image, frame.sha256) = (Some((*picture).to_owned()), Some((*hash).to_owned()));
         }
         if let Some(video) = &mut frame.video {
-            // Where the video lies on this machine is of no use to others.
+            // The location of the video on this machine is useless to others.
             video.path = video
                 .path
                 .rsplit(['/', '\\'])
@@ -372,7 +373,7 @@ fn with_pictures<'a>(
     document
 }
 
-/// The document of a folder in a dataset: its own templates lie one folder up.
+/// The document of a subfolder of a dataset: its own templates are one folder up.
 fn templates_above(mut document: Document) -> Document {
     let cameras = document.cameras.iter_mut().filter_map(|camera| {
         let camera: &mut crate::document::Camera = camera;
@@ -387,7 +388,7 @@ fn templates_above(mut document: Document) -> Document {
     document
 }
 
-/// Writes a document, read again and compared.
+/// Writes a document and verifies it by reading it back.
 fn write_document(
     files: &mut Folder<'_>,
     name: &str,
