@@ -32,7 +32,8 @@ const LONG_LEAD_FRAMES: usize = 640;
 const PREROLL_FRAMES: usize = 300;
 /// Distance from the end at which the search for the last frame begins.
 const TAIL_FRAMES: usize = 64;
-/// A decoder holds back at most this many frames to show them in order (H.264, annex A.3.1: `MaxDpbFrames`).
+/// A decoder holds back at most this many frames to show them in order (H.264, annex A.3.1:
+/// `MaxDpbFrames`).
 const REORDERED_FRAMES: usize = 16;
 /// Number of frames counted between two progress reports.
 const COUNT_REPORT_FRAMES: usize = 100;
@@ -215,8 +216,8 @@ fn add_notices(info: &mut VideoInfo, aspect: f64) {
     }
 }
 
-/// Whether frames come at an uneven rate. Where a file was cut off, some of the last frames lack what they refer to and are missing:
-/// the number of frames says that already.
+/// Whether frames come at an uneven rate. Where a file was cut off, some of the last frames lack
+/// what they refer to and are missing: the number of frames says that already.
 fn is_uneven(info: &VideoInfo) -> bool {
     let FrameClock::Listed(times_s) = &info.clock else {
         return false;
