@@ -48,7 +48,7 @@ impl MatchReport {
                 bar.set_position((progress.share_of_step() * PARTS as f64) as u64);
             }
             MatchEvent::Unreadable { frame, error } => {
-                messages.frame_failed(&frame, &error.to_string())
+                messages.frame_failed(&frame, &error.to_string());
             }
             MatchEvent::Found {
                 camera,

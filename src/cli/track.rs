@@ -180,19 +180,19 @@ impl TrackingReport {
         }
         match event {
             TrackingEvent::Begun(clip) => {
-                self.bar = Some(messages.progress(2 * clip.num_pictures, "Tracking"))
+                self.bar = Some(messages.progress(2 * clip.num_pictures, "Tracking"));
             }
             TrackingEvent::Progress(progress) => show_progress(self.bar.as_ref(), progress),
             TrackingEvent::Refining(_) => {
-                self.bar = Some(messages.progress(1, "Refining the base on painted lines"))
+                self.bar = Some(messages.progress(1, "Refining the base on painted lines"));
             }
             TrackingEvent::Tracked(clip, tracked) => report_tracked(&clip, &tracked, messages),
             TrackingEvent::Failed(clip, error) => {
-                messages.frame_failed(&name_of(&clip), &error.to_string())
+                messages.frame_failed(&name_of(&clip), &error.to_string());
             }
             TrackingEvent::Length(found) => messages.note(&describe_length(&found)),
             TrackingEvent::Refined(camera, seen) => {
-                messages.note(&describe_refined(&camera, &seen))
+                messages.note(&describe_refined(&camera, &seen));
             }
             TrackingEvent::NoBetter { kept, refined } => {
                 let [kept, refined] = [kept, refined].map(|confidence| 100.0 * confidence);

@@ -28,7 +28,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         SetKind::Own => chosen[0].0 = "own frames",
         // Published and drawn frames share no diagram.
         kind if inputs.worldcup(progress)?[0].kind == kind => {
-            chosen.push(("World Cup", Sets::WorldCup))
+            chosen.push(("World Cup", Sets::WorldCup));
         }
         _ => {}
     }

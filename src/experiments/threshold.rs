@@ -62,7 +62,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     let mut both = Vec::new();
     for (number, kind) in ForestKind::BOTH.into_iter().enumerate() {
         let measured = measure(sets, kind, gates, &|done, total| {
-            progress(number * total + done, 2 * total)
+            progress(number * total + done, 2 * total);
         });
         report.table(
             &format!("gates-{}", kind.key()),

@@ -43,7 +43,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     let mut both = Vec::new();
     for (number, kind) in ForestKind::BOTH.into_iter().enumerate() {
         let asked = measure(sets, kind, counts, &|done, total| {
-            progress(number * total + done, 2 * total)
+            progress(number * total + done, 2 * total);
         });
         let lost: Vec<Vec<f64>> = asked.iter().map(|asked| lost(asked)).collect();
         let mut figure = Figure::new(

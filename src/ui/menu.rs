@@ -120,7 +120,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             saving(panel, ui);
             jobs(panel, ui);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                place(panel.app, ui)
+                place(panel.app, ui);
             });
         });
     });

@@ -41,7 +41,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 pointer(panel.app, ui);
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                step(panel, ui, &guidance)
+                step(panel, ui, &guidance);
             });
         });
     });

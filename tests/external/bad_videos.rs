@@ -215,7 +215,7 @@ fn frames_behind_damaged_ones_keep_their_numbers() {
         match picture {
             // Until the next key frame a decoder makes up what is missing.
             Ok(picture) if !(100..=220).contains(&index) => {
-                assert_eq!(picture, whole.frame(index).unwrap(), "{index}")
+                assert_eq!(picture, whole.frame(index).unwrap(), "{index}");
             }
             Ok(_) => {}
             Err(MediaError::DamagedFrame { index: named, .. }) => {

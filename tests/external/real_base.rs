@@ -343,7 +343,7 @@ fn few_frames_give_a_usable_base() {
                     asked += 2;
                     match solve_frame(&found.base, &four, &context) {
                         Ok(solved) => {
-                            rest.extend(solved.checks.iter().filter_map(|check| check.error_px))
+                            rest.extend(solved.checks.iter().filter_map(|check| check.error_px));
                         }
                         Err(_) => unsolved += 1,
                     }

@@ -167,7 +167,7 @@ impl Lens {
                 base.distortion.value += 0.02 * (focal_px / corner.norm()).powi(2);
             }
             Self::OffCentre => {
-                base.principal_point = base.principal_point.moved(Vec2::new(50.0, 0.0) / 3.0)
+                base.principal_point = base.principal_point.moved(Vec2::new(50.0, 0.0) / 3.0);
             }
         }
         document.camera_mut(&camera).unwrap().set_base(&base);

@@ -88,7 +88,7 @@ mod tests {
             };
             match (found, place) {
                 (Place::Time(found), Place::Time(wanted)) => {
-                    assert!((found - wanted).abs() < 1e-9, "{text}: {found}")
+                    assert!((found - wanted).abs() < 1e-9, "{text}: {found}");
                 }
                 (found, place) => assert_eq!(found, place, "{text}"),
             }

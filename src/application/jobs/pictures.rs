@@ -133,7 +133,7 @@ impl Pictures {
                         .push(Action::View(ViewAction::Notify(Level::Error, text)));
                 }
                 DecoderReport::Broken { message } => {
-                    news.actions.push(broke_down("frames", &message))
+                    news.actions.push(broke_down("frames", &message));
                 }
                 DecoderReport::Ready { .. }
                 | DecoderReport::Failed { .. }
@@ -144,7 +144,7 @@ impl Pictures {
             match report {
                 ThumbnailReport::Ready { frame, picture } => news.thumbnails.push((frame, picture)),
                 ThumbnailReport::Broken { message } => {
-                    news.actions.push(broke_down("thumbnails", &message))
+                    news.actions.push(broke_down("thumbnails", &message));
                 }
                 // The reason is said when somebody comes to the frame.
                 ThumbnailReport::Failed { .. } | ThumbnailReport::Panicked { .. } => {}

@@ -134,7 +134,7 @@ impl Runner {
                         name,
                         template,
                     })))
-                })
+                });
             }
             Effect::CancelOpening => {
                 self.give_up(|kind| kind == Kind::Opening);

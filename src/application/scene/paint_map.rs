@@ -157,7 +157,7 @@ pub fn paint_map_picture(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Op
             let at = ImagePoint::new(column as f64 + middle, row as f64 + middle);
             if frame.frame_at(scene, at).is_some() {
                 (0..SQUARE_PX * SQUARE_PX).for_each(|place| {
-                    dot(column + place % SQUARE_PX, row + place / SQUARE_PX, SEEN)
+                    dot(column + place % SQUARE_PX, row + place / SQUARE_PX, SEEN);
                 });
             }
         }

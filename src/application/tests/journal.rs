@@ -405,7 +405,7 @@ fn a_received_project_reaches_no_file_of_the_user() {
             plant(&planted, &victim, how);
             match (own, open(&path)) {
                 ("journal", Err(error)) => {
-                    assert!(error.to_string().contains("not a regular file"), "{error}")
+                    assert!(error.to_string().contains("not a regular file"), "{error}");
                 }
                 (
                     "lock",

@@ -54,7 +54,7 @@ fn a_mask_by_hand_is_for_a_frame_a_shot_a_range_or_all() {
             list,
             index: 0,
             scope,
-        }))
+        }));
     };
     bench.act(Action::Navigate(Navigation::GoTo(2)));
     bench.act(Action::Edit(EditAction::AddMask {

@@ -107,7 +107,7 @@ fn set_back(path: &Path) -> Headless {
     assert_eq!(on_disk(path).frames[0].status, FrameStatus::Reference);
     fs::write(path.join("project.json"), before).unwrap();
     write_outside(path, |document| {
-        document.frames[1].comment = Some("theirs".to_owned())
+        document.frames[1].comment = Some("theirs".to_owned());
     });
     headless
 }
@@ -296,7 +296,7 @@ fn propose(frame: &mut Frame) {
 fn a_proposal_beats_no_label_of_another_person() {
     let (_root, path) = new_project(3);
     write_outside(&path, |document| {
-        document.frames.iter_mut().for_each(|frame| propose(frame))
+        document.frames.iter_mut().for_each(|frame| propose(frame));
     });
     let mut headless = Headless::opened(&path);
     headless.act(Action::Navigate(Navigation::GoTo(2)));

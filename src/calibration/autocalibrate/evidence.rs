@@ -212,7 +212,7 @@ impl LineCounts {
             let counts = &mut of_line[sample.line];
             match strokes.shown(sample.image) {
                 Shown::Stroke => {
-                    (counts.predicted, counts.seen) = (counts.predicted + 1, counts.seen + 1)
+                    (counts.predicted, counts.seen) = (counts.predicted + 1, counts.seen + 1);
                 }
                 Shown::Ground => counts.predicted += 1,
                 Shown::Other => {}

@@ -288,7 +288,7 @@ impl BulkChange {
         }
         match self {
             Self::Numbers(_) | Self::Autocalibrated(_) => {
-                solve_by_clicks(document, folder, places, progress)?
+                solve_by_clicks(document, folder, places, progress)?;
             }
             Self::Base(found) => found.write_frames(document, before, folder, places, progress)?,
             Self::Assign(given) => {

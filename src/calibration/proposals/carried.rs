@@ -65,7 +65,7 @@ pub fn offer_tracked_clip(document: &Document, clip: &TrackedClip) -> Vec<Offer>
 
 fn offer_tracked(document: &Document, clip: &TrackedClip, tracked: &TrackedFrame) -> Option<Offer> {
     Offer::from_recorded(document, tracked.place, |frame| {
-        record_tracked_frame(frame, clip, tracked)
+        record_tracked_frame(frame, clip, tracked);
     })
 }
 

@@ -297,7 +297,7 @@ impl Project {
                 Novelty::Stale => {}
                 Novelty::Same => {
                     self.suggestions
-                        .move_to_batch(id, suggestion.base.as_ref(), batch)
+                        .move_to_batch(id, suggestion.base.as_ref(), batch);
                 }
                 Novelty::New => {
                     self.suggestions.put(id, batch, suggestion.clone());

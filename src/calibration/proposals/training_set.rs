@@ -118,7 +118,7 @@ mod tests {
                     y: 1.0,
                     width: 9.0,
                     height: 9.0,
-                })
+                });
             },
             |document| {
                 document.cameras[0].masks.push(PixelBox {
@@ -126,7 +126,7 @@ mod tests {
                     y: 1.0,
                     width: 9.0,
                     height: 9.0,
-                })
+                });
             },
             |document| document.frames[0].sha256 = Some("ab".to_owned()),
         ];

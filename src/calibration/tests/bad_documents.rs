@@ -446,7 +446,7 @@ fn check_names_everything_that_is_wrong() {
                     .as_mut()
                     .unwrap()
                     .extra
-                    .insert("k2".into(), 0.1.into())
+                    .insert("k2".into(), 0.1.into());
             },
             "camera main: distortion.k2 is not used by this program; overlays are computed without it",
         ),
@@ -459,7 +459,7 @@ fn check_names_everything_that_is_wrong() {
                     .k1
                     .as_mut()
                     .unwrap()
-                    .value = -3.0
+                    .value = -3.0;
             },
             "frames[0] (images/0001.jpg): with k1 = -2.9139 the lens model folds inside the picture; check the distortion",
         ),
@@ -478,13 +478,14 @@ fn check_names_everything_that_is_wrong() {
         (
             |d| {
                 d.frames[0].clicks[1] =
-                    Click::landmark("center_mark".into(), ImagePoint::new(1.0, 2.0))
+                    Click::landmark("center_mark".into(), ImagePoint::new(1.0, 2.0));
             },
             "frames[0] (images/0001.jpg): click 2 names the landmark \"center_mark\", which the field does not have; `touchline fields` lists them",
         ),
         (
             |d| {
-                d.frames[0].clicks[0] = Click::line("halfwayline".into(), ImagePoint::new(1.0, 2.0))
+                d.frames[0].clicks[0] =
+                    Click::line("halfwayline".into(), ImagePoint::new(1.0, 2.0));
             },
             "frames[0] (images/0001.jpg): click 1 names the line \"halfwayline\", which the field does not have; `touchline fields` lists them",
         ),
@@ -495,7 +496,7 @@ fn check_names_everything_that_is_wrong() {
         (
             |d| {
                 d.frames[0].clicks[1] =
-                    Click::landmark("centre_mark".into(), ImagePoint::new(1.0, 2.0))
+                    Click::landmark("centre_mark".into(), ImagePoint::new(1.0, 2.0));
             },
             "frames[0] (images/0001.jpg): clicks 1 and 2 both name the landmark \"centre_mark\"; delete one",
         ),

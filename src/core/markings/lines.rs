@@ -209,9 +209,9 @@ mod tests {
             for _ in 0..60 {
                 let (left, right) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
                 if miss(left) < miss(right) {
-                    high = right
+                    high = right;
                 } else {
-                    low = left
+                    low = left;
                 }
             }
             miss(low.midpoint(high))

@@ -96,7 +96,7 @@ fn the_truth_comes_back_from_any_two_exact_clicks() {
         match solve_frame(camera.base(), &clicks, &context) {
             Ok(solution) if is_truth(&solution.ptz, &camera.ptz()) => {}
             Err(SolveError::PointsTooClose { separation_px, .. }) if separation_px < 2.0 => {
-                refused += 1
+                refused += 1;
             }
             result => panic!("trial {trial}: {result:?}\n for {camera:?}\n {clicks:?}"),
         }

@@ -236,7 +236,7 @@ fn join_maps(sides: [&Keys; 3], conflicts: &mut Vec<String>) -> Keys {
     };
     let [base, ours, theirs] = sides.map(entries);
     join([&base, &ours, &theirs], PartialEq::eq, |(key, _)| {
-        conflicts.push(key.clone())
+        conflicts.push(key.clone());
     })
     .into_iter()
     .collect()

@@ -222,7 +222,7 @@ impl Report {
                     files.push((format!("{stem}.png"), figure.to_png()?));
                 }
                 Block::Picture { stem, png, .. } => {
-                    files.push((format!("{stem}.png"), png.clone()))
+                    files.push((format!("{stem}.png"), png.clone()));
                 }
             }
         }

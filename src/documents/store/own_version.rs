@@ -162,7 +162,7 @@ fn names_of_edits(base: &Document, own: &Document) -> Vec<String> {
             Change::Field(_) => names.push("Changes in the field".to_owned()),
             Change::Order(_) => names.push("Another order of the frames".to_owned()),
             Change::Rest { .. } | Change::Old(_) => {
-                names.push("Changes in the document".to_owned())
+                names.push("Changes in the document".to_owned());
             }
         }
     }

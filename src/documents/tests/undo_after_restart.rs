@@ -110,7 +110,7 @@ impl Editor {
 
     fn comment(&mut self, frame: usize, text: &str) {
         self.step(text, |document| {
-            document.frames[frame].comment = Some(text.to_owned())
+            document.frames[frame].comment = Some(text.to_owned());
         });
     }
 }
@@ -157,7 +157,7 @@ fn set_comment(document: &mut Document, frame: usize, text: u8) {
 fn obey(mut editor: Editor, path: &Path, doing: Doing) -> Editor {
     match doing {
         Doing::Comment(frame, text) => {
-            editor.step("Comment", |document| set_comment(document, frame, text))
+            editor.step("Comment", |document| set_comment(document, frame, text));
         }
         Doing::GoOn(frame, text) => editor.go_on(|document| set_comment(document, frame, text)),
         Doing::Reorder => editor.step("Reorder", |document| {

@@ -186,7 +186,7 @@ fn row(name: &str, clip: &DrawnClip, labelled: &Labelled, answers: &[Answer]) ->
     cells.extend([0.5, 0.9, 0.99].map(|share| Cell::Number(quantile(&corners, share))));
     match SigmaCoverage::of(&sigmas) {
         Some(coverage) => {
-            cells.extend([coverage.within_68, coverage.error_over_sigma].map(Cell::Number))
+            cells.extend([coverage.within_68, coverage.error_over_sigma].map(Cell::Number));
         }
         None => cells.extend([Cell::Empty, Cell::Empty]),
     }

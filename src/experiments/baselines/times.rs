@@ -77,13 +77,13 @@ fn of_count(references: &[&KnownFrame], asked: &[&KnownFrame], seed: u64) -> [f6
             times[method].push(start.elapsed().as_secs_f64() * 1e3);
         };
         take(0, &|| {
-            _ = black_box(Matched::to(known, &ready, seed).by_homography(&ready))
+            _ = black_box(Matched::to(known, &ready, seed).by_homography(&ready));
         });
         take(1, &|| {
-            _ = black_box(Matched::to(known, &ready, seed).by_known_base(&ready, &options))
+            _ = black_box(Matched::to(known, &ready, seed).by_known_base(&ready, &options));
         });
         take(2, &|| {
-            _ = black_box(Matched::to(known, &ready, seed).by_neighbours(&ready, &options))
+            _ = black_box(Matched::to(known, &ready, seed).by_neighbours(&ready, &options));
         });
         for (number, (forest, asking)) in forests.iter().enumerate() {
             if let Some((forest, seen)) = forest {

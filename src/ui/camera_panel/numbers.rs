@@ -117,7 +117,7 @@ pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         width: FIELD,
     };
     let write = |changed: &mut Camera, angles: BaseAngles| {
-        changed.base_from_world = Some(angles.base_from_world())
+        changed.base_from_world = Some(angles.base_from_world());
     };
     let tip = "Where pan 0 looks, seen from above: 0 is across the field, positive to the right. Usually 0.";
     row(
@@ -228,12 +228,12 @@ pub fn lens(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let tip = "Where the optical axis meets the picture, px from its left edge.";
     let x = point("Principal point x", tip, centre.x, size.width);
     row(panel, ui, camera, "Centre x", x, |changed, x| {
-        changed.principal_point.x = x
+        changed.principal_point.x = x;
     });
     let tip = "Where the optical axis meets the picture, px from its top edge.";
     let y = point("Principal point y", tip, centre.y, size.height);
     row(panel, ui, camera, "Centre y", y, |changed, y| {
-        changed.principal_point.y = y
+        changed.principal_point.y = y;
     });
     distortion(panel, ui, camera);
     sensor(panel, ui, camera);
@@ -324,7 +324,7 @@ fn sensor(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         "Sensor width (assumed)"
     };
     row(panel, ui, camera, label, number, |changed, mm| {
-        changed.sensor_width_mm = Some(mm)
+        changed.sensor_width_mm = Some(mm);
     });
     let confirm = Button::new("Confirm sensor width").small();
     if known.is_none()
@@ -366,7 +366,7 @@ fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let tip = "Radial distortion: a point at radius r (in focal lengths) moves outwards by k1·r³. 0: none.";
     let value = number("k1", tip, curve.value, 0.0005, 5, -5.0..=5.0, "");
     row(panel, ui, camera, "k1", value, |changed, value| {
-        curve_of(changed).value = value
+        curve_of(changed).value = value;
     });
     let tip = "The focal length for which k1 is given.";
     let at = number(

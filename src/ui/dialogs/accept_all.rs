@@ -46,7 +46,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         ui.add_space(theme::SPACE);
         let row = vec2(ui.available_width(), 28.0);
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
-            buttons(panel, ui, bulk, opened)
+            buttons(panel, ui, bulk, opened);
         });
     });
 }

@@ -50,7 +50,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                     });
                     group(ui, "LOUPE", |ui| loupe(panel, ui));
                     group(ui, "COLOUR OF THE FIELD'S LINES, BY SPORT", |ui| {
-                        colours(panel, ui)
+                        colours(panel, ui);
                     });
                     group(ui, "MEMORY", |ui| memory(panel, ui));
                     group(ui, "MORE", |ui| {

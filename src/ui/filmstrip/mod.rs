@@ -31,7 +31,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     );
     let frames = Rect::from_min_max(pos2(area.left() + COLUMN, area.top()), area.max);
     ui.scope_builder(UiBuilder::new().max_rect(frames), |ui| {
-        strip_of_frames(panel, ui)
+        strip_of_frames(panel, ui);
     });
 }
 
@@ -125,7 +125,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
             match strip.cells[at] {
                 StripCell::Frame(frame) => item::show(panel, ui, frame, place(at)),
                 StripCell::Unanswered { first, last, count } => {
-                    fold::show(panel, ui, (first, last), count, place(at))
+                    fold::show(panel, ui, (first, last), count, place(at));
                 }
             }
         }

@@ -38,7 +38,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
         };
         theme::title(ui, &heading);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            on_line_switch(panel, ui)
+            on_line_switch(panel, ui);
         });
     });
     let height = room.max(4.0 * theme::LIST_ROW);

@@ -123,7 +123,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
             let count = course.count(kind);
             if count > 0 {
                 legend::entry(ui, &legend::counted(kind, count), |painter, at| {
-                    legend::mark(painter, at, kind)
+                    legend::mark(painter, at, kind);
                 });
             }
         }

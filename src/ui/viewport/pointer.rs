@@ -182,7 +182,7 @@ impl Reading<'_> {
         match button {
             PointerButton::Middle => self.pointer.hold = Hold::Picture(button),
             PointerButton::Primary if self.around.space => {
-                self.pointer.hold = Hold::Picture(button)
+                self.pointer.hold = Hold::Picture(button);
             }
             PointerButton::Primary if self.around.ready => {
                 let in_image = self.placement.image_from_screen(at);

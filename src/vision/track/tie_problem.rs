@@ -90,7 +90,7 @@ impl Problem for Tied<'_> {
                             }));
                         }
                         Freedom::PanTilt => {
-                            by.extend([(first, by_frame.pan), (first + 1, by_frame.tilt)])
+                            by.extend([(first, by_frame.pan), (first + 1, by_frame.tilt)]);
                         }
                     }
                     by.push((first + own - 1, by_frame.log_focal));

@@ -3,7 +3,7 @@
 //! vision does not know.
 
 use super::growth::Source;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::fmt;
 
 /// The counts of some sources. Tests within them are left out.
@@ -210,9 +210,9 @@ pub fn worst(sources: &[Source], count: impl Fn(&Counters) -> usize, most: usize
             source.0.display().to_string(),
         )
     });
-    let by_count: BTreeMap<(usize, String), ()> = counted.map(|key| (key, ())).collect();
+    let by_count: BTreeSet<(usize, String)> = counted.collect();
     let lines = by_count
-        .keys()
+        .iter()
         .rev()
         .take(most)
         .map(|(count, file)| format!("{count} {file}"));

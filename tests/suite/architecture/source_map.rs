@@ -120,7 +120,7 @@ impl SourceMap {
             match &child.content {
                 Some(_) if for_tests => {}
                 Some((_, items)) => {
-                    self.read_items(items, file, &folder.join(&name), &below, reader)
+                    self.read_items(items, file, &folder.join(&name), &below, reader);
                 }
                 None => {
                     let beside = [
@@ -210,7 +210,7 @@ impl Reading<'_> {
         let with = |name: String| [before, &[name]].concat();
         match tree {
             UseTree::Path(path) => {
-                self.import_tree(&path.tree, &with(path.ident.to_string()), names_it)
+                self.import_tree(&path.tree, &with(path.ident.to_string()), names_it);
             }
             UseTree::Group(group) => group
                 .items

@@ -126,7 +126,7 @@ impl Operation for CameraSearch {
     ) {
         match result {
             Ok(AutocalibrationAnswer::Found(found)) => {
-                app.camera_found(self.with_frame_ids(*found))
+                app.camera_found(self.with_frame_ids(*found));
             }
             Ok(AutocalibrationAnswer::Two {
                 best,

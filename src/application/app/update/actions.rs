@@ -30,7 +30,7 @@ impl App {
             ViewAction::HoldReview(held) => self.session.review.held = held,
             ViewAction::SetReviewOrder(order) => self.session.review.order = order,
             ViewAction::SetReviewThreshold(threshold) => {
-                self.session.review.threshold = threshold.clamp(0.0, 1.0)
+                self.session.review.threshold = threshold.clamp(0.0, 1.0);
             }
             ViewAction::SetWithDisagreeing(with) => self.session.review.with_disagreeing = with,
             ViewAction::SetOnePerShot(one) => self.session.review.one_per_shot = one,
@@ -65,7 +65,7 @@ impl App {
             Navigation::GoTo(frame) => self.go_to(frame),
             Navigation::SelectFrame { frame, how } => self.select_frame(frame, how),
             Navigation::AskCamera(scope) => {
-                self.session.dialog = Some(Dialog::AssignToCamera(scope))
+                self.session.dialog = Some(Dialog::AssignToCamera(scope));
             }
             Navigation::LookAt { frame, click } => self.look_at(frame, click),
             Navigation::GoToPlace(place) => self.go_to_place(place),
@@ -126,7 +126,7 @@ impl App {
                 self.session.notify(Level::Error, message);
             }
             DiskReport::TemplateRead { of, name, template } => {
-                self.template_read(&of, &name, template)
+                self.template_read(&of, &name, template);
             }
             DiskReport::CameraLoaded(camera) => self.camera_loaded(&camera),
             DiskReport::Saved {
@@ -153,7 +153,7 @@ impl App {
                 );
             }
             DiskReport::OrphanPutAway { orphan, renamed } => {
-                self.orphan_put_away(&orphan, &renamed)
+                self.orphan_put_away(&orphan, &renamed);
             }
         }
     }

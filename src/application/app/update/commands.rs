@@ -270,14 +270,14 @@ impl App {
             C::MendNames => self.mend_names(),
             C::SwitchRoot => self.switch_root(),
             C::ZoomIn | C::ZoomOut | C::ZoomToFit if self.session.quality.open => {
-                self.zoom_time(command)
+                self.zoom_time(command);
             }
             C::ZoomIn => self.zoom_by(ZOOM_STEP),
             C::ZoomOut => self.zoom_by(1.0 / ZOOM_STEP),
             C::ZoomToFit => self.session.picture.view = PictureView::Fit,
             C::ZoomToClick => self.zoom_to_click(),
             C::HideOverlay => {
-                self.session.picture.held.hide_overlay = !self.session.picture.held.hide_overlay
+                self.session.picture.held.hide_overlay = !self.session.picture.held.hide_overlay;
             }
             C::Compare => self.session.picture.held.compare = !self.session.picture.held.compare,
             C::OverlayStyle => self.session.dialog = Some(Dialog::OverlayStyle),
@@ -314,7 +314,7 @@ impl App {
                 self.use_for_base(self.session.frame, used);
             }
             C::Uncertainty => {
-                self.session.picture.uncertainty = self.session.picture.uncertainty.next()
+                self.session.picture.uncertainty = self.session.picture.uncertainty.next();
             }
             C::Palette => self.session.dialog = Some(Dialog::Palette),
             C::Keys => self.session.dialog = Some(Dialog::Keys),
@@ -355,7 +355,7 @@ impl App {
             Command::HideOverlay => self.session.picture.held.hide_overlay = down,
             Command::Snap => self.hold_snap(down),
             Command::Compare => {
-                self.session.picture.held.compare = down && self.why_not(command).is_none()
+                self.session.picture.held.compare = down && self.why_not(command).is_none();
             }
             _ => {}
         }
@@ -400,10 +400,10 @@ impl App {
             Mode::Placing(_) | Mode::Rejecting { .. } => self.session.mode = Mode::Idle,
             Mode::ClickingAgain(_) => self.end_round(),
             Mode::Idle if self.session.points.next_on_line => {
-                self.session.points.next_on_line = false
+                self.session.points.next_on_line = false;
             }
             Mode::Idle if self.session.points.selected.is_none() => {
-                self.session.frames_selected.clear()
+                self.session.frames_selected.clear();
             }
             Mode::Idle => self.session.points.selected = None,
         }

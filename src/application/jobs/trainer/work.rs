@@ -547,7 +547,7 @@ impl<C: Backend> Work<C> {
             // The picture is missing: the viewport says so.
             Ok(None) => {}
             Err(panic) => {
-                self.status.trouble = Some(broke_down("looking at features", panic.as_ref()))
+                self.status.trouble = Some(broke_down("looking at features", panic.as_ref()));
             }
         }
     }
@@ -592,7 +592,7 @@ impl<C: Backend> Work<C> {
                 self.status.suspects = suspects.into();
             }
             Err(panic) => {
-                self.status.trouble = Some(broke_down("measuring quality", panic.as_ref()))
+                self.status.trouble = Some(broke_down("measuring quality", panic.as_ref()));
             }
         }
         self.measured = self.generation;

@@ -25,7 +25,7 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
             place,
             frame: None,
             fault,
-        })
+        });
     };
     // What the whole document shares: field, click noise and shots.
     if let Err(message) = fields.model(&document.field) {
@@ -73,7 +73,7 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
                 place: place_of(index, frame),
                 frame: Some(index),
                 fault,
-            })
+            });
         };
         if let Some(first) = duplicates[index] {
             problem(Fault::DuplicateFrame { first });

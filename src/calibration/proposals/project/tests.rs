@@ -159,7 +159,7 @@ impl Desk {
 
     fn accept(&mut self, position: usize) {
         self.edit("Accept", |document| {
-            document.frames[position].status = FrameStatus::Reference
+            document.frames[position].status = FrameStatus::Reference;
         });
     }
 
@@ -294,7 +294,7 @@ fn an_answer_for_an_earlier_revision_does_not_replace_a_later_one() {
     let mut desk = Desk::of(document(1));
     let early = proposal(&desk.now, 0, Some(1.0));
     desk.edit("Comment", |document| {
-        document.frames[0].comment = Some("rain".to_owned())
+        document.frames[0].comment = Some("rain".to_owned());
     });
     let late = proposal(&desk.now, 0, Some(2.0));
     desk.suggest(&[late]);
@@ -541,7 +541,7 @@ impl Desk {
             Happening::Accept(frame) => self.accept(frame),
             Happening::Comment(frame, text) => {
                 self.edit("Comment", |document| {
-                    document.frames[frame].comment = Some(text.to_string())
+                    document.frames[frame].comment = Some(text.to_string());
                 });
             }
             Happening::Click(frame, x) => self.edit("Click", |document| {

@@ -124,7 +124,7 @@ pub fn encoded(picture: &Picture, format: PictureFormat) -> Result<Vec<u8>, Imag
     let colour = ExtendedColorType::Rgb8;
     match format {
         PictureFormat::Png => {
-            PngEncoder::new(&mut bytes).write_image(&rgb, size.width, size.height, colour)?
+            PngEncoder::new(&mut bytes).write_image(&rgb, size.width, size.height, colour)?;
         }
         PictureFormat::Jpeg => {
             JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).write_image(

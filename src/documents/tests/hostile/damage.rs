@@ -149,9 +149,9 @@ pub fn add_missing_options(damage: &mut Damage) {
     damage.options("no-size", |options| options.size = None);
     damage.options("no-zoom", |options| options.zoom = None);
     damage.options("no-sensor", |options| {
-        options.zoom = Some(Zoom::FocalMmX100)
+        options.zoom = Some(Zoom::FocalMmX100);
     });
     damage.options("outside-the-zoom-table", |options| {
-        options.zoom = Some(Zoom::Table(vec![(0.0, 1.0), (9.0, 2.0)]))
+        options.zoom = Some(Zoom::Table(vec![(0.0, 1.0), (9.0, 2.0)]));
     });
 }

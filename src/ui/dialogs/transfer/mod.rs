@@ -60,7 +60,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         ui.separator();
         let row = vec2(ui.available_width(), 26.0);
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
-            foot(panel, ui)
+            foot(panel, ui);
         });
     });
 }

@@ -123,9 +123,9 @@ impl pulp::WithSimd for Examination<'_> {
         // With a budget beyond the first leaves, branches not taken are recorded for later.
         for (number, tree) in self.trees.iter().enumerate() {
             if self.more == 0 {
-                self.walk(tree)
+                self.walk(tree);
             } else {
-                self.walk_and_note(number as u32, tree)
+                self.walk_and_note(number as u32, tree);
             }
         }
         // First leaves of all trees, then the extra leaves query by query.
