@@ -1,5 +1,4 @@
 //! Broken videos: each gets one clear line, none brings the program down.
-#![cfg(feature = "opencv")]
 
 use crate::files::{behind_path, cut, written};
 use crate::parts::{Test, tests};

@@ -45,9 +45,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let modules: &[&[parts::Test]] = &[
-        #[cfg(feature = "opencv")]
         bad_videos::TESTS,
-        #[cfg(feature = "opencv")]
         media::TESTS,
         motion_330::TESTS,
         overlay_pixels::TESTS,
