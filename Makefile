@@ -10,7 +10,7 @@ VIDEO_PACKAGES = ffmpeg
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-formats check schema opencv bench no-click reliability fuzz demo film pictures experiments experiments-real build-packages run-packages
+.PHONY: help run test test-formats check schema bench no-click reliability fuzz demo film pictures experiments experiments-real build-packages run-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
@@ -94,10 +94,6 @@ experiments-real: build-packages ## the same on real data, into tests/experiment
 	rm -rf tests/experiments/real && mkdir -p tests/experiments/real
 	cd target/real/report && cp *.svg ../../../tests/experiments/real/
 	sed '/-sheet\.png/,+2d' target/real/report/README.md > tests/experiments/real/README.md
-
-opencv: ## build the small OpenCV into target/opencv and link it from then on, in place of the system's (any Linux, macOS)
-	@.ci/packages cmake ninja-build curl ca-certificates
-	@.ci/opencv
 
 build-packages:
 	@.ci/packages $(BUILD_PACKAGES)
