@@ -7,8 +7,6 @@
 //! | 3 | [`features`] (SIFT of a picture) |
 //! | 1 | [`media`] (frames of folders and videos) |
 
-#[cfg(test)]
-mod derivatives;
 pub mod features;
 pub mod media;
 pub mod paint;

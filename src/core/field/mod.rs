@@ -32,4 +32,4 @@ pub use model::{
 };
 pub use svg::svg;
 pub use symmetry::Symmetry;
-pub use template::{Dimension, MAX_CROWN_M, Param, Template};
+pub use template::{Dimension, MAX_CROWN_M, Param, Template, YARD_M};

@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 
 /// The maximum height of a crown, m; pitches have 0.05 to 0.25 m.
 pub const MAX_CROWN_M: f64 = 2.0;
+/// A yard, m.
+pub const YARD_M: f64 = 0.9144;
 
 /// A sport's field: named landmarks and lines whose coordinates are expressions over parameters.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,6 +13,7 @@ mod checks;
 mod context;
 mod covariance;
 mod dense;
+mod derivatives;
 mod error;
 #[cfg(test)]
 mod fixtures;
@@ -43,6 +44,7 @@ mod world_curve;
 pub use context::SolveContext;
 pub use covariance::{CornerSigma, Uncertainty, covariance_in_radians, covariance_of_four_points};
 pub use dense::DenseEquations;
+pub use derivatives::{DerivativeError, check_derivatives};
 pub use error::{ObservationError, SolveError};
 pub use frame::solve_frame;
 pub use graduated::gauss_newton_step;

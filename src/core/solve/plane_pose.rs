@@ -216,7 +216,7 @@ mod tests {
     use super::*;
     use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use crate::geometry::rotation::angle_between;
-    use crate::solve::residual::assert_derivatives;
+    use crate::solve::check_derivatives;
 
     fn leaning() -> PtzCamera {
         let angles = BaseAngles {
@@ -244,11 +244,8 @@ mod tests {
                 ground_m: Vec3::new(ground[0], ground[1], 0.0),
                 offset_px: Vec2::new(12.0, -80.0),
             };
-            assert_derivatives(
-                &point,
-                |_: &SVector<f64, 0>, step| stepped(&pose, step),
-                "ground",
-            );
+            check_derivatives(&point, |_: &SVector<f64, 0>, step| stepped(&pose, step))
+                .expect("ground");
         }
     }
 

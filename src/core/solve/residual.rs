@@ -2,7 +2,7 @@
 //!
 //! A new kind of measurement is one type with one implementation of [`Residual`].
 //! [`BlockEquations::add`] takes it, and
-//! [`assert_derivatives`] tests its Jacobian.
+//! [`check_derivatives`](super::check_derivatives) tests its Jacobian.
 //!
 //! [`BlockEquations::add`]: super::least_squares::BlockEquations::add
 
@@ -48,60 +48,4 @@ pub struct Linearised<const ROWS: usize, const SHARED: usize, const OWN: usize> 
     pub by_shared: SMatrix<f64, ROWS, SHARED>,
     /// Their derivatives by the block's own parameters.
     pub by_own: SMatrix<f64, ROWS, OWN>,
-}
-
-/// Compares a residual's Jacobian with central differences, parameter by parameter. `stepped` gives
-/// the state after a step of the parameters; `what` is named where it fails.
-#[cfg(test)]
-pub(crate) fn assert_derivatives<const ROWS: usize, const SHARED: usize, const OWN: usize, R>(
-    residual: &R,
-    stepped: impl Fn(&SVector<f64, SHARED>, &SVector<f64, OWN>) -> R::State,
-    what: &str,
-) where
-    R: Residual<ROWS, SHARED, OWN>,
-{
-    const H: f64 = 1e-6;
-    let here = stepped(&SVector::zeros(), &SVector::zeros());
-    let linearised = residual.linearised(&here).unwrap();
-    let value = residual.value(&here).unwrap();
-    assert!(
-        (linearised.value - value).norm() < 1e-8,
-        "{what}: {} is not {value}",
-        linearised.value
-    );
-    let at = |shared: &SVector<f64, SHARED>, own: &SVector<f64, OWN>| {
-        residual.value(&stepped(shared, own)).unwrap()
-    };
-    let agree = |analytic: SVector<f64, ROWS>,
-                 numeric: SVector<f64, ROWS>,
-                 group: &str,
-                 parameter: usize| {
-        let error = (analytic - numeric).norm();
-        assert!(
-            error < 2e-5 * (1.0 + numeric.norm()),
-            "{what}, {group} {parameter}: {analytic} is not {numeric}"
-        );
-    };
-    for parameter in 0..SHARED {
-        let mut step = SVector::<f64, SHARED>::zeros();
-        step[parameter] = H;
-        let numeric = (at(&step, &SVector::zeros()) - at(&-step, &SVector::zeros())) / (2.0 * H);
-        agree(
-            linearised.by_shared.column(parameter).into_owned(),
-            numeric,
-            "shared",
-            parameter,
-        );
-    }
-    for parameter in 0..OWN {
-        let mut step = SVector::<f64, OWN>::zeros();
-        step[parameter] = H;
-        let numeric = (at(&SVector::zeros(), &step) - at(&SVector::zeros(), &-step)) / (2.0 * H);
-        agree(
-            linearised.by_own.column(parameter).into_owned(),
-            numeric,
-            "own",
-            parameter,
-        );
-    }
 }

@@ -6,7 +6,7 @@
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
-use super::files::Files;
+use super::files::{Files, without_ending};
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::node::{Node, parse};
 use super::options::{ImportOptions, Pixels};
@@ -113,7 +113,7 @@ impl CameraFormat for DeepSport {
         let court = options.field.model(Path::new("."))?;
         files.read_all(|name, bytes| {
             let (pinhole, size) = camera(bytes, &court)?;
-            let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+            let stem = without_ending(name);
             let frame = FrameCamera::new(stem, Some(size), Shown::Camera(pinhole));
             Ok(Some(FrameCamera {
                 image: Some(format!("{stem}_0.png")),

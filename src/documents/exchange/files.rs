@@ -20,6 +20,16 @@ const MAX_FILES: usize = 500_000;
 /// The maximum depth to which folders are searched.
 const MAX_DEPTH: usize = 5;
 
+/// The name of a file without its folders.
+pub fn base_name(path: &str) -> &str {
+    path.rsplit('/').next().unwrap_or(path)
+}
+
+/// A file's name or path without the ending.
+pub fn without_ending(path: &str) -> &str {
+    path.rsplit_once('.').map_or(path, |(stem, _)| stem)
+}
+
 /// Files by their path within a common folder, with `/` between the parts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Files(BTreeMap<String, Vec<u8>>);

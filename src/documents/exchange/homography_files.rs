@@ -10,7 +10,7 @@
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
-use super::files::{Files, text};
+use super::files::{Files, base_name, text, without_ending};
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::ground_fit::fit_image_from_ground;
 use super::held::{parts, relative_name};
@@ -23,10 +23,9 @@ use super::values::{clipped, side_px};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use touchline_core::camera::Radial;
+use touchline_core::field::YARD_M;
 use touchline_core::geometry::{ImageSize, Mat3, Vec3};
 
-/// A yard, m.
-const YARD_M: f64 = 0.9144;
 /// The template of both sets, yards.
 const TEMPLATE_YD: [f64; 2] = [114.83, 74.37];
 /// The pictures of both sets.
@@ -45,9 +44,10 @@ pub struct TsWorldCup;
 /// JSON lines.
 pub struct HomographyLines;
 
-/// The map from the ground (m) to the template (yards).
-fn template_from_ground() -> Mat3 {
-    let [length, width] = TEMPLATE_YD;
+/// The map from the ground (x and y in m, from the middle, y away from the camera) to a template of
+/// this length and width (yards, from the far left corner, y down).
+#[must_use]
+pub fn template_from_ground([length, width]: [f64; 2]) -> Mat3 {
     Mat3::new(
         1.0 / YARD_M,
         0.0,
@@ -89,7 +89,7 @@ fn template_from_image(frame: &FrameCamera) -> Option<Mat3> {
     };
     let ground_from_image = image_from_ground.try_inverse()?;
     Some(scaled(
-        template_from_ground() * ground_from_image * corner_from(Pixels::Centre),
+        template_from_ground(TEMPLATE_YD) * ground_from_image * corner_from(Pixels::Centre),
     ))
 }
 
@@ -97,7 +97,7 @@ fn template_from_image(frame: &FrameCamera) -> Option<Mat3> {
 /// store it.
 fn image_from_ground(template_from_image: &Mat3) -> Result<Mat3, Problem> {
     let image_from_template = inverse(template_from_image, "the homography")?;
-    Ok(corner_from(Pixels::Centre) * image_from_template * template_from_ground())
+    Ok(corner_from(Pixels::Centre) * image_from_template * template_from_ground(TEMPLATE_YD))
 }
 
 /// The homography of the camera's undistorted picture if the options ask for that, else of its
@@ -176,11 +176,6 @@ fn matrix(values: &[f64]) -> Result<Mat3, Problem> {
     })
 }
 
-/// The name of a file without its folders.
-fn base_name(name: &str) -> &str {
-    name.rsplit('/').next().unwrap_or(name)
-}
-
 impl CameraFormat for Wc14 {
     fn size_source(&self) -> SizeSource {
         SizeSource::Assumed
@@ -234,11 +229,8 @@ impl CameraFormat for Wc14 {
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         files.read_all(|name, bytes| {
             let shown = image_from_ground(&matrix(&numbers("the homography", text(bytes)?)?)?)?;
-            let stem = base_name(name)
-                .rsplit_once('.')
-                .map_or(name, |(stem, _)| stem);
             Ok(Some(FrameCamera::new(
-                stem,
+                without_ending(base_name(name)),
                 Some(SET_SIZE),
                 Shown::Ground(shown),
             )))

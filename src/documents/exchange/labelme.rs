@@ -9,7 +9,7 @@ use super::clicked_frame::{
     ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
 };
 use super::error::{ExchangeError, Problem};
-use super::files::Files;
+use super::files::{Files, without_ending};
 use super::node::{Node, parse};
 use super::options::{ImportOptions, Pixels};
 use crate::document::Click;
@@ -106,10 +106,7 @@ impl ClickFormat for Labelme {
     ) -> Result<Files, ExchangeError> {
         let mut files = Files::default();
         for frame in frames {
-            let stem = frame
-                .image
-                .rsplit_once('.')
-                .map_or(frame.image.as_str(), |(stem, _)| stem);
+            let stem = without_ending(&frame.image);
             files.add(format!("{stem}.json"), format!("{:#}\n", to_json(frame)));
         }
         Ok(files)

@@ -85,6 +85,7 @@ pub use export::export;
 pub use exported::Exported;
 pub use files::Files;
 pub use format::Format;
+pub use homography_files::template_from_ground;
 pub use import::import;
 pub use imported::Imported;
 pub use join::{Joined, JoinedPair, join};

@@ -6,7 +6,7 @@
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
-use super::files::{Files, text};
+use super::files::{Files, base_name, text, without_ending};
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::options::{ImportOptions, Pixels};
 use super::table::number;
@@ -235,10 +235,8 @@ impl CameraFormat for OpenCvYaml {
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         files.read_all(|name, bytes| {
             let (pinhole, size) = camera(bytes)?;
-            let file = name.rsplit('/').next().unwrap_or(name);
-            let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
             Ok(Some(FrameCamera::new(
-                stem,
+                without_ending(base_name(name)),
                 Some(size),
                 Shown::Camera(pinhole),
             )))

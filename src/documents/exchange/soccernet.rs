@@ -8,7 +8,7 @@
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};
-use super::files::Files;
+use super::files::{Files, base_name, without_ending};
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::node::{Node, parse};
 use super::options::ImportOptions;
@@ -198,8 +198,7 @@ fn read_file(name: &str, bytes: &[u8]) -> Result<FrameCamera, Problem> {
 
 /// A file's name without folders and ending.
 fn stem(name: &str) -> &str {
-    let name = name.rsplit('/').next().unwrap_or(name);
-    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+    without_ending(base_name(name))
 }
 
 fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {

@@ -11,7 +11,7 @@ use super::clicked_frame::{
     ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
 };
 use super::error::{ExchangeError, Problem};
-use super::files::Files;
+use super::files::{Files, base_name, without_ending};
 use super::labels::SOCCERNET_LINES;
 use super::node::{Node, parse};
 use super::options::{ImportOptions, LabelMap};
@@ -90,11 +90,7 @@ impl ClickFormat for SoccerNetLines {
     }
 
     fn name_of(&self, frame: &ClickedFrame) -> String {
-        frame
-            .image
-            .rsplit_once('.')
-            .map_or(frame.image.as_str(), |(stem, _)| stem)
-            .to_owned()
+        without_ending(&frame.image).to_owned()
     }
 
     fn write(
@@ -117,7 +113,7 @@ impl ClickFormat for SoccerNetLines {
     }
 
     fn is_wanted(&self, name: &str) -> bool {
-        let file = name.rsplit('/').next().unwrap_or(name);
+        let file = base_name(name);
         let other = file.starts_with("camera_") || file.ends_with("match_info.json");
         has_ending(name, "json") && !other
     }
@@ -129,7 +125,7 @@ impl ClickFormat for SoccerNetLines {
         sizes: &Sizes<'_>,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
         files.read_all(|file, bytes| {
-            let path = file.rsplit_once('.').map_or(file, |(path, _)| path);
+            let path = without_ending(file);
             let size = sizes(path)
                 .or(options.size)
                 .ok_or_else(|| size_needed(path))?;

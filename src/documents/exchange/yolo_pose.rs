@@ -12,7 +12,7 @@ use super::clicked_frame::{
 };
 use super::coco::{in_order, is_keypoint};
 use super::error::{ExchangeError, Problem};
-use super::files::{Files, text};
+use super::files::{Files, base_name, text, without_ending};
 use super::format::Format;
 use super::labels::keypoints;
 use super::options::ImportOptions;
@@ -167,11 +167,7 @@ impl ClickFormat for YoloPose {
     }
 
     fn name_of(&self, frame: &ClickedFrame) -> String {
-        frame
-            .image
-            .rsplit_once('.')
-            .map_or(frame.image.as_str(), |(stem, _)| stem)
-            .to_owned()
+        without_ending(&frame.image).to_owned()
     }
 
     fn write(
@@ -231,15 +227,8 @@ impl ClickFormat for YoloPose {
             if !has_ending(file, "txt") {
                 return Ok(None);
             }
-            let stem = file
-                .rsplit('/')
-                .next()
-                .and_then(|name| name.rsplit_once('.'))
-                .map_or(file, |(stem, _)| stem);
-            let at_image = file
-                .rsplit_once('.')
-                .map_or(file, |(path, _)| path)
-                .replacen("labels/", "images/", 1);
+            let stem = without_ending(base_name(file));
+            let at_image = without_ending(file).replacen("labels/", "images/", 1);
             let size = sizes(&at_image).or_else(|| sizes(stem)).or(options.size);
             let size = size.ok_or_else(|| size_needed(&at_image))?;
             // A picture without labels has an empty file.

@@ -11,9 +11,10 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use touchline_core::field::{FieldModel, builtin};
+use touchline_core::field::{FieldModel, YARD_M, builtin};
 use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, Mat3};
+use touchline_documents::exchange::template_from_ground;
 
 /// The file with all homographies.
 const JSON_FILE: &str = "train_val.json";
@@ -21,8 +22,6 @@ const JSON_FILE: &str = "train_val.json";
 const ENDING: &str = "homographyMatrix";
 /// The size of all pictures, px.
 pub const SIZE: ImageSize = ImageSize::new(1280, 720);
-/// A yard, m.
-const YARD_M: f64 = 0.9144;
 /// The templates, length and width, yards.
 const JSON_TEMPLATE_YD: [f64; 2] = [115.0, 74.0];
 const TEXT_TEMPLATE_YD: [f64; 2] = [114.83, 74.37];
@@ -75,22 +74,6 @@ pub fn read_homographies(folder: &Path) -> Result<Homographies, ExperimentError>
         template_yd,
         frames,
     })
-}
-
-/// From world x and y (m, from the middle, y away from the camera) to the template (yards, from the
-/// far left corner, y down).
-fn template_from_ground([length, width]: [f64; 2]) -> Mat3 {
-    Mat3::new(
-        1.0 / YARD_M,
-        0.0,
-        0.5 * length,
-        0.0,
-        -1.0 / YARD_M,
-        0.5 * width,
-        0.0,
-        0.0,
-        1.0,
-    )
 }
 
 #[derive(Deserialize)]

@@ -366,10 +366,10 @@ impl ClickAlignment {
 mod tests {
     use super::super::sightings::Look;
     use super::*;
-    use crate::derivatives::assert_derivatives;
     use crate::paint::GroundPicture;
     use crate::paint::drawn::{PICTURE, SIZE, camera, soccer, truth};
     use touchline_core::geometry::Vec2;
+    use touchline_core::solve::check_derivatives;
 
     #[test]
     fn ridges_and_clicks_change_with_a_step_as_their_derivatives_say() {
@@ -386,14 +386,14 @@ mod tests {
         let with_ridge =
             (0..ridges.num_samples()).filter(|sample| !sightings.ridges_at(*sample).is_empty());
         for sample in with_ridge {
-            assert_derivatives(
+            check_derivatives(
                 &NearestRidge {
                     ridges: &ridges,
                     sample,
                 },
-                |step| from + step,
-                "ridge",
-            );
+                |_, step| from + step,
+            )
+            .expect("ridge");
         }
         let world = field.landmark_in_world(field.landmark("centre_mark").unwrap());
         let image = truth()
@@ -403,7 +403,7 @@ mod tests {
         let clicks = ClickAlignment::new(&around, &[Observation::of_point(world, image, 1.5, 0)]);
         assert_eq!(clicks.rows.len(), 2);
         for (row, axis_in_image) in clicks.rows.iter().zip([Vec2::x(), Vec2::y()]) {
-            assert_derivatives(row, |step| from + step, "click");
+            check_derivatives(row, |_, step| from + step).expect("click");
             // To first order, a step in px is the step of the camera itself.
             let moved = |step: StepPx| {
                 let stepped = PtzCamera::new(*near.base(), around.ptz_after(&step));

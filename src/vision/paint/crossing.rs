@@ -243,7 +243,7 @@ pub(super) fn residual_px(place: &Place, line: usize, state: &CrossingState) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::derivatives::assert_derivatives;
+    use touchline_core::solve::check_derivatives;
 
     #[test]
     fn residuals_change_with_shift_turn_and_offset_as_their_derivatives_say() {
@@ -264,17 +264,17 @@ mod tests {
                 line,
                 sigma_px: 0.6,
             };
-            assert_derivatives(&ridge, |step| state + step, "ridge");
+            check_derivatives(&ridge, |_, step| state + step).expect("ridge");
         }
         for parameter in 2..PARAMETERS {
-            assert_derivatives(
+            check_derivatives(
                 &LinePrior {
                     parameter,
                     sigma: 0.35,
                 },
-                |step| state + step,
-                "prior",
-            );
+                |_, step| state + step,
+            )
+            .expect("prior");
         }
     }
 

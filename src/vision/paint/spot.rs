@@ -46,8 +46,8 @@ const LEAST_NOISE: f64 = 1.5;
 /// Neighbouring pixels have correlated errors: only this share of them counts as independent.
 const INDEPENDENT: f64 = 0.25;
 
-/// Limits the refinement to one iteration fewer than this.
-const STEPS: usize = 6;
+/// Number of iterations of the refinement.
+const STEPS: usize = 5;
 
 /// Maximum distance of the refined offset from the best whole-pixel offset, px.
 const MAX_REFINEMENT_PX: f64 = 2.0;
@@ -244,7 +244,7 @@ impl Look {
         };
         let mut result = None;
         // Offset, contrast and level are refined together; the set of pixels stays.
-        for _ in 1..STEPS {
+        for _ in 0..STEPS {
             let equations = problem.equations(&spot);
             let inverse = equations.own.try_inverse()?;
             // Noise variance from the residuals, at least [`LEAST_NOISE`]², increased for the

@@ -169,8 +169,8 @@ mod tests {
     use crate::camera::{BaseAngles, CameraBase, FocalCurve};
     use crate::field::{FieldModel, builtin};
     use crate::geometry::{Angle, ImagePoint};
+    use crate::solve::check_derivatives;
     use crate::solve::refine;
-    use crate::solve::residual::assert_derivatives;
     use nalgebra::SVector;
     use std::collections::BTreeMap;
 
@@ -262,11 +262,11 @@ mod tests {
             let stepped = |step: &SVector<f64, OF_BASE_AND_SIZE>, own: &Vec3| {
                 FrameView::new(&shared.stepped(step), refine::stepped(&ptz, own))
             };
-            assert_derivatives::<2, OF_BASE_AND_SIZE, 3, _>(&click, stepped, &what);
+            check_derivatives::<2, OF_BASE_AND_SIZE, 3, _>(&click, stepped).expect(&what);
             let stepped = |step: &SVector<f64, OF_BASE>, own: &Vec3| {
                 FrameView::new(&shared.stepped(step), refine::stepped(&ptz, own))
             };
-            assert_derivatives::<2, OF_BASE, 3, _>(&click, stepped, &what);
+            check_derivatives::<2, OF_BASE, 3, _>(&click, stepped).expect(&what);
         }
     }
 

@@ -11,12 +11,11 @@ use crate::document::{
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use touchline_core::camera::CameraBase;
+use touchline_core::field::YARD_M;
 use touchline_core::files::read_named;
 use touchline_core::geometry::{Angle, ImageSize, Vec3};
 use touchline_vision::media;
 
-/// A yard, m.
-const YARD_M: f64 = 0.9144;
 /// Bases that differ by at most this are one camera, in m and in entries of the rotation.
 const SAME_BASE: f64 = 1e-6;
 /// The folder with models of the field, in the sequences' folder or beside it.

@@ -2,7 +2,7 @@
 
 use crate::document::{Camera, Document, DocumentAt, FieldSpec};
 use crate::exchange::error::ExchangeError;
-use crate::exchange::files::Files;
+use crate::exchange::files::{Files, without_ending};
 use std::path::Path;
 
 /// Their folder in a dataset.
@@ -44,7 +44,7 @@ fn take_along(
     let Some((name, bytes)) = read.sorted().into_iter().next() else {
         return Ok(());
     };
-    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+    let stem = without_ending(name);
     let numbered = (1..).map(|number| match number {
         1 => format!("{FOLDER}/{stem}.json"),
         number => format!("{FOLDER}/{stem}-{number}.json"),

@@ -2,7 +2,8 @@
 //! built in with its video module.
 
 use super::capture::Capture;
-use super::ffmpeg::{self, FfmpegCapture, Output, ffmpeg};
+use super::ffmpeg::{FfmpegCapture, Output, ffmpeg};
+use super::ffprobe::{self, Stream};
 #[cfg(feature = "opencv-videoio")]
 use super::opencv_capture::OpenCvCapture;
 use crate::media::MediaError;
@@ -41,55 +42,86 @@ impl fmt::Display for VideoBackend {
     }
 }
 
-/// Opens a video, before its first frame.
-pub(super) fn open_capture(
-    path: &Path,
-    backend: VideoBackend,
-) -> Result<Box<dyn Capture>, MediaError> {
-    match backend {
-        VideoBackend::Ffmpeg => Ok(Box::new(FfmpegCapture::open(path, Output::Pictures)?)),
-        #[cfg(feature = "opencv-videoio")]
-        VideoBackend::OpenCv => Ok(Box::new(OpenCvCapture::open(path)?)),
-        #[cfg(not(feature = "opencv-videoio"))]
-        VideoBackend::OpenCv => Err(MediaError::NoVideoSupport {
+/// A video as its backend describes it. It can be opened any number of times without being described
+/// again.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum DescribedVideo {
+    /// By `ffprobe`.
+    Ffmpeg(Stream),
+    /// OpenCV describes a video as it opens it.
+    #[cfg(feature = "opencv-videoio")]
+    OpenCv,
+}
+
+impl DescribedVideo {
+    /// Describes a video with a backend.
+    ///
+    /// # Errors
+    /// The file is no video, or the backend is not available.
+    pub fn new(path: &Path, backend: VideoBackend) -> Result<Self, MediaError> {
+        let missing = || MediaError::NoVideoSupport {
             path: path.to_path_buf(),
-        }),
-    }
-}
-
-/// Opens a video for the times of its frames. It may have no pictures.
-pub(super) fn open_times(
-    path: &Path,
-    backend: VideoBackend,
-) -> Result<Box<dyn Capture>, MediaError> {
-    match backend {
-        VideoBackend::Ffmpeg => Ok(Box::new(FfmpegCapture::open(path, Output::Times)?)),
-        VideoBackend::OpenCv => open_capture(path, backend),
-    }
-}
-
-/// The number of stored frames, decodable or not, read without decoding; `None` if the backend
-/// cannot count them. `count` is called with the number so far and may stop it.
-pub(super) fn count_packets(
-    path: &Path,
-    backend: VideoBackend,
-    count: &mut dyn FnMut(usize) -> Result<(), MediaError>,
-) -> Result<Option<usize>, MediaError> {
-    match backend {
-        VideoBackend::Ffmpeg => ffmpeg::count_packets(path, count),
-        #[cfg(feature = "opencv-videoio")]
-        VideoBackend::OpenCv => {
-            let Ok(mut capture) = OpenCvCapture::open_packets(path) else {
-                return Ok(None);
-            };
-            let mut packets = 0;
-            while capture.grab()? {
-                packets += 1;
-                count(packets)?;
+        };
+        match backend {
+            VideoBackend::Ffmpeg => {
+                ffmpeg().ok_or_else(missing)?;
+                Ok(Self::Ffmpeg(Stream::probe(path)?))
             }
-            Ok(Some(packets))
+            #[cfg(feature = "opencv-videoio")]
+            VideoBackend::OpenCv => Ok(Self::OpenCv),
+            #[cfg(not(feature = "opencv-videoio"))]
+            VideoBackend::OpenCv => Err(missing()),
         }
-        #[cfg(not(feature = "opencv-videoio"))]
-        VideoBackend::OpenCv => Ok(None),
+    }
+
+    /// Opens the video, before its first frame.
+    ///
+    /// # Errors
+    /// The file cannot be read, or the backend is gone.
+    pub fn open(self, path: &Path) -> Result<Box<dyn Capture>, MediaError> {
+        self.open_for(path, Output::Pictures)
+    }
+
+    /// Opens the video for the times of its frames. It may have no pictures.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_times(self, path: &Path) -> Result<Box<dyn Capture>, MediaError> {
+        self.open_for(path, Output::Times)
+    }
+
+    fn open_for(self, path: &Path, output: Output) -> Result<Box<dyn Capture>, MediaError> {
+        match self {
+            Self::Ffmpeg(stream) => Ok(Box::new(FfmpegCapture::open(path, stream, output)?)),
+            #[cfg(feature = "opencv-videoio")]
+            Self::OpenCv => Ok(Box::new(OpenCvCapture::open(path)?)),
+        }
+    }
+
+    /// The number of stored frames, decodable or not, read without decoding; `None` if the backend
+    /// cannot count them. `count` is called with the number so far and may stop it.
+    ///
+    /// # Errors
+    /// Those of `count`.
+    pub fn count_packets(
+        self,
+        path: &Path,
+        count: &mut dyn FnMut(usize) -> Result<(), MediaError>,
+    ) -> Result<Option<usize>, MediaError> {
+        match self {
+            Self::Ffmpeg(_) => ffprobe::count_packets(path, count),
+            #[cfg(feature = "opencv-videoio")]
+            Self::OpenCv => {
+                let Ok(mut capture) = OpenCvCapture::open_packets(path) else {
+                    return Ok(None);
+                };
+                let mut packets = 0;
+                while capture.grab()? {
+                    packets += 1;
+                    count(packets)?;
+                }
+                Ok(Some(packets))
+            }
+        }
     }
 }

@@ -36,6 +36,12 @@ pub(super) trait Capture: Send {
     /// is not known.
     fn time_s(&self) -> Option<f64>;
 
+    /// Goes back to before the first frame.
+    ///
+    /// # Errors
+    /// The file cannot be opened again.
+    fn restart(&mut self) -> Result<(), MediaError>;
+
     /// Seeks so that the next [`Capture::grab`] gives a frame near a time; its time stamp tells
     /// which.
     fn jump_near(&mut self, time_s: f64);

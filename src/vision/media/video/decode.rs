@@ -56,19 +56,14 @@ impl Video {
         progress: &Progress<'_, CountProgress>,
     ) -> Result<Self, MediaError> {
         let survey = |progress: &Progress<'_, CountProgress>| survey(path, backend, progress);
-        let Survey {
-            info,
-            preroll,
-            capture,
-        } = known_or(path, backend, progress, survey)?;
+        let Survey { video, capture } = known_or(path, backend, progress, survey)?;
         Ok(Self {
             player: Player {
                 capture,
-                backend,
                 position: None,
-                preroll,
+                preroll: video.preroll,
             },
-            info,
+            info: video.info,
         })
     }
 

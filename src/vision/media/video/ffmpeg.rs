@@ -9,22 +9,19 @@
 //!
 //! `ffmpeg` applies edit lists, turns frames upright and drops the frames before the seek position;
 //! `-copyts` and passing every frame through keep the container's times. `ffprobe`, of the same
-//! package, reports what the container states.
+//! package, reports what the container states (`ffprobe.rs`).
 
 use super::capture::{Capture, StatedProperties};
+use super::ffprobe::Stream;
+use super::process::{Patient, Process, as_file, output_of};
 use crate::media::picture::byte_count;
 use crate::media::{MediaError, Picture};
-use std::collections::BTreeMap;
-use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
+use std::process::{ChildStderr, Command, Stdio};
 use std::sync::LazyLock;
-use std::time::Duration;
 use touchline_core::geometry::ImageSize;
 
-/// A process without output for this long is taken to hang.
-const PATIENCE: Duration = Duration::from_secs(30);
 /// A seek starts this many frames before the wanted time, because times are rounded.
 const SEEK_AHEAD_FRAMES: f64 = 0.5;
 
@@ -54,19 +51,6 @@ pub(super) fn ffmpeg() -> Option<&'static Ffmpeg> {
         })
     });
     FFMPEG.as_ref()
-}
-
-/// The output of a short-lived program; `None` if it cannot be run or fails.
-fn output_of(command: &mut Command) -> Option<String> {
-    let output = command
-        .stdin(Stdio::null())
-        .stderr(Stdio::null())
-        .output()
-        .ok()?;
-    output
-        .status
-        .success()
-        .then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
 /// The version in `ffmpeg version 5.1.9 Copyright …`.
@@ -115,23 +99,15 @@ pub(super) struct FfmpegCapture {
     time_s: Option<f64>,
 }
 
-/// The video's stream, as `ffprobe` describes it.
-struct Stream {
-    stated: StatedProperties,
-    /// One step of its time stamps, s.
-    time_base_s: f64,
-    /// Its first time stamp, steps.
-    start_pts: i64,
-    /// Start of the stream relative to that of the file, s.
-    late_s: f64,
-}
-
 impl FfmpegCapture {
-    pub(super) fn open(path: &Path, output: Output) -> Result<Self, MediaError> {
+    /// Opens a video that has been described, before its first frame. No process is started yet.
+    ///
+    /// # Errors
+    /// There is no `ffmpeg`.
+    pub(super) fn open(path: &Path, stream: Stream, output: Output) -> Result<Self, MediaError> {
         let program = ffmpeg().ok_or_else(|| MediaError::NoVideoSupport {
             path: path.to_path_buf(),
         })?;
-        let stream = Stream::probe(path)?;
         let bytes = match output {
             Output::Pictures => byte_count(stream.stated.size).unwrap_or(0),
             Output::Times => DOT_BYTES,
@@ -190,6 +166,11 @@ impl Capture for FfmpegCapture {
         self.time_s
     }
 
+    fn restart(&mut self) -> Result<(), MediaError> {
+        (self.decoder, self.start_s, self.time_s) = (None, None, None);
+        Ok(())
+    }
+
     fn jump_near(&mut self, time_s: f64) {
         self.decoder = None;
         self.start_s = Some(time_s - SEEK_AHEAD_FRAMES / self.stream.stated.fps);
@@ -212,8 +193,7 @@ const DOT_BYTES: usize = 4;
 
 /// A running process.
 struct Decoder {
-    process: Child,
-    pixels: Patient<ChildStdout>,
+    process: Process,
     times: BufReader<Patient<ChildStderr>>,
     line: Vec<u8>,
 }
@@ -239,7 +219,8 @@ impl Decoder {
         // The filter prints only frames with some metadata, so one key is added to each.
         let stamp =
             "metadata=mode=add:key=t:value=0,metadata=mode=print:key=t:direct=1:file=pipe\\\\:2";
-        let mut process = Command::new("ffmpeg")
+        let mut command = Command::new("ffmpeg");
+        command
             .args([
                 "-nostdin",
                 "-v",
@@ -260,24 +241,21 @@ impl Decoder {
                 "passthrough",
             ])
             .args(["-flush_packets", "1", "-f", "rawvideo", "pipe:1"])
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()?;
-        let (Some(pixels), Some(times)) = (process.stdout.take(), process.stderr.take()) else {
-            return Err(io::Error::other("its output cannot be read"));
-        };
+            .stderr(Stdio::piped());
+        let mut process = Process::start(&mut command)?;
+        let times = process
+            .take_errors()
+            .ok_or_else(|| io::Error::other("it tells no times"))?;
         Ok(Self {
             process,
-            pixels: Patient(pixels),
-            times: BufReader::new(Patient(times)),
+            times: BufReader::new(times),
             line: Vec::new(),
         })
     }
 
     /// Fills `bytes` with a frame; false at the end, also if only part of a frame is left.
     fn read_pixels(&mut self, bytes: &mut [u8]) -> io::Result<bool> {
-        match self.pixels.read_exact(bytes) {
+        match self.process.output.read_exact(bytes) {
             Ok(()) => Ok(true),
             Err(error) if error.kind() == ErrorKind::UnexpectedEof => Ok(false),
             Err(error) => Err(error),
@@ -314,215 +292,10 @@ impl Decoder {
     }
 }
 
-impl Drop for Decoder {
-    fn drop(&mut self) {
-        // Both fail harmlessly if the process has already ended.
-        let _ = self.process.kill();
-        let _ = self.process.wait();
-    }
-}
-
 /// The stamp in `frame:12   pts:6144    pts_time:0.48`.
 fn time_stamp(line: &str) -> Option<i64> {
     line.split_whitespace()
         .find_map(|word| word.strip_prefix("pts:"))?
         .parse()
         .ok()
-}
-
-/// A pipe that is read with [`PATIENCE`].
-struct Patient<R>(R);
-
-#[cfg(unix)]
-impl<R: Read + std::os::fd::AsFd> Read for Patient<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        use rustix::event::{PollFd, PollFlags, Timespec, poll};
-        let patience = Timespec::try_from(PATIENCE).map_err(io::Error::other)?;
-        // Wait for data with a timeout: a plain read would block forever if the process hangs.
-        let ready = poll(&mut [PollFd::new(&self.0, PollFlags::IN)], Some(&patience))?;
-        if ready == 0 {
-            return Err(io::Error::other(format!(
-                "it gave nothing for {} s",
-                PATIENCE.as_secs()
-            )));
-        }
-        self.0.read(buffer)
-    }
-}
-
-#[cfg(not(unix))]
-impl<R: Read> Read for Patient<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.0.read(buffer)
-    }
-}
-
-impl Stream {
-    /// Reads the properties of the stream with `ffprobe`.
-    ///
-    /// # Errors
-    /// It finds no video in the file.
-    fn probe(path: &Path) -> Result<Self, MediaError> {
-        let entries = "stream=codec_name,width,height,avg_frame_rate,r_frame_rate,nb_frames,start_pts,start_time,time_base,\
-                       sample_aspect_ratio,duration:stream_side_data=rotation:format=duration,start_time";
-        let file = as_file(path).map_err(|error| MediaError::from_io(path, &error))?;
-        let mut command = probe_command(entries);
-        let described = output_of(command.arg(file))
-            .and_then(|output| Self::described_in(&Properties::read(&output)));
-        described.ok_or_else(|| MediaError::NotAVideo {
-            path: path.to_path_buf(),
-        })
-    }
-
-    fn described_in(properties: &Properties) -> Option<Self> {
-        let stream = |name: &str| properties.of_stream(name);
-        // A codec that has no name has no decoder.
-        stream("codec_name").filter(|&name| name != "unknown")?;
-        let [width, height] =
-            ["width", "height"].map(|name| stream(name)?.parse::<u32>().ok().filter(|&px| px > 0));
-        let stored = ImageSize::new(width?, height?);
-        // `ffprobe` states the rotation counterclockwise.
-        let rotation_deg = (-properties.rotation_deg()).rem_euclid(360) as u32;
-        let is_turned = rotation_deg % 180 == 90;
-        let size = if is_turned {
-            ImageSize::new(stored.height, stored.width)
-        } else {
-            stored
-        };
-        // The mean rate, over all frames, is preferred: it differs from the nominal one if frames
-        // are missing.
-        let [mean, nominal] =
-            ["avg_frame_rate", "r_frame_rate"].map(|name| stream(name).and_then(ratio));
-        let fps = mean.or(nominal).unwrap_or(25.0);
-        let seconds = |text: Option<&str>| {
-            text.and_then(|text| text.parse::<f64>().ok())
-                .filter(|s| s.is_finite())
-        };
-        let duration_s =
-            seconds(stream("duration")).or_else(|| seconds(properties.of_file("duration")));
-        let counted = stream("nb_frames")
-            .and_then(|count| count.parse().ok())
-            .filter(|&count: &usize| count > 0);
-        let frames = counted
-            .or_else(|| duration_s.map(|duration_s| (duration_s * fps).round().max(0.0) as usize));
-        let starts_s = [
-            seconds(stream("start_time")),
-            seconds(properties.of_file("start_time")),
-        ];
-        Some(Self {
-            stated: StatedProperties {
-                size,
-                rotation_deg,
-                fps,
-                frames: frames.unwrap_or(0),
-                pixel_aspect: stream("sample_aspect_ratio").and_then(ratio).unwrap_or(1.0),
-            },
-            time_base_s: stream("time_base").and_then(ratio)?,
-            start_pts: stream("start_pts")
-                .and_then(|pts| pts.parse().ok())
-                .unwrap_or(0),
-            late_s: starts_s[0]
-                .zip(starts_s[1])
-                .map_or(0.0, |(stream_s, file_s)| stream_s - file_s),
-        })
-    }
-}
-
-/// The number of stored frames by `ffprobe`, which does not decode them; `None` if it cannot count
-/// them.
-pub(super) fn count_packets(
-    path: &Path,
-    count: &mut dyn FnMut(usize) -> Result<(), MediaError>,
-) -> Result<Option<usize>, MediaError> {
-    let file = as_file(path).map_err(|error| MediaError::from_io(path, &error))?;
-    let mut command = probe_command("packet=size");
-    let process = command
-        .arg(file)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn();
-    let Ok(mut process) = process else {
-        return Ok(None);
-    };
-    let mut packets = 0;
-    for _ in process
-        .stdout
-        .take()
-        .into_iter()
-        .flat_map(|output| BufReader::new(Patient(output)).lines())
-    {
-        packets += 1;
-        if let Err(stopped) = count(packets) {
-            let _ = process.kill();
-            let _ = process.wait();
-            return Err(stopped);
-        }
-    }
-    let is_whole = process.wait().is_ok_and(|status| status.success());
-    Ok(is_whole.then_some(packets))
-}
-
-/// An `ffprobe` command for some entries of a file's first video stream, one per line.
-fn probe_command(entries: &str) -> Command {
-    let mut command = Command::new("ffprobe");
-    command
-        .args([
-            "-v",
-            "quiet",
-            "-protocol_whitelist",
-            "file,pipe",
-            "-of",
-            "flat",
-            "-select_streams",
-            "V:0",
-        ])
-        .args(["-show_entries", entries]);
-    command
-}
-
-/// A path that `ffmpeg` cannot mistake for a protocol, as `a:b.mp4`, or for an option.
-fn as_file(path: &Path) -> io::Result<OsString> {
-    let mut file = OsString::from("file:");
-    file.push(std::path::absolute(path)?);
-    Ok(file)
-}
-
-/// The value of a ratio such as `30000/1001` or `4:3`; `None` if it is not positive.
-fn ratio(text: &str) -> Option<f64> {
-    let (above, below) = text.split_once(['/', ':'])?;
-    let value = above.parse::<f64>().ok()? / below.parse::<f64>().ok()?;
-    (value.is_finite() && value > 0.0).then_some(value)
-}
-
-/// The output of `ffprobe`, lines such as `streams.stream.0.width=1280`.
-struct Properties(BTreeMap<String, String>);
-
-impl Properties {
-    fn read(output: &str) -> Self {
-        let lines = output.lines().filter_map(|line| line.split_once('='));
-        Self(
-            lines
-                .map(|(key, value)| (key.to_owned(), value.trim_matches('"').to_owned()))
-                .collect(),
-        )
-    }
-
-    fn of_stream(&self, name: &str) -> Option<&str> {
-        self.0
-            .get(&format!("streams.stream.0.{name}"))
-            .map(String::as_str)
-    }
-
-    fn of_file(&self, name: &str) -> Option<&str> {
-        self.0.get(&format!("format.{name}")).map(String::as_str)
-    }
-
-    /// Counterclockwise rotation to apply to the frames, degrees.
-    fn rotation_deg(&self) -> i64 {
-        let rotation = self.0.iter().find(|(key, _)| key.ends_with(".rotation"));
-        rotation
-            .and_then(|(_, degrees)| degrees.parse().ok())
-            .unwrap_or(0)
-    }
 }

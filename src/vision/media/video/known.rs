@@ -1,9 +1,9 @@
 //! A cache of video surveys within the process. A survey stays valid while its file does not
 //! change, and several threads of the program open the same video.
 
-use super::backend::{VideoBackend, open_capture};
-use super::survey::Survey;
-use super::{CountProgress, VideoInfo};
+use super::CountProgress;
+use super::backend::VideoBackend;
+use super::survey::{Survey, SurveyedVideo};
 use crate::media::MediaError;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError};
@@ -37,8 +37,8 @@ enum State {
     Open,
     /// In progress on some thread, with its latest count.
     UnderWay(Option<CountProgress>),
-    /// Finished: the result, and the run-up of a seek.
-    Done(VideoInfo, usize),
+    /// Finished, with its result.
+    Done(SurveyedVideo),
 }
 
 impl Examination {
@@ -48,11 +48,11 @@ impl Examination {
         &self,
         path: &Path,
         progress: &Progress<'_, CountProgress>,
-    ) -> Result<Option<(VideoInfo, usize)>, MediaError> {
+    ) -> Result<Option<SurveyedVideo>, MediaError> {
         loop {
             let mut state = lock(&self.state);
             match &*state {
-                State::Done(info, preroll) => return Ok(Some((info.clone(), *preroll))),
+                State::Done(video) => return Ok(Some(video.clone())),
                 State::Open => {
                     *state = State::UnderWay(None);
                     return Ok(None);
@@ -83,15 +83,12 @@ impl Examination {
 /// the next thread.
 struct Begun<'a> {
     examination: &'a Examination,
-    found: Option<(VideoInfo, usize)>,
+    found: Option<SurveyedVideo>,
 }
 
 impl Drop for Begun<'_> {
     fn drop(&mut self) {
-        *lock(&self.examination.state) = self
-            .found
-            .take()
-            .map_or(State::Open, |(info, preroll)| State::Done(info, preroll));
+        *lock(&self.examination.state) = self.found.take().map_or(State::Open, State::Done);
         self.examination.changed.notify_all();
     }
 }
@@ -131,12 +128,9 @@ pub(super) fn known_or(
         return survey(progress);
     };
     let examination = examination(file);
-    if let Some((info, preroll)) = examination.found_or_begun(path, progress)? {
-        return Ok(Survey {
-            info,
-            preroll,
-            capture: open_capture(path, backend)?,
-        });
+    if let Some(video) = examination.found_or_begun(path, progress)? {
+        let capture = video.described.open(path)?;
+        return Ok(Survey { video, capture });
     }
     // The guard reopens the survey if `survey` fails or panics, so that waiting threads go on.
     let mut begun = Begun {
@@ -147,7 +141,7 @@ pub(super) fn known_or(
         *lock(&examination.state) = State::UnderWay(Some(counted.clone()));
         counted
     }))?;
-    begun.found = Some((found.info.clone(), found.preroll));
+    begun.found = Some(found.video.clone());
     Ok(found)
 }
 

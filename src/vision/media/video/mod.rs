@@ -11,10 +11,12 @@ mod clock;
 mod comb;
 mod decode;
 mod ffmpeg;
+mod ffprobe;
 mod known;
 #[cfg(feature = "opencv-videoio")]
 mod opencv_capture;
 mod player;
+mod process;
 mod sample_table;
 mod survey;
 

@@ -143,6 +143,11 @@ impl Capture for OpenCvCapture {
         self.time_s
     }
 
+    fn restart(&mut self) -> Result<(), MediaError> {
+        *self = Self::open(&self.path)?;
+        Ok(())
+    }
+
     fn jump_near(&mut self, time_s: f64) {
         let number = (time_s * self.stated.fps).round().max(0.0);
         // After a failed seek the reader is somewhere else, which the next time stamp shows.

@@ -1,7 +1,6 @@
 //! Seeking in a capture by frame index: reading on if the frame is near, a seek if it is far.
 
 use super::VideoInfo;
-use super::backend::{VideoBackend, open_capture};
 use super::capture::Capture;
 use crate::media::MediaError;
 
@@ -15,8 +14,6 @@ const OFF_BEAT_FRAMES: usize = 16;
 /// A capture and its position.
 pub(super) struct Player {
     pub(super) capture: Box<dyn Capture>,
-    /// The backend with which the video is reopened.
-    pub(super) backend: VideoBackend,
     /// Index of the last frame grabbed; `None` if unknown.
     pub(super) position: Option<usize>,
     /// Number of frames before the target at which a seek begins, so that a key frame lies between.
@@ -141,7 +138,7 @@ impl Player {
 
     /// Opens the file again and goes to its first frame.
     fn restart(&mut self, info: &VideoInfo, target: usize) -> Result<(), MediaError> {
-        self.capture = open_capture(&info.path, self.backend)?;
+        self.capture.restart()?;
         self.position = None;
         if self.capture.grab()? {
             self.position = Some(0);

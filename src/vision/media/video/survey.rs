@@ -7,7 +7,7 @@
 //! packets are counted. If the rate is not constant, the sample table of an MP4 has the times,
 //! provided that sampled frames confirm it; otherwise every frame is decoded once.
 
-use super::backend::{VideoBackend, count_packets, open_capture, open_times};
+use super::backend::{DescribedVideo, VideoBackend};
 use super::capture::Capture;
 use super::comb::is_combed;
 use super::player::{Landed, Player};
@@ -48,9 +48,18 @@ const ROUNDED_S: f64 = 6e-4;
 
 /// A surveyed video, ready to be played.
 pub(super) struct Survey {
-    pub(super) info: VideoInfo,
-    pub(super) preroll: usize,
+    pub(super) video: SurveyedVideo,
     pub(super) capture: Box<dyn Capture>,
+}
+
+/// The result of a survey. It holds for as long as the file does not change.
+#[derive(Clone)]
+pub(super) struct SurveyedVideo {
+    pub(super) info: VideoInfo,
+    /// The run-up of a seek, frames.
+    pub(super) preroll: usize,
+    /// Opens the video again.
+    pub(super) described: DescribedVideo,
 }
 
 /// The kind of container, by the first bytes of the file.
@@ -71,7 +80,8 @@ pub(super) fn survey(
     progress: &Progress<'_, CountProgress>,
 ) -> Result<Survey, MediaError> {
     let container = container_of(path)?;
-    let mut capture = open_capture(path, backend)?;
+    let described = DescribedVideo::new(path, backend)?;
+    let mut capture = described.open(path)?;
     let stated = *capture.stated();
     let size = stated.size;
     ImageLimits::default().check(path, size.width, size.height)?;
@@ -116,7 +126,6 @@ pub(super) fn survey(
     };
     let mut player = Player {
         capture,
-        backend,
         position: Some(lead.times_s.len() - 1),
         preroll,
     };
@@ -157,7 +166,7 @@ pub(super) fn survey(
         // packets.
         let is_sure = counted.is_some()
             && (container == Container::Mp4
-                || count_packets(path, backend, &mut |count| counter.at(count))? == counted);
+                || described.count_packets(path, &mut |count| counter.at(count))? == counted);
         if let Some(count) = counted.filter(|_| is_sure) {
             info.decoded_frames = count;
         } else {
@@ -166,7 +175,7 @@ pub(super) fn survey(
             {
                 times_s.into_iter().map(Some).collect()
             } else {
-                play_through(path, backend, &counter)?
+                play_through(described.open_times(path)?, &counter)?
             };
             info.decoded_frames = times_s.len();
             if self::deviation_s(&info.clock, &times_s) > ROUNDED_S {
@@ -185,9 +194,13 @@ pub(super) fn survey(
         });
     }
     add_notices(&mut info, stated.pixel_aspect);
-    Ok(Survey {
+    let video = SurveyedVideo {
         info,
         preroll: player.preroll,
+        described,
+    };
+    Ok(Survey {
+        video,
         capture: player.capture,
     })
 }
@@ -316,24 +329,22 @@ fn count_to_the_end(
     if player.go_to(info, good).is_err() {
         return Ok(None);
     }
-    let mut look = |capture: &mut dyn Capture, index: usize| {
-        if may_be_interlaced(info) && index.is_multiple_of(TAIL_LOOK_FRAMES) {
-            *combed += usize::from(
-                capture
-                    .picture(index)
-                    .is_ok_and(|picture| is_combed(&picture)),
-            );
-        }
-    };
-    let (first, read) = (good, &mut 0);
+    let mut read = 0;
     let last = player.read_to_the_end(info, |capture, index| {
-        *read += 1;
-        look(capture, index);
+        read += 1;
+        let is_sampled = may_be_interlaced(info) && index.is_multiple_of(TAIL_LOOK_FRAMES);
+        if is_sampled
+            && capture
+                .picture(index)
+                .is_ok_and(|picture| is_combed(&picture))
+        {
+            *combed += 1;
+        }
     })?;
     // A missing frame near the end, as in a truncated file, would shift the count of those after
     // it: the number read must equal the difference of the indices.
     Ok(last
-        .filter(|&last| last - first == *read)
+        .filter(|&last| last - good == read)
         .map(|last| last + 1))
 }
 
@@ -373,11 +384,9 @@ fn tabled(
 
 /// The time of every frame, by decoding all of them.
 fn play_through(
-    path: &Path,
-    backend: VideoBackend,
+    mut capture: Box<dyn Capture>,
     counter: &Counter<'_>,
 ) -> Result<Vec<Option<f64>>, MediaError> {
-    let mut capture = open_times(path, backend)?;
     let mut times_s = Vec::new();
     while capture.grab()? {
         times_s.push(capture.time_s());

@@ -1,0 +1,174 @@
+//! What a container states about its video, as the program `ffprobe` reports it.
+
+use super::capture::StatedProperties;
+use super::process::{Process, as_file, output_of};
+use crate::media::MediaError;
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use touchline_core::geometry::ImageSize;
+
+/// The video's stream, as `ffprobe` describes it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stream {
+    pub stated: StatedProperties,
+    /// One step of its time stamps, s.
+    pub time_base_s: f64,
+    /// Its first time stamp, steps.
+    pub start_pts: i64,
+    /// Start of the stream relative to that of the file, s.
+    pub late_s: f64,
+}
+
+impl Stream {
+    /// Reads the properties of the stream with `ffprobe`.
+    ///
+    /// # Errors
+    /// It finds no video in the file.
+    pub fn probe(path: &Path) -> Result<Self, MediaError> {
+        let entries = "stream=codec_name,width,height,avg_frame_rate,r_frame_rate,nb_frames,start_pts,start_time,time_base,\
+                       sample_aspect_ratio,duration:stream_side_data=rotation:format=duration,start_time";
+        let file = as_file(path).map_err(|error| MediaError::from_io(path, &error))?;
+        let mut command = probe_command(entries);
+        let described = output_of(command.arg(file))
+            .and_then(|output| Self::described_in(&Properties::read(&output)));
+        described.ok_or_else(|| MediaError::NotAVideo {
+            path: path.to_path_buf(),
+        })
+    }
+
+    fn described_in(properties: &Properties) -> Option<Self> {
+        let stream = |name: &str| properties.of_stream(name);
+        // A codec that has no name has no decoder.
+        stream("codec_name").filter(|&name| name != "unknown")?;
+        let [width, height] =
+            ["width", "height"].map(|name| stream(name)?.parse::<u32>().ok().filter(|&px| px > 0));
+        let stored = ImageSize::new(width?, height?);
+        // `ffprobe` states the rotation counterclockwise.
+        let rotation_deg = (-properties.rotation_deg()).rem_euclid(360) as u32;
+        let is_turned = rotation_deg % 180 == 90;
+        let size = if is_turned {
+            ImageSize::new(stored.height, stored.width)
+        } else {
+            stored
+        };
+        // The mean rate, over all frames, is preferred: it differs from the nominal one if frames
+        // are missing.
+        let [mean, nominal] =
+            ["avg_frame_rate", "r_frame_rate"].map(|name| stream(name).and_then(ratio));
+        let fps = mean.or(nominal).unwrap_or(25.0);
+        let seconds = |text: Option<&str>| {
+            text.and_then(|text| text.parse::<f64>().ok())
+                .filter(|s| s.is_finite())
+        };
+        let duration_s =
+            seconds(stream("duration")).or_else(|| seconds(properties.of_file("duration")));
+        let counted = stream("nb_frames")
+            .and_then(|count| count.parse().ok())
+            .filter(|&count: &usize| count > 0);
+        let frames = counted
+            .or_else(|| duration_s.map(|duration_s| (duration_s * fps).round().max(0.0) as usize));
+        let starts_s = [
+            seconds(stream("start_time")),
+            seconds(properties.of_file("start_time")),
+        ];
+        Some(Self {
+            stated: StatedProperties {
+                size,
+                rotation_deg,
+                fps,
+                frames: frames.unwrap_or(0),
+                pixel_aspect: stream("sample_aspect_ratio").and_then(ratio).unwrap_or(1.0),
+            },
+            time_base_s: stream("time_base").and_then(ratio)?,
+            start_pts: stream("start_pts")
+                .and_then(|pts| pts.parse().ok())
+                .unwrap_or(0),
+            late_s: starts_s[0]
+                .zip(starts_s[1])
+                .map_or(0.0, |(stream_s, file_s)| stream_s - file_s),
+        })
+    }
+}
+
+/// The number of stored frames by `ffprobe`, which does not decode them; `None` if it cannot count
+/// them.
+pub(super) fn count_packets(
+    path: &Path,
+    count: &mut dyn FnMut(usize) -> Result<(), MediaError>,
+) -> Result<Option<usize>, MediaError> {
+    let file = as_file(path).map_err(|error| MediaError::from_io(path, &error))?;
+    let mut command = probe_command("packet=size");
+    command.arg(file).stderr(Stdio::null());
+    let Ok(mut process) = Process::start(&mut command) else {
+        return Ok(None);
+    };
+    let mut packets = 0;
+    for line in BufReader::new(&mut process.output).lines() {
+        if line.is_err() {
+            return Ok(None);
+        }
+        packets += 1;
+        count(packets)?;
+    }
+    let is_whole = process.wait().is_ok_and(|status| status.success());
+    Ok(is_whole.then_some(packets))
+}
+
+/// An `ffprobe` command for some entries of a file's first video stream, one per line.
+fn probe_command(entries: &str) -> Command {
+    let mut command = Command::new("ffprobe");
+    command
+        .args([
+            "-v",
+            "quiet",
+            "-protocol_whitelist",
+            "file,pipe",
+            "-of",
+            "flat",
+            "-select_streams",
+            "V:0",
+        ])
+        .args(["-show_entries", entries]);
+    command
+}
+
+/// The value of a ratio such as `30000/1001` or `4:3`; `None` if it is not positive.
+fn ratio(text: &str) -> Option<f64> {
+    let (above, below) = text.split_once(['/', ':'])?;
+    let value = above.parse::<f64>().ok()? / below.parse::<f64>().ok()?;
+    (value.is_finite() && value > 0.0).then_some(value)
+}
+
+/// The output of `ffprobe`, lines such as `streams.stream.0.width=1280`.
+struct Properties(BTreeMap<String, String>);
+
+impl Properties {
+    fn read(output: &str) -> Self {
+        let lines = output.lines().filter_map(|line| line.split_once('='));
+        Self(
+            lines
+                .map(|(key, value)| (key.to_owned(), value.trim_matches('"').to_owned()))
+                .collect(),
+        )
+    }
+
+    fn of_stream(&self, name: &str) -> Option<&str> {
+        self.0
+            .get(&format!("streams.stream.0.{name}"))
+            .map(String::as_str)
+    }
+
+    fn of_file(&self, name: &str) -> Option<&str> {
+        self.0.get(&format!("format.{name}")).map(String::as_str)
+    }
+
+    /// Counterclockwise rotation to apply to the frames, degrees.
+    fn rotation_deg(&self) -> i64 {
+        let rotation = self.0.iter().find(|(key, _)| key.ends_with(".rotation"));
+        rotation
+            .and_then(|(_, degrees)| degrees.parse().ok())
+            .unwrap_or(0)
+    }
+}
